@@ -1,0 +1,247 @@
+"""The arm behind real or virtual CiA 402 drives on a CAN bus."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from backends import vendors
+from backends.bus_budget import BusBudget, require_fit
+from backends.canopen_cia402 import sequence
+from backends.canopen_cia402.bring_up import BootWatch, bring_up, let_go
+from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
+from backends.canopen_cia402.configure import DriveReport, Wish
+from backends.canopen_cia402.exchange import Counters, Exchange
+from backends.canopen_cia402.network import PortNetwork
+from backends.canopen_cia402.scales import Scales
+from backends.canopen_cia402.temperature import TemperaturePoll
+from backends.canopen_cia402.watch import SILENCE, Watch
+from backends.cia402 import Control
+from backends.eds import eds_path, load_eds
+from backends.faults import fault
+from backends.ports import Port, drain, open_port
+from backends.protocol import Array, BackendFault, Feedback, Hold
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+
+TRIAL_CYCLES = 3  # at the end of open
+
+
+class CanopenBackend:
+    """Backend for CiA 402 drives in cyclic synchronous torque mode; see backends/protocol.py."""
+
+    def __init__(self, profile: Profile, port: Callable[[], Port] | None = None) -> None:
+        """``port`` opens the bus; default: as the profile's ``can`` says."""
+        if not profile.drives:
+            raise UserError(f"{profile.path}: drives: missing, expected one entry per joint")
+        self.budget: BusBudget = require_fit(profile)
+        self.profile, self.drives = profile, profile.drives
+        self.n = len(self.drives)
+        self.period = 1.0 / profile.control.rate
+        simulation = profile.simulation
+        self.realtime = simulation is None or simulation.clock == "real"
+        self.reports: list[DriveReport] = []
+        self.scales = Scales(profile)
+        self._open_port = port or (lambda: open_port(profile.can, str(profile.path)))
+        self._port: Port | None = None
+        self._cycle: BusCycle | None = None
+        self._heartbeat = min(drive.heartbeat_ms for drive in self.drives) / 1000.0
+        n = self.n
+        self._feedback = Feedback(
+            0.0, np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(n, np.int64)
+        )
+        self._forget()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What each drive lacks, known after ``open``."""
+        return [f"joint {k + 1}: {lack}" for k, r in enumerate(self.reports) for lack in r.lacks]
+
+    @property
+    def counters(self) -> Counters:
+        """Late, repeated and missing TPDOs since ``open``."""
+        return self._exchange.counters
+
+    # --- life ---
+
+    def open(self) -> None:
+        self._forget()
+        self._port = self._open_port()
+        try:
+            self._network = PortNetwork(self._port)
+            self._nodes = {
+                axis: self._network.add_drive(
+                    drive.node, load_eds(eds_path(self.profile, axis), drive.node)
+                )
+                for axis, drive in enumerate(self.drives)
+            }
+            reports = self._configure(list(range(self.n)))
+            self.reports = [reports[axis] for axis in range(self.n)]
+            self._start_cycling()
+        except BaseException:
+            self._drop_port()
+            raise
+
+    def enable(self, hold: Hold | None = None) -> None:
+        if latched := self.latched():
+            raise latched[0]  # only reset forgets a fault
+        sequence.enable(self, hold)
+        self._powered = True
+
+    def read(self) -> Feedback:
+        self._connected().beating = True  # from now on the drives watch us
+        feedback = self.cycle()
+        if (new := self._watch.check(self._exchange, self._powered)) is not None:
+            raise new
+        return feedback
+
+    def write(self, torque: Array) -> None:
+        self._per_mille = self.scales.per_mille(torque)
+        self._connected().send(self._exchange.pack(self._words, self._per_mille))
+
+    def quick_stop(self) -> None:
+        self._powered = False
+        self.command([Control.QUICK_STOP] * self.n)
+
+    def disable(self) -> None:
+        self._powered = False
+        sequence.disable(self)
+
+    def reset(self) -> None:
+        self._powered = False
+        kinds = {axis: found.kind for axis, found in self._watch.faults.items()}
+        if self._cycle is None or None in kinds:
+            self.close()
+            self.open()
+            kinds = {}
+        lost = [k for k in kinds if k is not None and kinds[k] not in sequence.STILL_CONFIGURED]
+        if lost:
+            for axis, report in self._configure(lost).items():
+                self.reports[axis] = report
+                self._exchange.expect(axis)
+        self._watch.clear()
+        sequence.acknowledge(self)
+        self._watch.clear()
+
+    def close(self) -> None:
+        if self._port is None:
+            return
+        try:
+            if self._cycle and any(word & 0x6F in (0x27, 0x07) for word in self.statuses()):
+                self.disable()
+            with self._network.listening():
+                let_go(self._network, self._nodes)
+        except (OSError, BackendFault):
+            pass  # a bus that is gone needs no farewell; the drives stop by themselves
+        finally:
+            self._drop_port()
+
+    # --- what the sequences use ---
+
+    def cycle(self) -> Feedback:
+        """SYNC and the answers to it, without judging them."""
+        cycle, feedback = self._connected(), self._feedback
+        cycle.run()
+        feedback.time = cycle.sent_at
+        self.scales.fill(self._exchange, feedback)
+        return feedback
+
+    def set_words(self, words: list[Control]) -> None:
+        """Controlwords of all axes, sent with the next torques."""
+        self._words = [int(word) for word in words]
+
+    def command(self, words: list[Control]) -> None:
+        """Controlwords of all axes, from the next SYNC on, with the torques as they are."""
+        self.set_words(words)
+        self._connected().send(self._exchange.pack(self._words, self._per_mille))
+
+    def statuses(self) -> list[int]:
+        """The last statusword of every axis."""
+        return [seen.status for seen in self._exchange.axes]
+
+    def silent(self, axis: int) -> bool:
+        """Whether the axis has not been heard for too long to be commanded."""
+        age = self._exchange.cycle - self._exchange.axes[axis].cycle
+        return age >= self.profile.safety.stale_cycles
+
+    def latched(self) -> list[BackendFault]:
+        """Every fault since the last reset, the first one first."""
+        return list(self._watch.faults.values())
+
+    # --- inside ---
+
+    def _forget(self) -> None:
+        self._watch = Watch(
+            nodes=[drive.node for drive in self.drives],
+            heartbeat=[drive.heartbeat_ms / 1000.0 for drive in self.drives],
+            most_counts=self.scales.counts_per_period(self.period),
+            period=self.period,
+            stale_cycles=self.profile.safety.stale_cycles,
+        )
+        self._words, self._per_mille = [int(Control.DISABLE_VOLTAGE)] * self.n, [0] * self.n
+        self._powered = False
+
+    def _connected(self) -> BusCycle:
+        if self._cycle is None:
+            raise fault("interface_down", "the bus is not open")
+        return self._cycle
+
+    def _drop_port(self) -> None:
+        if self._port is not None:
+            self._port.close()
+        self._port = self._cycle = None
+
+    def _configure(self, axes: list[int]) -> dict[int, DriveReport]:
+        assert self._port is not None
+        boot = BootWatch()
+        chosen = {axis: self._nodes[axis] for axis in axes}
+        wishes = {axis: self._wish(axis) for axis in axes}
+        alive = self._cycle.keep_alive if self._cycle else lambda: None
+        try:
+            drain(self._port)
+            with self._network.listening(also=boot.frame, idle=alive):
+                reports = bring_up(self._network, chosen, wishes, boot)
+        except OSError as error:
+            raise self._watch.latch(bus_fault(error)) from error
+        simulated = self._cycle.sent_at if self._cycle else 0.0
+        self._watch.start(axes, time.monotonic() if self.realtime else simulated)
+        return reports
+
+    def _wish(self, axis: int) -> Wish:
+        return Wish(
+            drive=self.drives[axis],
+            scaling=self.scales.axes[axis],
+            limits=self.scales.limits[axis],
+            period=self.period,
+            bitrate=self.profile.can.bitrate,
+            master=MASTER,
+            silence_ms=round(1000 * SILENCE * self._heartbeat),
+        )
+
+    def _start_cycling(self) -> None:
+        assert self._port is not None
+        nodes = [drive.node for drive in self.drives]
+        known = [vendors.TEMPERATURE_OBJECT.get((r.vendor, r.product)) for r in self.reports]
+        self._poll = TemperaturePoll(nodes, known)
+        self._feedback.temperature = self._poll.values if self._poll.measured else None
+        self._exchange = Exchange(
+            nodes,
+            [r.feedback for r in self.reports],
+            [r.command for r in self.reports],
+            self._other,
+            self.profile.safety.stale_cycles,
+        )
+        pace = Pace(self.realtime, self.period, self._heartbeat)
+        self._cycle = BusCycle(self._port, self._exchange, self._watch, self._poll, pace)
+        sequence.prove(self, TRIAL_CYCLES)
+        self._watch.clear()
+        for axis, report in enumerate(self.reports):
+            self._watch.remember(axis, report.error)
+
+    def _other(self, can_id: int, data: bytes) -> None:
+        if 0x580 < can_id <= 0x5FF:
+            self._poll.frame(can_id, data)
+        else:
+            self._watch.frame(can_id, data)

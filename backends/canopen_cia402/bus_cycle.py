@@ -1,0 +1,110 @@
+"""One cycle on the wire: late frames aside, SYNC out, answers in, in the caller's thread."""
+
+from __future__ import annotations
+
+import errno
+import time
+from dataclasses import dataclass
+
+from backends.canopen_cia402.exchange import SYNC_FRAME, Exchange
+from backends.canopen_cia402.temperature import TemperaturePoll
+from backends.canopen_cia402.watch import Watch
+from backends.faults import fault
+from backends.frames import frame
+from backends.ports import Port, drain
+from backends.protocol import BackendFault
+
+MASTER = 127  # our node id, which the drives watch
+HEARTBEAT = frame(0x700 + MASTER, bytes([5]))
+ANSWER_WITHIN = 0.8  # of a period, in real time
+SIMULATION_ANSWERS = 2.0  # s; a simulator may be slow, but not for ever
+SECOND_CHANCE = 0.02  # s, for an axis that was silent in the last cycle already
+INTERFACE_DOWN = {
+    errno.ENETDOWN: "the CAN interface is down",
+    errno.ENODEV: "the CAN interface is gone",
+    errno.ENXIO: "the CAN interface is gone",
+    errno.EBADF: "the CAN interface was closed",
+}
+
+
+def bus_fault(error: OSError) -> BackendFault:
+    """What an error of the port means."""
+    if error.errno in INTERFACE_DOWN:
+        return fault("interface_down", f"{INTERFACE_DOWN[error.errno]} (errno {error.errno})")
+    if error.errno == errno.ENOBUFS:
+        return fault("queue_full", f"the send queue is full (errno {error.errno})")
+    return fault("bus_error", f"the bus failed: {error}")
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What decides about time in the cycle, s."""
+
+    realtime: bool
+    period: float
+    heartbeat: float
+
+
+class BusCycle:
+    """``run`` is one cycle. ``beating``: our heartbeat goes with it, sent by the loop itself and
+    not by a timer, so that a loop that hangs is noticed by the drives."""
+
+    def __init__(
+        self, port: Port, exchange: Exchange, watch: Watch, poll: TemperaturePoll, pace: Pace
+    ) -> None:
+        self._port, self._exchange, self._watch = port, exchange, watch
+        self._poll, self._pace = poll, pace
+        self.beating = False
+        self.sent_at = 0.0  # s, time of the last SYNC
+        self.next_heartbeat = 0.0  # s
+        self._deferred = b""  # frames that go out with the next SYNC
+
+    def run(self) -> None:
+        """SYNC and the answers to it, without judging them."""
+        exchange = self._exchange
+        try:
+            exchange.take(drain(self._port), late=True)
+            exchange.begin()
+            self._sync()
+            self._watch.begin(self.sent_at)
+            self._gather()
+        except OSError as error:
+            raise self._watch.latch(bus_fault(error)) from error
+
+    def send(self, packet: bytes) -> None:
+        """Frames for this cycle. In simulated time they can wait: it stands still until SYNC."""
+        if not self._pace.realtime:
+            self._deferred += packet
+            return
+        try:
+            self._port.send(packet)
+        except OSError as error:
+            raise self._watch.latch(bus_fault(error)) from error
+
+    def keep_alive(self) -> None:
+        """While some drives are configured, the others go on watching us."""
+        if self._pace.realtime and self.beating and time.monotonic() >= self.next_heartbeat:
+            self.next_heartbeat = time.monotonic() + self._pace.heartbeat
+            self._port.send(HEARTBEAT)
+
+    def _sync(self) -> None:
+        pace = self._pace
+        now = time.monotonic() if pace.realtime else self._exchange.cycle * pace.period
+        packet = self._deferred + self._poll.question(now) + SYNC_FRAME
+        if self.beating and now >= self.next_heartbeat:
+            self.next_heartbeat = now + pace.heartbeat - 0.5 * pace.period
+            packet += HEARTBEAT
+        self._port.send(packet)
+        self._deferred, self.sent_at = b"", now
+
+    def _gather(self) -> None:
+        exchange, started = self._exchange, time.monotonic()
+        within = ANSWER_WITHIN * self._pace.period
+        while not exchange.complete:
+            if not self._pace.realtime:
+                within = SECOND_CHANCE if exchange.overdue else SIMULATION_ANSWERS
+            left = started + within - time.monotonic()
+            if left <= 0:
+                exchange.counters.missing += 1
+                return
+            exchange.take(self._port.receive(left))

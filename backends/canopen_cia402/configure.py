@@ -1,0 +1,186 @@
+"""Bring one drive from PRE-OPERATIONAL to ready for the cycle, and check that it is so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import isfinite
+
+import canopen
+
+from backends import cia402, vendors
+from backends.canopen_cia402.layout import Layout
+from backends.canopen_cia402.mapping import map_pdos
+from backends.canopen_cia402.objects import ESSENTIAL, WANTED, declared, lack
+from backends.canopen_cia402.remote import Remote, SetupError
+from backends.limits import AxisLimits
+from backends.scaling import Scaling
+from pa10d.profile import Drive
+
+RATED_TORQUE_TOLERANCE = 0.02
+INT32 = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What a drive shall be told."""
+
+    drive: Drive
+    scaling: Scaling
+    limits: AxisLimits
+    period: float  # s
+    bitrate: int
+    master: int  # our node id, which heartbeats come from
+    silence_ms: int  # the drive stops after this long without one
+
+
+@dataclass
+class DriveReport:
+    """What a drive turned out to be."""
+
+    node: int
+    name: str
+    vendor: int
+    product: int
+    revision: int
+    serial: int
+    modes: list[str]
+    command: Layout
+    feedback: Layout
+    error: int  # 0x603F when we came
+    lacks: list[str] = field(default_factory=list)
+
+    @property
+    def identity(self) -> str:
+        """One line for people."""
+        return (
+            f"node {self.node}: {self.name or 'unnamed'}, vendor 0x{self.vendor:X}, product "
+            f"0x{self.product:X}, revision 0x{self.revision:X}, serial 0x{self.serial:X}"
+        )
+
+
+def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
+    """Check and set up one drive by SDO; SetupError names every reason to refuse it."""
+    remote = Remote(node)
+    _require_usable(remote, wish)
+    lacks = [lack(index) for index in WANTED if not declared(node, index)]
+    lacks += _set_up(remote, wish)
+    command, feedback = map_pdos(remote)
+    return DriveReport(
+        node=node.id,
+        name=remote.text(0x1008),
+        vendor=remote.read(0x1018, 1) or 0,
+        product=remote.read(0x1018, 2) or 0,
+        revision=remote.read(0x1018, 3) or 0,
+        serial=remote.read(0x1018, 4) or 0,
+        modes=cia402.supported_modes(remote.read(0x6502) or 0),
+        command=command,
+        feedback=feedback,
+        error=remote.read(0x603F) or 0,
+        lacks=list(dict.fromkeys(lacks)),
+    )
+
+
+def _require_usable(remote: Remote, wish: Wish) -> None:
+    reasons = [
+        f"no {name} (0x{index:04X}) in its EDS: not usable as a CiA 402 torque drive"
+        for index, name in ESSENTIAL.items()
+        if not declared(remote.node, index)
+    ]
+    kind = remote.read(0x1000) or 0
+    if kind & 0xFFFF != 402:
+        reasons.append(f"device type 0x{kind:08X} (0x1000) is not CiA 402 (0x....0192)")
+    for sub, name, expected in (
+        (1, "vendor", wish.drive.vendor_id),
+        (2, "product", wish.drive.product_code),
+    ):
+        found = remote.read(0x1018, sub)
+        if expected is not None and found != expected:
+            shown = "nothing" if found is None else f"0x{found:X}"
+            reasons.append(f"{name} (0x1018:{sub}): found {shown}, profile expects 0x{expected:X}")
+    reasons += _torque_reasons(remote, wish)
+    rates = remote.node.object_dictionary.device_information.allowed_baudrates
+    if rates and wish.bitrate not in rates:
+        shown = ", ".join(f"{rate / 1000:g}" for rate in sorted(rates))
+        reasons.append(f"its EDS allows {shown} kbit/s, the profile has {wish.bitrate / 1000:g}")
+    if reasons:
+        raise SetupError(reasons)
+
+
+def _torque_reasons(remote: Remote, wish: Wish) -> list[str]:
+    reasons = []
+    modes = remote.read(0x6502)
+    if not (modes or 0) & cia402.SUPPORTS_CST:
+        names = ", ".join(cia402.supported_modes(modes or 0)) or "none at all"
+        reasons.append(
+            "no cyclic synchronous torque mode (bit 9 of 0x6502, Supported drive modes): "
+            f"the drive offers {names}"
+        )
+    rated = remote.read(0x6076)
+    unit = vendors.rated_torque_unit(remote.read(0x1018, 1) or 0)
+    expected = wish.drive.rated_torque
+    if rated and abs(rated * unit / expected - 1) > RATED_TORQUE_TOLERANCE:
+        reasons.append(
+            f"Motor rated torque (0x6076): found {rated * unit:g} N·m, profile has {expected:g}: "
+            "every torque would be wrong by that factor"
+        )
+    return reasons
+
+
+def _set_up(remote: Remote, wish: Wish) -> list[str]:
+    """Write the settings; the answer lists what did not take."""
+    lacks = []
+    for index, sub, value in _settings(remote, wish):
+        problem = remote.write(index, value, sub)
+        if problem == "absent":
+            lacks.append(lack(index))
+        elif problem:
+            name, meaning = WANTED[index]
+            lacks.append(f"{name} (0x{index:04X}): {problem}; {meaning}")
+    problem = remote.write(0x6060, cia402.MODE_CST)
+    shown = remote.read(0x6061)
+    if problem or shown not in (None, cia402.MODE_CST):
+        raise SetupError(
+            [
+                f"cyclic synchronous torque not accepted: 0x6060 {problem or 'written'}, "
+                f"0x6061 shows {shown}"
+            ]
+        )
+    return lacks
+
+
+def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
+    """(index, sub-index, value) of what makes the drive safe and synchronous."""
+    limits, scaling = wish.limits, wish.scaling
+    settings = [
+        (0x1016, 1, wish.master << 16 | wish.silence_ms),
+        (0x1017, 0, wish.drive.heartbeat_ms),
+        (0x1006, 0, round(wish.period * 1e6)),
+        (0x1029, 1, 0),
+        (0x6007, 0, cia402.Reaction.FAULT),
+        (0x605A, 0, cia402.QuickStop.QUICK_STOP),
+        (0x605C, 0, 1),
+        (0x605E, 0, cia402.FaultReaction.QUICK_STOP),
+    ]
+    if isfinite(limits.torque):
+        settings.append((0x6072, 0, min(round(1000 * limits.torque / scaling.rated), 0xFFFF)))
+    ends = sorted(_counts(scaling, q) for q in (limits.lower, limits.upper))
+    settings += [(0x607D, 1, ends[0]), (0x607D, 2, ends[1])]
+    product = (remote.read(0x1018, 1) or 0, remote.read(0x1018, 2) or 0)
+    if isfinite(limits.acceleration) and product in vendors.DECELERATION_IN_COUNTS:
+        settings.append((0x6085, 0, round(limits.acceleration * scaling.counts_per_radian)))
+    return settings + _cycle_time(wish.period)
+
+
+def _counts(scaling: Scaling, q: float) -> int:
+    if not isfinite(q):
+        return -INT32 - 1 if q * scaling.sign < 0 else INT32
+    return max(-INT32 - 1, min(INT32, scaling.counts(q)))
+
+
+def _cycle_time(period: float) -> list[tuple[int, int, int]]:
+    """0x60C2 where the period can be said as one byte times a power of ten."""
+    for exponent in (-3, -4, -5):
+        value = period / 10**exponent
+        if 0.5 < value < 255.5 and abs(value - round(value)) < 1e-6 * value:
+            return [(0x60C2, 1, round(value)), (0x60C2, 2, exponent)]
+    return []

@@ -1,0 +1,150 @@
+"""What can be wrong with the drives in the cycle, each thing told once by axis and cause."""
+
+from __future__ import annotations
+
+from backends import cia402
+from backends.canopen_cia402.exchange import AxisInput, Exchange
+from backends.faults import describe_code, fault
+from backends.frames import ERROR, ERROR_BUS_OFF, ERROR_CONTROLLER, REMOTE, describe_error
+from backends.protocol import BackendFault
+
+OPERATIONAL, BOOT_UP = 5, 0
+NMT_NAMES = {0: "booting", 4: "stopped", 5: "operational", 127: "pre-operational"}
+SILENCE = 2.5  # heartbeat periods without a heartbeat that count as its loss
+FASTER_THAN_POSSIBLE = 3.0  # times the velocity limit
+
+
+class Watch:
+    """Collects faults of a running cycle. An axis that has one is not reported again."""
+
+    def __init__(
+        self,
+        nodes: list[int],
+        heartbeat: list[float],
+        most_counts: list[float],
+        period: float,
+        stale_cycles: int,
+    ) -> None:
+        """``heartbeat`` s between heartbeats; ``most_counts`` an axis can pass in a ``period``."""
+        self.faults: dict[int | None, BackendFault] = {}
+        self._new: list[BackendFault] = []
+        self._stale_cycles, self._period = stale_cycles, period
+        self._stretch = 1.0  # periods since the last check
+        self._axis_of = {node: k for k, node in enumerate(nodes)}
+        self._silence = [SILENCE * period for period in heartbeat]
+        self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
+        self._heard = [0.0] * len(nodes)
+        self._codes: dict[int, int] = {}  # axis -> last error code
+        self._now = 0.0
+
+    def start(self, axes: list[int], now: float) -> None:
+        """These axes are configured and operational: forget their past.
+
+        Nobody was listened to while that was done, so every heartbeat counts from now.
+        """
+        for axis in axes:
+            self.faults.pop(axis, None)
+            self._codes.pop(axis, None)
+        self._now = now
+        self._heard = [now] * len(self._heard)
+
+    def remember(self, axis: int, code: int) -> None:
+        """The error code that a drive had before we came."""
+        self._codes[axis] = code
+
+    def begin(self, now: float) -> None:
+        """A cycle starts at ``now`` s."""
+        self._stretch = max(1.0, (now - self._now) / self._period)
+        self._now = now
+
+    def clear(self) -> None:
+        """Faults were acknowledged; what persists is told anew."""
+        self.faults.clear()
+        self._codes.clear()
+        self._new.clear()
+
+    def frame(self, can_id: int, data: bytes) -> None:
+        """A frame that is not a TPDO of the cycle."""
+        if can_id & ERROR:
+            self._error_frame(can_id, data)
+        elif can_id & REMOTE:
+            return
+        elif 0x700 < can_id <= 0x77F and data:
+            self._heartbeat(can_id - 0x700, data[0] & 0x7F)
+        elif 0x80 < can_id <= 0xFF and len(data) >= 2:
+            self._emergency(can_id - 0x80, int.from_bytes(data[:2], "little"))
+
+    def check(self, exchange: Exchange, enabled: bool) -> BackendFault | None:
+        """After a cycle: the first new fault, if any. ``enabled``: all axes shall be powered."""
+        for axis, seen in enumerate(exchange.axes):
+            if axis not in self.faults:
+                self._check_axis(axis, seen, exchange.cycle, enabled)
+        return self._new.pop(0) if self._new else None
+
+    def tell(self, new: BackendFault) -> None:
+        """Latch a fault, unless its axis has one already; a reboot explains a silence."""
+        known = self.faults.get(new.axis)
+        if known is None or (known.kind, new.kind) == ("silent", "rebooted"):
+            self.faults[new.axis] = new
+            self._new.append(new)
+
+    def latch(self, new: BackendFault) -> BackendFault:
+        """Remember a fault that the caller raises."""
+        self.faults.setdefault(new.axis, new)
+        return new
+
+    def _check_axis(self, axis: int, seen: AxisInput, cycle: int, enabled: bool) -> None:
+        if seen.short is not None:
+            length, seen.short = seen.short, None
+            self.tell(fault("short_pdo", f"TPDO 1 has {length} bytes, too short for its map", axis))
+        elif cycle - seen.cycle >= self._stale_cycles:
+            self.tell(fault("silent", f"no TPDO for {cycle - seen.cycle} cycles", axis))
+        elif seen.repeats >= self._stale_cycles:
+            self.tell(fault("repeated_pdo", f"TPDO 1 twice in {seen.repeats} cycles running", axis))
+        elif seen.cycle == cycle:
+            self._check_values(axis, seen, enabled)
+        gap = self._now - self._heard[axis]
+        if gap > self._silence[axis] and axis not in self.faults:
+            self.tell(fault("heartbeat_lost", f"no heartbeat for {gap:.2f} s", axis))
+
+    def _check_values(self, axis: int, seen: AxisInput, enabled: bool) -> None:
+        if seen.status & 0x6F == 0x27:  # operation enabled, the usual case
+            pass
+        elif (state := cia402.state_of(seen.status)) in (cia402.State.FAULT, cia402.State.REACTING):
+            self._drive_fault(axis)
+        elif enabled:
+            name = state.value if state else f"statusword 0x{seen.status:04X}"
+            self.tell(fault("left_enabled", f"left 'operation enabled' by itself: {name}", axis))
+        if seen.previous is not None and axis not in self.faults:
+            position, cycle = seen.previous
+            step = abs(seen.position - position)
+            if step > self._most_counts[axis] * (seen.cycle - cycle - 1 + self._stretch):
+                self.tell(fault("encoder_jump", f"encoder jumped by {step} counts", axis))
+
+    def _drive_fault(self, axis: int) -> None:
+        code = self._codes.get(axis)
+        text = describe_code(code) if code else "no EMCY told why"
+        self.tell(fault("drive_fault", f"the drive reports a fault, {text}", axis))
+
+    def _heartbeat(self, node: int, state: int) -> None:
+        axis = self._axis_of.get(node)
+        if axis is None:
+            return
+        self._heard[axis] = self._now
+        if state == BOOT_UP:
+            self.tell(fault("rebooted", "the drive started anew (boot-up message)", axis))
+        elif state != OPERATIONAL:
+            name = NMT_NAMES.get(state, str(state))
+            self.tell(fault("not_operational", f"the node is {name} and takes no commands", axis))
+
+    def _emergency(self, node: int, code: int) -> None:
+        axis = self._axis_of.get(node)
+        if axis is None or code == 0:
+            return
+        self._codes[axis] = code
+        self.tell(fault("emcy", f"EMCY {describe_code(code)}", axis))
+
+    def _error_frame(self, can_id: int, data: bytes) -> None:
+        overflow = can_id & ERROR_CONTROLLER and not can_id & ERROR_BUS_OFF
+        kind = "receive_overflow" if overflow and len(data) > 1 and data[1] & 1 else "bus_error"
+        self.tell(fault(kind, describe_error(can_id, data)))

@@ -1,0 +1,89 @@
+"""The small protocol between the control loop and whatever moves the arm.
+
+One cycle is ``read`` (starts the cycle: SYNC, then the measured state) and ``write`` (torques for
+the next one). Everything is joint side, SI units, in the profile's joint order; what a device
+calls counts or per mille stays behind this protocol.
+
+A fault is raised once, by the call that noticed it. The calls after it go on with the axes that
+still answer, so that the arm can be stopped in order; ``reset`` makes a clean start possible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class BackendFault(Exception):
+    """The device cannot go on. ``axis`` is 0-based, or None where the whole bus is concerned.
+
+    ``kind`` is a stable short name of the row in docs/faults.md, ``remedy`` what to check first.
+    """
+
+    def __init__(
+        self, cause: str, axis: int | None = None, remedy: str = "", kind: str = "device"
+    ) -> None:
+        super().__init__(cause)
+        self.cause, self.axis, self.remedy, self.kind = cause, axis, remedy, kind
+
+
+@dataclass
+class Feedback:
+    """What one cycle measured. The arrays are reused by the next ``read``: copy to keep."""
+
+    time: float  # s on the backend's clock (simulated or monotonic)
+    q: Array  # (n,) rad
+    tau: Array  # (n,) N·m
+    status: NDArray[np.int64]  # (n,) CiA 402 statuswords (0 where the device has none)
+    age: NDArray[np.int64]  # (n,) cycles since the value was fresh; 0 = this cycle
+    temperature: Array | None = None  # (n,) °C, NaN until first heard; None: not measured
+
+
+Hold = Callable[[Feedback], Array]
+
+
+class Backend(Protocol):
+    """Life: open → (enable → read/write … → disable)* → close. Any call may raise BackendFault."""
+
+    n: int
+    period: float  # s
+    realtime: bool  # False: a read advances simulated time, the loop need not wait
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the device lacks and what that means, known after ``open``."""
+        ...
+
+    def open(self) -> None:
+        """Connect, configure and verify; the arm stays unpowered."""
+
+    def enable(self, hold: Hold | None = None) -> None:
+        """Power all axes in parallel and release the brakes; blocks and runs the cycles it needs.
+
+        ``hold`` gives the torques to meet the load with while the brakes open; default zero.
+        """
+
+    def read(self) -> Feedback:
+        """Start a cycle and return its measurement."""
+        ...
+
+    def write(self, torque: Array) -> None:
+        """Send joint-side torques, (n,) N·m, for the running cycle."""
+
+    def quick_stop(self) -> None:
+        """Ask every axis for its quick stop; the following reads carry it out."""
+
+    def disable(self) -> None:
+        """Brakes on, then power off; blocks and runs the cycles it needs."""
+
+    def reset(self) -> None:
+        """Acknowledge faults on every axis; the arm is unpowered afterwards."""
+
+    def close(self) -> None:
+        """Leave the bus as it was found."""

@@ -1,0 +1,47 @@
+"""Backends and plants by name: what a profile names in one line is found here."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any
+
+from pa10d.errors import UserError
+
+if TYPE_CHECKING:
+    from backends.protocol import Backend
+    from pa10d.profile import Profile
+
+BUILT_IN = {
+    "canopen_cia402": "backends.canopen_cia402:open_backend",
+    "replay": "backends.replay:open_backend",
+}
+
+
+def load_object(reference: str, where: str) -> Any:
+    """The object behind ``package.module:name``; ``where`` names file and key for the error."""
+    module, _, name = reference.partition(":")
+    if not module or not name:
+        raise UserError(f"{where}: found '{reference}', expected 'package.module:name'")
+    try:
+        return getattr(import_module(module), name)
+    except ModuleNotFoundError as error:
+        raise UserError(f"{where}: '{reference}': no module named '{error.name}'") from error
+    except AttributeError as error:
+        raise UserError(f"{where}: '{reference}': {module} has no '{name}'") from error
+
+
+def open_backend(profile: Profile) -> Backend:
+    """The backend that ``profile.backend`` names, made but not yet connected (see ``open``).
+
+    A name is looked up among the built-in ones and the entry points of ``pa10d.backends``;
+    ``package.module:factory`` names any other. The factory takes the profile.
+    """
+    where, name = f"{profile.path}: backend", profile.backend
+    if ":" in name:
+        return load_object(name, where)(profile)
+    found = {e.name: e.value for e in entry_points(group="pa10d.backends")} | BUILT_IN
+    if name not in found:
+        known = ", ".join(sorted(found))
+        raise UserError(f"{where}: found '{name}', expected one of {known} or 'module:factory'")
+    return load_object(found[name], where)(profile)

@@ -1,0 +1,100 @@
+"""A recorded run, played through the protocol: the same angles and torques, cycle by cycle.
+
+The arm on the record does not listen: torques are taken in and forgotten. For looking at a run
+with the tools of a live arm, and for trying a controller against what really was measured.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from backends.cia402 import STATUS_BITS, State
+from backends.faults import fault
+from backends.protocol import Array, Feedback, Hold
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+from pa10d.recording import Recording
+from pa10d.store.csv_import import read_csv
+from pa10d.store.run_reader import read_run, to_recording
+
+KEY = "simulation.options.recording"
+
+
+class ReplayBackend:
+    """``read`` gives the next sample; after the last one a fault of kind ``ended``."""
+
+    def __init__(self, recording: Recording, realtime: bool = False) -> None:
+        self.recording, self.realtime = recording, realtime
+        self.n = recording.joints
+        self.period = 1.0 / recording.rate
+        self.warnings = [
+            f"'{recording.name}' is a recording: what it shows does not depend on the torques sent"
+        ]
+        self._next = 0
+        self._state = State.DISABLED
+        self._feedback = Feedback(
+            0.0, np.zeros(self.n), np.zeros(self.n), np.zeros(self.n, int), np.zeros(self.n, int)
+        )
+
+    def open(self) -> None:
+        self._next, self._state = 0, State.DISABLED
+
+    def enable(self, hold: Hold | None = None) -> None:
+        self._state = State.ENABLED
+
+    def read(self) -> Feedback:
+        recording, k = self.recording, self._next
+        if k >= len(recording.t):
+            self._state = State.DISABLED
+            raise fault("ended", f"'{recording.name}' is over after {recording.duration:.3f} s")
+        self._next = k + 1
+        feedback = self._feedback
+        feedback.time = float(recording.t[k])
+        feedback.q[:], feedback.tau[:] = recording.q[k], recording.tau[k]
+        feedback.status[:] = STATUS_BITS[self._state][1]
+        if recording.temperature is not None:
+            feedback.temperature = recording.temperature[k].copy()
+        return feedback
+
+    def write(self, torque: Array) -> None:
+        if not np.isfinite(torque).all():
+            raise fault("torque", f"torque command is not finite: {np.asarray(torque).tolist()}")
+
+    def quick_stop(self) -> None:
+        self._state = State.DISABLED
+
+    def disable(self) -> None:
+        self._state = State.DISABLED
+
+    def reset(self) -> None:
+        self._next, self._state = 0, State.DISABLED
+
+    def close(self) -> None:
+        self._state = State.DISABLED
+
+
+def open_backend(profile: Profile) -> ReplayBackend:
+    """The run that the profile's ``simulation.options.recording`` names (MCAP bag or CSV)."""
+    simulation = profile.simulation
+    named = simulation.options.get("recording") if simulation else None
+    if not isinstance(named, str):
+        raise UserError(f"{profile.path}: {KEY}: missing, expected the file of a recorded run")
+    path = profile.path.parent / named
+    axes = len(profile.joints or profile.drives or [])
+    recording = _load(path, profile, axes)
+    if axes and recording.joints != axes:
+        raise UserError(f"{path}: {recording.joints} joints, the profile has {axes}")
+    return ReplayBackend(recording, realtime=bool(simulation and simulation.clock == "real"))
+
+
+def _load(path: Path, profile: Profile, axes: int) -> Recording:
+    if not path.is_file():
+        raise UserError(f"{profile.path}: {KEY}: no file {path}, expected a recorded run")
+    if path.suffix == ".mcap":
+        return read_run(path).recording(path.stem)[0]
+    if not axes:
+        raise UserError(f"{profile.path}: joints: missing, expected the joints of {path}")
+    table = read_csv(path, axes, profile.name, profile.torque_constants)
+    return to_recording(table.samples, table.time_zero_ns, path.name.partition(".")[0])[0]

@@ -1,0 +1,216 @@
+"""A virtual servo drive: CiA 402 behind a CANopen node, torque and encoder in front of an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+
+from backends import cia402
+from backends.scaling import Scaling
+from backends.vendors import rated_torque_unit
+from backends.virtual.errors import LOST_SYNC, POSITION_LIMIT
+from backends.virtual.injection import Injection
+from backends.virtual.node import BOOTING, CanopenNode
+from backends.virtual.object_dictionary import INVALID, LiveDictionary, SdoAbort, Value, key_of
+from backends.virtual.state_machine import Options, StateMachine, Timing
+
+REST_SPEED = 0.03  # rad/s
+INT16, INT32 = 0x7FFF, 0x7FFFFFFF
+
+CONTROLWORD, STATUSWORD = key_of(0x6040), key_of(0x6041)
+MODE, MODE_DISPLAY = key_of(0x6060), key_of(0x6061)
+POSITION, VELOCITY, TARGET = key_of(0x6064), key_of(0x606C), key_of(0x6071)
+DEMAND, TORQUE, CURRENT = key_of(0x6074), key_of(0x6077), key_of(0x6078)
+MAX_TORQUE, HIGHEST, LOWEST = key_of(0x6072), key_of(0x60E0), key_of(0x60E1)
+BRAKE_OUTPUT, TEMPERATURE, INJECTION = key_of(0x60FE), key_of(0x2F10), key_of(0x2F00, 1)
+
+
+class VirtualDrive:
+    """``node`` speaks CANopen; ``update`` is one period; ``torque`` is what the axis gets."""
+
+    def __init__(
+        self,
+        number: int,
+        dictionary: LiveDictionary,
+        scaling: Scaling,
+        rated_torque: float,
+        send: Callable[[bytes], None],
+        boot_time: float = 0.0,
+        brake: bool = True,
+    ) -> None:
+        """``number`` node id, ``rated_torque`` N·m at the motor, ``boot_time`` s."""
+        self.scaling, self.brake = scaling, brake
+        self.dictionary, self.values = dictionary, dictionary.values
+        self.machine = StateMachine(Timing(), Options())
+        self.node = CanopenNode(number, dictionary, self, send, boot_time)
+        self.torque = 0.0  # N·m at the joint for the next period
+        self._rated_torque = rated_torque
+        self._inside = True  # the software position limits
+        self._limited = False
+        self.restarted(completely=True)
+        if boot_time <= 0:
+            self.node.boot()
+
+    @property
+    def brake_closed(self) -> bool:
+        return self.brake and self.machine.brake_closed
+
+    @property
+    def follows(self) -> bool:
+        """Whether the axis simply gets ``torque``: powered, free, not being stopped."""
+        machine = self.machine
+        return machine.powered and not machine.stopping and not self.brake_closed
+
+    @property
+    def deceleration(self) -> float:
+        """Of a quick stop, rad/s² at the joint."""
+        counts = self.dictionary.number(0x6085, default=1_000_000)
+        return max(counts, 1) / self.scaling.counts_per_radian
+
+    @property
+    def torque_limit(self) -> float:
+        """The most the drive gives, N·m at the joint."""
+        return self.dictionary.number(0x6072, default=1000) * self.scaling.rated / 1000.0
+
+    def update(self, dt: float, q: float, velocity: float, torque: float, synced: bool) -> None:
+        """One period of ``dt`` s ends with the axis at ``q`` rad, ``velocity`` rad/s, ``torque``
+        N·m as the current sensor has it; ``synced``: a SYNC ended it."""
+        if synced:
+            self.node.sync()
+        self._measure(q, velocity, torque)
+        self.machine.advance(dt, abs(velocity) < REST_SPEED)
+        self.node.advance(dt)
+        if self.node.state == BOOTING:
+            return
+        self._watch_sync()
+        self._demand()
+        self._watch_position()
+        self._status()
+        self.node.answer(dt, synced)
+
+    def fault(self, code: int, tell: bool = True) -> None:
+        """A fault of the drive itself; without ``tell`` only the statusword shows it."""
+        if tell:
+            self.node.errors.emergency(code)
+        self.machine.fault()
+
+    # --- what the node tells (Application) ---
+
+    def received(self) -> None:
+        was_fault = self.machine.state is cia402.State.FAULT
+        self.machine.command(int(self.values[CONTROLWORD]))
+        if was_fault and self.machine.state is not cia402.State.FAULT:
+            self.node.errors.cleared()
+
+    def written(self, key: int, value: Value) -> None:
+        if key == CONTROLWORD:
+            self.received()
+            self._status()
+        elif key == MODE:
+            self.values[MODE_DISPLAY] = value
+        elif key == INJECTION:
+            self._inject(Injection(int(value)), self.dictionary.number(0x2F00, 2))
+        else:
+            self._take_options()
+
+    def may_write(self, key: int, value: Value) -> None:
+        if key == MODE and value not in (0, cia402.MODE_CST):
+            raise SdoAbort(INVALID)
+
+    def connection_lost(self) -> None:
+        if not self.machine.powered:
+            return
+        match self.dictionary.number(0x6007, default=cia402.Reaction.FAULT):
+            case cia402.Reaction.FAULT:
+                self.machine.fault()
+            case cia402.Reaction.DISABLE_VOLTAGE:
+                self.machine.disable_voltage()
+            case cia402.Reaction.QUICK_STOP:
+                self.machine.quick_stop()
+
+    def restarted(self, completely: bool) -> None:
+        if completely:
+            self.machine.power_up()
+        vendor = self.dictionary.number(0x1018, 1)
+        self.dictionary.set(0x6076, round(self._rated_torque / rated_torque_unit(vendor)))
+        self.dictionary.set(0x1018, self.node.id, 4)
+        for key in (CONTROLWORD, TARGET, MODE, MODE_DISPLAY):  # inside, whatever the EDS declares
+            self.values.setdefault(key, 0)
+        self._take_options()
+        self._status()
+
+    # --- inside ---
+
+    def _measure(self, q: float, velocity: float, torque: float) -> None:
+        values, scaling = self.values, self.scaling
+        counts = scaling.counts(q) + self.node.injector.counts
+        if not -INT32 <= counts <= INT32:  # a 32-bit counter runs over
+            counts = (counts + INT32 + 1) % (2 * INT32 + 2) - INT32 - 1
+        values[POSITION] = counts
+        values[VELOCITY] = _within(INT32, scaling.sign * velocity * scaling.counts_per_radian)
+        values[TORQUE] = values[CURRENT] = _within(INT16, scaling.per_mille(torque))
+
+    def _demand(self) -> None:
+        values = self.values
+        target = int(values[TARGET]) if values[MODE_DISPLAY] == cia402.MODE_CST else 0
+        most = int(values.get(MAX_TORQUE, 1000))
+        high = int(values.get(HIGHEST, most))
+        low = -int(values.get(LOWEST, most))
+        demand = max(low, -most, min(high, most, target))
+        self._limited = demand != target
+        values[DEMAND] = demand if self.machine.powered else 0
+        self.torque = self.scaling.torque(demand)
+
+    def _watch_position(self) -> None:
+        low, high = self._position_limits
+        was_inside, self._inside = self._inside, low <= int(self.values[POSITION]) <= high
+        if was_inside and not self._inside and self.machine.state is cia402.State.ENABLED:
+            self.fault(POSITION_LIMIT)
+
+    def _watch_sync(self) -> None:
+        if self.machine.powered and self.node.since_sync > self._sync_timeout:
+            self.node.since_sync = -inf  # told once; the next SYNC counts anew
+            self.node.communication_error(LOST_SYNC)
+
+    def _status(self) -> None:
+        machine = self.machine
+        word = machine.status_bits | cia402.STATUS_VOLTAGE | cia402.STATUS_REMOTE
+        if machine.state is cia402.State.ENABLED and not machine.stopping:
+            word |= cia402.STATUS_FOLLOWS
+            if self._limited:
+                word |= cia402.STATUS_LIMIT
+        if self.node.injector.warning:
+            word |= cia402.STATUS_WARNING
+        self.values[STATUSWORD] = word
+        self.values[BRAKE_OUTPUT] = int(machine.brake_closed)
+
+    def _take_options(self) -> None:
+        """Settings that the cycle uses; asked for again whenever one was written."""
+        number, options, timing = self.dictionary.number, self.machine.options, self.machine.timing
+        self._position_limits = number(0x607D, 1, -INT32 - 1), number(0x607D, 2, INT32)
+        watched = number(0x1006) and number(0x2F01)
+        self._sync_timeout = watched / 1000.0 if watched else inf
+        options.quick_stop = number(0x605A, default=cia402.QuickStop.QUICK_STOP)
+        options.shutdown = number(0x605B, default=1)
+        options.disable_operation = number(0x605C, default=1)
+        options.fault_reaction = number(0x605E, default=cia402.FaultReaction.QUICK_STOP)
+        timing.brake_open = number(0x2F02, default=50) / 1000.0 if self.brake else 0.0
+        timing.brake_close = number(0x2F03, default=30) / 1000.0 if self.brake else 0.0
+
+    def _inject(self, kind: Injection, argument: int) -> None:
+        self.node.injector.take(kind, argument)
+        match kind:
+            case Injection.REBOOT:
+                self.node.restart(completely=True)
+            case Injection.EMCY:
+                self.node.errors.emergency(argument)
+            case Injection.FAULT:
+                self.fault(argument)
+            case Injection.FAULT_BIT:
+                self.fault(0, tell=False)
+            case Injection.POWER_LOST:
+                self.machine.power_up()
+
+
+def _within(limit: int, value: float) -> int:
+    return round(max(-limit, min(limit, value)))

@@ -1,0 +1,169 @@
+"""Drives on a bus and a plant behind them, one period per SYNC."""
+
+from __future__ import annotations
+
+import logging
+import time
+
+import numpy as np
+
+from backends.eds import eds_path
+from backends.frames import SIZE, frames
+from backends.ports import Port
+from backends.scaling import scaling_of
+from backends.virtual.drive import TEMPERATURE, VirtualDrive
+from backends.virtual.load_plant import load_plant
+from backends.virtual.mechanics import Actuation, Mechanics
+from backends.virtual.node import BOOTING
+from backends.virtual.object_dictionary import LiveDictionary
+from pa10d.errors import UserError
+from pa10d.profile import Profile, Simulation
+
+SYNC = 0x80
+BOOT_TIME = 0.05  # s, in real time; in simulated time nothing passes before the first SYNC
+MOST_PERIODS = 50  # caught up at once after a stall
+TEMPERATURE_EVERY = 0.1  # s
+
+log = logging.getLogger("pa10d.virtual")
+
+
+class VirtualArm:
+    """Drives and plant of one profile. ``handle`` takes packets, ``tick`` real time."""
+
+    def __init__(self, profile: Profile, port: Port) -> None:
+        simulation = profile.simulation or Simulation()
+        if not profile.drives:
+            raise UserError(f"{profile.path}: drives: missing, expected one entry per joint")
+        self.period = 1.0 / profile.control.rate
+        self.realtime = simulation.clock == "real"
+        self.plant = load_plant(profile, len(profile.drives))
+        self.port, self._outbox = port, list[bytes]()
+        self.drives = [self._drive(profile, k) for k in range(len(profile.drives))]
+        strength = np.array([drive.scaling.rated for drive in self.drives])
+        self.mechanics = Mechanics(self.plant, strength)
+        self._all = np.ones(len(self.drives), bool)
+        self._powered = ~self._all
+        self._routes: dict[int, list[VirtualDrive]] = {}
+        self._find_routes()
+        for drive in self.drives:
+            drive.node.on_routes = self._find_routes
+        self._time = time.monotonic()  # up to which the plant was advanced
+        self._until_temperature = 0.0
+        self.flush()
+
+    def handle(self, packet: bytes) -> None:
+        """Take in frames and answer them."""
+        for can_id, data in frames(packet):
+            if can_id == SYNC:
+                self._synced()
+                continue
+            for drive in self._routes.get(can_id, ()):
+                drive.node.receive(can_id, data)
+            self._release_held()
+        self.flush()
+
+    def tick(self) -> None:
+        """Real time without SYNC: time goes on for drives and plant."""
+        for _ in range(MOST_PERIODS):
+            if not self.realtime or self.wait() > 0:
+                return
+            self._time += self.period
+            self._cycle(synced=False)
+            self.flush()
+        self._time = time.monotonic()  # too slow for real time: the rest is skipped
+
+    @property
+    def booted(self) -> bool:
+        """Whether every drive has sent its boot-up message."""
+        return all(drive.node.state != BOOTING for drive in self.drives)
+
+    def wait(self) -> float:
+        """Seconds until ``tick`` has something to do."""
+        return self._time + 1.5 * self.period - time.monotonic() if self.realtime else 0.5
+
+    def flush(self) -> None:
+        """Send what waits. A full queue loses it, as in a drive; who listens misses it."""
+        packet = b"".join(self._outbox)
+        self._outbox.clear()
+        if packet:
+            try:
+                self.port.send(packet)
+            except OSError as error:
+                log.warning("%d frames of the drives are lost: %s", len(packet) // SIZE, error)
+
+    def _synced(self) -> None:
+        self._release_held()
+        periods = 1
+        if self.realtime:
+            now = time.monotonic()
+            periods = min(int((now - self._time) / self.period + 0.5), MOST_PERIODS)
+            self._time = now if periods else self._time
+        for _ in range(periods - 1):
+            self._cycle(synced=False)
+        self._cycle(synced=True, advance=periods > 0)
+
+    def _cycle(self, synced: bool, advance: bool = True) -> None:
+        dt = self.period if advance else 0.0
+        q, torque = self.mechanics.measure(self._powered, dt)
+        velocity = self.mechanics.velocity.tolist()
+        self._read_temperature(dt)
+        seen = zip(self.drives, q.tolist(), velocity, torque.tolist(), strict=True)
+        for drive, angle, speed, effort in seen:
+            drive.update(dt, angle, speed, effort, synced)
+        if synced:
+            self.flush()  # the answer first: the plant may take its time
+        if not advance:
+            return
+        if all(drive.follows for drive in self.drives):
+            self._powered = self._all
+            torque = np.array([drive.torque for drive in self.drives])
+            self.mechanics.follow(torque, self.period)
+        else:
+            act = self._actuation()
+            self._powered = act.powered
+            self.mechanics.advance(act, self.period)
+
+    def _actuation(self) -> Actuation:
+        drives = self.drives
+        return Actuation(
+            torque=np.array([d.torque for d in drives]),
+            powered=np.array([d.machine.powered for d in drives]),
+            stopping=np.array([d.machine.stopping for d in drives]),
+            braked=np.array([d.brake_closed for d in drives]),
+            deceleration=np.array([d.deceleration for d in drives]),
+            limit=np.array([d.torque_limit for d in drives]),
+        )
+
+    def _read_temperature(self, dt: float) -> None:
+        self._until_temperature -= dt
+        if self._until_temperature > 0 or not hasattr(self.plant, "temperature"):
+            return
+        self._until_temperature = TEMPERATURE_EVERY
+        for drive, degrees in zip(self.drives, self.plant.temperature(), strict=True):
+            drive.values[TEMPERATURE] = max(-32768, min(32767, round(10 * float(degrees))))
+
+    def _release_held(self) -> None:
+        for drive in self.drives:
+            if drive.node.held:
+                self._outbox.extend(drive.node.held)
+                drive.node.held.clear()
+
+    def _find_routes(self) -> None:
+        routes: dict[int, list[VirtualDrive]] = {}
+        for drive in self.drives:
+            for can_id in drive.node.listens_to():
+                routes.setdefault(can_id, []).append(drive)
+        self._routes = routes
+
+    def _drive(self, profile: Profile, axis: int) -> VirtualDrive:
+        assert profile.drives is not None
+        settings = profile.drives[axis]
+        return VirtualDrive(
+            number=settings.node,
+            dictionary=LiveDictionary(eds_path(profile, axis), settings.node),
+            scaling=scaling_of(settings),
+            rated_torque=settings.rated_torque,
+            send=self._outbox.append,
+            boot_time=BOOT_TIME if self.realtime else 0.0,
+            brake=settings.brake,
+        )

@@ -1,0 +1,124 @@
+"""Between drives and plant: motor torque, holding at rest, and brakes that are friction.
+
+The plant knows only torque, so everything that stops an axis is a torque here. While an axis is
+stopped or braked the plant is stepped finely, as the current and speed loops inside a real drive
+run far faster than the bus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+INNER_STEP = 0.25e-3  # s
+STIFFNESS, DAMPING = 200.0, 1.0  # per N·m of the axis's largest torque: 1/rad and s/rad
+BRAKE_STRENGTH = 1.2  # of the axis's largest torque
+SETTLE = 0.3  # s after which an arm with every brake closed is taken as rigid
+
+
+@dataclass
+class Actuation:
+    """What the drives do to their axes for the next period; all (n,)."""
+
+    torque: Array  # N·m at the joint, commanded
+    powered: Bools
+    stopping: Bools
+    braked: Bools
+    deceleration: Array  # rad/s²
+    limit: Array  # N·m, the most the drive gives
+
+
+class Mechanics:
+    """Steps a plant of INTERFACES' protocol under the drives' actuation."""
+
+    def __init__(self, plant: Any, strength: Array) -> None:
+        self.plant = plant
+        self.q, self._current = (np.asarray(x, float) for x in plant.measure())
+        n = len(self.q)
+        self._stiffness, self._damping = STIFFNESS * strength, DAMPING * strength
+        self._brake_limit = BRAKE_STRENGTH * strength
+        self.velocity = np.zeros(n)
+        self._brake_torque = np.zeros(n)
+        self._brake_at = self.q.copy()
+        self._was_braked = np.ones(n, bool)
+        self._stop_at, self._stop_speed = self.q.copy(), np.zeros(n)
+        self._stop_torque = np.zeros(n)
+        self._was_stopping = np.zeros(n, bool)
+        self._last_torque = np.zeros(n)
+        self._locked_for = SETTLE
+        self._interfered = True  # brakes or drives act besides the commanded torque
+
+    def measure(self, powered: Bools, elapsed: float) -> tuple[Array, Array]:
+        """Encoder angle (rad) and motor torque (N·m) of every axis, (n,) each."""
+        q, current = (np.asarray(x, float) for x in self.plant.measure())
+        if elapsed > 0:
+            self.velocity = (q - self.q) / elapsed
+        self.q = q
+        return q, np.where(powered, current - self._brake_torque, 0.0)
+
+    def follow(self, torque: Array, dt: float) -> None:
+        """Let ``dt`` seconds pass with every axis free and given ``torque`` (n,), N·m."""
+        if self._interfered:
+            self._interfered, self._locked_for = False, 0.0
+            self._brake_torque[:] = 0.0
+            self._was_braked[:] = self._was_stopping[:] = False
+        self._last_torque = torque
+        self.plant.step(torque, dt)
+
+    def advance(self, act: Actuation, dt: float) -> None:
+        """Let ``dt`` seconds pass."""
+        self._interfered = True
+        idle = act.braked & ~act.powered
+        self._locked_for = self._locked_for + dt if idle.all() else 0.0
+        if self._locked_for > SETTLE:
+            self._was_braked[:] = True
+            self._brake_torque[:] = 0.0
+            return
+        if not (act.braked | act.stopping).any():
+            self.follow(np.where(act.powered, act.torque, 0.0), dt)
+            return
+        self._begin(act)
+        steps = ceil(dt / INNER_STEP - 1e-9)
+        q, velocity = self.q, self.velocity
+        for _ in range(steps):
+            self._inner(act, q, velocity, dt / steps)
+            seen = np.asarray(self.plant.measure()[0], float)
+            q, velocity = seen, (seen - q) * (steps / dt)
+
+    def _begin(self, act: Actuation) -> None:
+        newly = act.braked & ~self._was_braked
+        self._brake_at = np.where(newly, self.q, self._brake_at)
+        self._was_braked = act.braked.copy()
+        newly = act.stopping & ~self._was_stopping
+        self._stop_at = np.where(newly, self.q, self._stop_at)
+        self._stop_speed = np.where(newly, self.velocity, self._stop_speed)
+        self._stop_torque = np.where(newly, self._last_torque, self._stop_torque)
+        self._was_stopping = act.stopping.copy()
+
+    def _inner(self, act: Actuation, q: Array, velocity: Array, h: float) -> None:
+        drop = act.deceleration * h
+        self._stop_speed = np.where(
+            np.abs(self._stop_speed) > drop, self._stop_speed - np.sign(self._stop_speed) * drop, 0
+        )
+        self._stop_at = self._stop_at + self._stop_speed * h
+        servo = (
+            self._stop_torque
+            + self._stiffness * (self._stop_at - q)
+            + self._damping * (self._stop_speed - velocity)
+        )
+        motor = np.where(act.stopping, np.clip(servo, -act.limit, act.limit), act.torque)
+        motor = np.where(act.powered, motor, 0.0)
+        drag = self._stiffness * (self._brake_at - q) - self._damping * velocity
+        brake = np.clip(drag, -self._brake_limit, self._brake_limit)
+        # a slipping brake holds where it has slipped to, it does not spring back
+        self._brake_at = q + (brake + self._damping * velocity) / self._stiffness
+        self._brake_torque = np.where(act.braked, brake, 0.0)
+        self._last_torque = motor
+        self.plant.step(motor + self._brake_torque, h)

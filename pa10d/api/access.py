@@ -1,0 +1,167 @@
+"""Who may call: origin and host checks, tokens with scopes, size of what is sent.
+
+A page elsewhere must not command the arm through a visitor's browser: requests that carry a
+foreign ``Origin`` are refused (CSRF), and without a token only names of this machine are served
+(DNS rebinding).
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from urllib.parse import parse_qs, urlsplit
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from pa10d.api.problems import problem_response
+
+SCOPES = ("look", "command", "admin")  # each includes the ones before it
+LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "::1"})
+BODY = 1 << 20  # bytes of any request but an upload
+UPLOAD = 512 << 20
+OPEN = ("/healthz",)
+
+
+@dataclass(frozen=True)
+class Access:
+    """tokens: scope -> token; none: only this machine may call. names: hosts served besides."""
+
+    tokens: Mapping[str, str] = field(default_factory=dict)
+    names: frozenset[str] = frozenset()
+    upload: int = UPLOAD
+
+    def scope_of(self, token: str) -> int:
+        """How far a token reaches: index into SCOPES, -1 for an unknown one."""
+        reach = -1
+        for k, scope in enumerate(SCOPES):
+            known = self.tokens.get(scope, "")
+            if known and hmac.compare_digest(token.encode(), known.encode()):
+                reach = k
+        return reach
+
+
+class AccessMiddleware:
+    """Refuses before any route sees the request."""
+
+    def __init__(self, app: ASGIApp, access: Access) -> None:
+        self._app, self._access = app, access
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        refusal = self._refusal(scope, Headers(scope=scope))
+        if refusal is None:
+            limited = self._limited(scope, receive)
+            await self._app(scope, limited, _with_headers(send, scope))
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": refusal[1][:120]})
+        else:
+            kind, detail, more = refusal
+            response = problem_response(kind, detail, scope["path"], **more)
+            await response(scope, receive, send)
+
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[str, str, dict[str, str]] | None:
+        host = headers.get("host", "")
+        name = urlsplit(f"//{host}").hostname or ""
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return "origin", f"origin {origin[:100]} is not {host[:100]}", {}
+        if headers.get("sec-fetch-site") == "cross-site" and scope["path"].startswith("/api"):
+            return "origin", "the request was made by a page of another site", {}
+        if not self._access.tokens:
+            if name not in LOCAL_NAMES | self._access.names:
+                return "origin", f"host {host[:100]!r} is not a name of this machine", {}
+        elif scope["path"] not in OPEN and _guarded(scope["path"]):
+            return self._judge(scope, headers)
+        size = headers.get("content-length", "0")
+        if size.isdigit() and int(size) > self._limit(scope):
+            return "too-large", f"{size} bytes, at most {self._limit(scope)} are taken", {}
+        return None
+
+    def _judge(self, scope: Scope, headers: Headers) -> tuple[str, str, dict[str, str]] | None:
+        given = headers.get("authorization", "").removeprefix("Bearer ").strip()
+        if not given and scope["type"] == "websocket":
+            query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
+            given = query.get("token", [""])[0]
+        reach = self._access.scope_of(given)
+        needed = needed_scope(scope)
+        if reach < 0:
+            return "token", "send 'Authorization: Bearer TOKEN'", {}
+        if reach < SCOPES.index(needed):
+            detail = f"this needs scope '{needed}', the token has '{SCOPES[reach]}'"
+            return "scope", detail, {"needed_scope": needed}
+        return None
+
+    def _limit(self, scope: Scope) -> int:
+        upload = scope["path"].rstrip("/") == "/api/v1/runs" and scope.get("method") == "POST"
+        return self._access.upload if upload else BODY
+
+    def _limited(self, scope: Scope, receive: Receive) -> Receive:
+        """Count what comes without a stated length, too."""
+        if scope["type"] != "http":
+            return receive
+        taken, limit = 0, self._limit(scope)
+
+        async def counting() -> Message:
+            nonlocal taken
+            message = await receive()
+            taken += len(message.get("body", b""))
+            if taken > limit:
+                raise HTTPException(413, f"more than {limit} bytes")
+            return message
+
+        return counting
+
+
+def needed_scope(scope: Scope) -> str:
+    """look for reading, command for the rest, admin for what destroys; stop is for everyone."""
+    path, method = scope["path"], scope.get("method", "GET")
+    if method in ("GET", "HEAD", "OPTIONS") or path == "/api/v1/robot/stop":
+        return "look"
+    destroys = method == "DELETE" and path.split("/")[3:4] in (["runs"], ["models"])
+    return "admin" if destroys else "command"
+
+
+def _guarded(path: str) -> bool:
+    return path.startswith(("/api/", "/metrics", "/openapi"))
+
+
+_HEADERS = {
+    "content-security-policy": (
+        "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+        "img-src 'self' data: blob:; connect-src 'self'; object-src 'none'; base-uri 'none'; "
+        "form-action 'self'; frame-ancestors 'none'"
+    ),
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+}
+_RAW = [(k.encode(), v.encode()) for k, v in _HEADERS.items()]
+
+
+def _with_headers(send: Send, scope: Scope) -> Send:
+    if scope["type"] != "http":
+        return send
+
+    async def sending(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message["headers"] = [*message.get("headers", []), *_RAW]
+        await send(message)
+
+    return sending
+
+
+def tokens_from(text: str) -> dict[str, str]:
+    """``{"look": "...", "command": "...", "admin": "..."}`` or one token for everything."""
+    text = text.strip()
+    if not text.startswith("{"):
+        return {"admin": text} if text else {}
+    given = json.loads(text)
+    return {scope: str(given[scope]) for scope in SCOPES if given.get(scope)}

@@ -1,0 +1,96 @@
+"""The FastAPI application around a daemon."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.staticfiles import StaticFiles
+
+from pa10d import __version__
+from pa10d.api import problems
+from pa10d.api.access import Access, AccessMiddleware
+from pa10d.api.routes import (
+    analyses,
+    docs,
+    experiments,
+    jobs,
+    models,
+    robot,
+    runs,
+    service,
+    sockets,
+)
+from pa10d.daemon.daemon import Daemon, running
+
+DESCRIPTION = """
+Holds a robot arm, runs identification experiments, and names the physical effect that its torque
+model lacks. SI units; joints are numbered from 1.
+
+Whatever takes longer than a request is a *job*: the answer is 202 with the job, its address in
+`Location`; `GET` it, or listen to `/api/v1/events`, until its status is `succeeded`, `failed` or
+`cancelled`. One client commands the arm at a time (`/api/v1/robot/lease`); `stop` is for everyone.
+Every error is a problem document (RFC 9457).
+
+WebSockets: `/api/v1/events?since=N` (JSON) and `/api/v1/telemetry?history=SECONDS` (a JSON header,
+then binary packets: float64 start, float32 rows).
+"""
+WEB = Path(__file__).resolve().parent.parent / "web"
+
+
+def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) -> FastAPI:
+    """``ready`` is called once the daemon runs."""
+
+    @contextlib.asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with running(daemon):
+            if ready is not None:
+                ready()
+            yield
+
+    app = FastAPI(
+        title="pa10d",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        separate_input_output_schemas=False,
+    )
+    app.state.daemon = daemon
+    problems.install(app)
+    for room in (robot, experiments, jobs, runs, models, analyses, sockets):
+        app.include_router(room.router, prefix="/api/v1")
+    app.include_router(service.router)
+    app.include_router(docs.router)
+    if WEB.is_dir() and (WEB / "index.html").is_file():
+        app.mount("/", StaticFiles(directory=WEB, html=True), name="web")
+    app.add_middleware(AccessMiddleware, access=access or Access())
+    _document_problems(app)
+    return app
+
+
+def _document_problems(app: FastAPI) -> None:
+    """Wrong requests are problems too: our schema in the place of FastAPI's own one."""
+    made = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema:
+            return app.openapi_schema
+        schema = made()
+        schemas = schema.setdefault("components", {}).setdefault("schemas", {})
+        schemas["ProblemDocument"] = problems.ProblemDocument.model_json_schema()
+        schemas.pop("HTTPValidationError", None)
+        schemas.pop("ValidationError", None)
+        invalid = problems.responses()[422]
+        for path in schema["paths"].values():
+            for operation in path.values():
+                if "422" in operation["responses"]:
+                    operation["responses"]["422"] = invalid
+        app.openapi_schema = schema
+        return schema
+
+    app.openapi = openapi  # type: ignore[method-assign]

@@ -1,0 +1,39 @@
+"""What routes are given: the daemon, and who is calling."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Header
+from starlette.requests import HTTPConnection
+
+from pa10d.daemon.daemon import Daemon
+
+
+def the_daemon(connection: HTTPConnection) -> Daemon:
+    """The one daemon of this application."""
+    daemon: Daemon = connection.app.state.daemon
+    return daemon
+
+
+def the_client(
+    connection: HTTPConnection,
+    x_client: Annotated[
+        str | None,
+        Header(max_length=64, description="Who you are, where several clients share an address"),
+    ] = None,
+) -> str:
+    """Who commands: the X-Client header, else the address."""
+    host = connection.client.host if connection.client else "unknown"
+    return x_client or f"anonymous@{host}"
+
+
+def the_commander(connection: HTTPConnection, client: Annotated[str, Depends(the_client)]) -> str:
+    """A client that takes the lease by what it does; Held where another has it."""
+    the_daemon(connection).lease.take(client)
+    return client
+
+
+TheDaemon = Annotated[Daemon, Depends(the_daemon)]
+Client = Annotated[str, Depends(the_client)]
+Commander = Annotated[str, Depends(the_commander)]

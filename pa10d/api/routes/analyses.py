@@ -1,0 +1,82 @@
+"""Comparisons and diagnoses: each is a job, and stays as a document once it is done."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+
+from pa10d.api.deps import TheDaemon
+from pa10d.api.paging import page_of
+from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.accepted import accepted
+from pa10d.api.routes.models import find_model
+from pa10d.api.routes.runs import find_run
+from pa10d.api.schemas import CompareRequest, DiagnoseRequest, Job, JobPage, JobWithResult
+from pa10d.daemon.daemon import Daemon
+
+router = APIRouter(tags=["analyses"])
+Limit = Annotated[int, Query(ge=1, le=500)]
+Cursor = Annotated[str | None, Query(max_length=100)]
+WRONG = responses("not-found", "refused")
+
+
+@router.post("/comparisons", response_model=Job, status_code=202, responses=WRONG)
+async def compare(daemon: TheDaemon, request: CompareRequest, response: Response) -> Any:
+    """How large a model's error is on runs, and where; the result is that of ``pa10d compare``."""
+    _find_all(daemon, request.model, request.runs)
+    return accepted(daemon.compute("compare", "compare", request.model_dump()), response)
+
+
+@router.get("/comparisons", response_model=JobPage)
+async def list_comparisons(
+    daemon: TheDaemon, limit: Limit = 50, cursor: Cursor = None
+) -> dict[str, Any]:
+    """Comparisons, newest first."""
+    return _listed(daemon, "compare", limit, cursor)
+
+
+@router.get("/comparisons/{comparison}", response_model=JobWithResult, responses=WRONG)
+async def show_comparison(daemon: TheDaemon, comparison: str) -> dict[str, Any]:
+    """One comparison, with its result once it is done."""
+    return _one(daemon, "compare", comparison)
+
+
+@router.post("/diagnoses", response_model=Job, status_code=202, responses=WRONG)
+async def diagnose(daemon: TheDaemon, request: DiagnoseRequest, response: Response) -> Any:
+    """Which effect is missing; the result is that of ``pa10d diagnose``."""
+    _find_all(daemon, request.model, [*request.fit, *request.validate_])
+    job = daemon.compute("diagnose", "diagnose", request.model_dump(by_alias=True))
+    return accepted(job, response)
+
+
+@router.get("/diagnoses", response_model=JobPage)
+async def list_diagnoses(
+    daemon: TheDaemon, limit: Limit = 50, cursor: Cursor = None
+) -> dict[str, Any]:
+    """Diagnoses, newest first."""
+    return _listed(daemon, "diagnose", limit, cursor)
+
+
+@router.get("/diagnoses/{diagnosis}", response_model=JobWithResult, responses=WRONG)
+async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> dict[str, Any]:
+    """One diagnosis, with its result once it is done."""
+    return _one(daemon, "diagnose", diagnosis)
+
+
+def _find_all(daemon: Daemon, model: str, runs: list[str]) -> None:
+    find_model(daemon, model)
+    for run in runs:
+        find_run(daemon, run)
+
+
+def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> dict[str, Any]:
+    found = [job.brief() for job in reversed(daemon.jobs.all()) if job.kind == kind]
+    return page_of(found, limit, cursor)
+
+
+def _one(daemon: Daemon, kind: str, number: str) -> dict[str, Any]:
+    job = daemon.jobs.get(number)
+    if job is None or job.kind != kind:
+        raise Problem("not-found", f"no {kind} job {number[:60]!r}")
+    return job.document()

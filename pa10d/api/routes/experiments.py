@@ -1,0 +1,113 @@
+"""Experiments: what kinds there are, the pre-check, and running them."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from typing import Any
+
+from fastapi import APIRouter, Response
+
+from pa10d.api.deps import Commander, TheDaemon
+from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.accepted import accepted
+from pa10d.api.routes.models import find_model
+from pa10d.api.routes.ready import require_ready
+from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList
+from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.experiment import experiment_job
+from pa10d.daemon.jobs import Report
+from pa10d.trajectory.kinds import KINDS
+
+router = APIRouter(prefix="/experiments", tags=["experiments"])
+
+
+@router.get("", response_model=KindList)
+async def list_kinds() -> dict[str, Any]:
+    """Every kind with the JSON schema of its parameters."""
+    return {"items": [_about(kind) for kind in KINDS]}
+
+
+@router.get("/{kind}", response_model=KindAbout, responses=responses("not-found"))
+async def show_kind(kind: str) -> dict[str, Any]:
+    """One kind."""
+    _known(kind)
+    return _about(kind)
+
+
+@router.post(
+    "",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "state", "held", "conflict", "not-ready"),
+)
+async def start(
+    daemon: TheDaemon, _client: Commander, request: ExperimentRequest, response: Response
+) -> Any:
+    """Run one: plan, pre-check, enable where needed, move, record, analyse.
+
+    Takes a diagnosis' ``next_experiment`` as it stands. The job's result has ``runs`` (ids),
+    ``checks``, ``analysis`` and ``recommendation``. The arm is left as it was found.
+    """
+    asked = _checked(daemon, request)
+    require_ready(daemon)
+    return accepted(experiment_job(daemon, asked), response)
+
+
+@router.post(
+    "/check", response_model=Job, status_code=202, responses=responses("not-found", "conflict")
+)
+async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
+    """The pre-check alone, from where the arm stands: limits, torque, collisions, floor."""
+    asked = _checked(daemon, request)
+
+    async def work(report: Report) -> Any:
+        folder = daemon.runtime / f"check-{report.job.id}"
+        folder.mkdir()
+        try:
+            where = {"profile": str(daemon.profile.path), "folder": str(folder)}
+            plan = await daemon.workers.run(
+                "pa10d.services.experiments:make_plan", report,
+                kind=asked["kind"], parameters=asked["parameters"], **where,
+            )  # fmt: skip
+            found = await daemon.workers.run(
+                "pa10d.services.experiments:prepare_motion", report, data=str(daemon.data),
+                start=daemon.robot.pose().tolist(), model=asked["model"], **where,
+            )  # fmt: skip
+        finally:
+            await asyncio.to_thread(shutil.rmtree, folder, True)
+        go = all(c["level"] != "error" for c in found["checks"])
+        seconds = sum(motion["seconds"] for motion in found["motions"])
+        return {"go": go, "plan": plan, "checks": found["checks"], "seconds": seconds}
+
+    return accepted(daemon.jobs.start("check", asked, work), response)
+
+
+def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
+    _known(request.kind)
+    asked = request.model_dump()
+    if request.model is not None:
+        asked["model"] = find_model(daemon, request.model).id
+    if request.controller == "computed_torque" and request.model is None:
+        raise Problem("refused", "computed_torque: expected 'model', the name of a model")
+    taken = request.name is not None and not request.replace
+    if taken and any(info.name == request.name for info in daemon.runs.all()):
+        raise Problem("conflict", f"there is a run {request.name!r} already; or replace: true")
+    return asked
+
+
+def _known(kind: str) -> None:
+    if kind not in KINDS:
+        known = ", ".join(KINDS)
+        raise Problem("not-found", f"no kind {kind[:60]!r}; there are {known}")
+
+
+def _about(kind: str) -> dict[str, Any]:
+    found = KINDS[kind]
+    text = (found.__doc__ or "").strip().split("\n\n")[0]
+    return {
+        "kind": kind,
+        "title": found.title,
+        "description": " ".join(text.split()),
+        "parameters": found.model_json_schema(),
+    }

@@ -1,0 +1,168 @@
+"""Torque models: identify, look, extend, take elsewhere."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response
+from fastapi.responses import PlainTextResponse
+
+from pa10d.api.deps import Client, TheDaemon
+from pa10d.api.paging import page_of
+from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.accepted import accepted
+from pa10d.api.routes.ready import require_ready
+from pa10d.api.routes.runs import find_run
+from pa10d.api.schemas import (
+    AddRequest,
+    EffectList,
+    History,
+    IdentifyRequest,
+    ImproveRequest,
+    Job,
+    ModelDetails,
+    ModelPage,
+)
+from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.improvement import improvement_job
+from pa10d.effects import all_effects
+from pa10d.errors import UserError
+from pa10d.store.models import ModelInfo
+
+router = APIRouter(tags=["models"])
+
+
+@router.get("/effects", response_model=EffectList)
+async def list_effects() -> dict[str, Any]:
+    """The effect library: equations, signatures, what each is easily confused with."""
+    return {
+        "items": [
+            {
+                "id": e.id, "title": e.title, "equation": e.equation, "scope": e.scope,
+                "question": e.question, "signature": e.signature,
+                "confounders": dict(e.confounders), "experiment": e.experiment,
+                "experiment_kind": e.experiment_kind, "remedy": e.remedy, "source": e.source,
+                "coefficients": {c.name: c.unit for c in e.coefficients if not c.nuisance},
+                "shapes": {s.name: s.unit for s in e.shapes},
+            }
+            for e in all_effects().values()
+        ]
+    }  # fmt: skip
+
+
+@router.get("/models", response_model=ModelPage)
+async def list_models(
+    daemon: TheDaemon,
+    limit: Annotated[int, Query(ge=1, le=500)] = 50,
+    cursor: Annotated[str | None, Query(max_length=100)] = None,
+) -> dict[str, Any]:
+    """Models, newest first."""
+    found = [vars(info) for info in reversed(daemon.models.all())]
+    return page_of(found, limit, cursor)
+
+
+@router.post(
+    "/models", response_model=Job, status_code=202, responses=responses("not-found", "conflict")
+)
+async def identify(daemon: TheDaemon, request: IdentifyRequest, response: Response) -> Any:
+    """Fit the textbook model to runs; the job's result is that of ``pa10d identify``."""
+    _check(daemon, request.runs, request.name, request.replace)
+    job = daemon.compute(
+        "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
+    )
+    return accepted(job, response)
+
+
+@router.get("/models/{model}", response_model=ModelDetails, responses=responses("not-found"))
+async def show_model(daemon: TheDaemon, model: str) -> Any:
+    """One model with its parameters."""
+    return await daemon.answer("model_document", model=find_model(daemon, model).id)
+
+
+@router.get("/models/{model}/history", response_model=History, responses=responses("not-found"))
+async def show_history(daemon: TheDaemon, model: str) -> dict[str, Any]:
+    """What it was made from, step by step."""
+    infos = daemon.models.history(find_model(daemon, model))
+    return {"items": [vars(info) for info in infos]}
+
+
+@router.get(
+    "/models/{model}/export",
+    response_class=PlainTextResponse,
+    responses=responses("not-found", "refused"),
+)
+async def export_model(
+    daemon: TheDaemon, model: str, format: Literal["urdf", "python"]
+) -> PlainTextResponse:
+    """The model as a URDF with its inertias, or as a Python module."""
+    info = find_model(daemon, model)
+    found = await daemon.answer("model_text", model=info.id, format=format)
+    ending = {"urdf": "urdf", "python": "py"}[format]
+    headers = {"Content-Disposition": f'attachment; filename="{info.id}.{ending}"'}
+    return PlainTextResponse(found["text"], headers=headers)
+
+
+@router.get("/models/{model}/effects", response_model=EffectList, responses=responses("not-found"))
+async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
+    """What the library says of the effects at work in a model."""
+    ids = {label.split(" ")[0] for label in find_model(daemon, model).effects}
+    everything = await list_effects()
+    return {"items": [e for e in everything["items"] if e["id"] in ids]}
+
+
+@router.post(
+    "/models/{model}/effects",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "conflict", "refused"),
+)
+async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, response: Response) -> Any:
+    """A new version with the effect fitted in; the old one stays."""
+    info = find_model(daemon, model)
+    _check(daemon, request.fit, request.name, request.replace)
+    if request.effect not in all_effects():
+        raise Problem("not-found", f"no effect {request.effect!r} in the library")
+    return accepted(daemon.compute("add", "add", {"model": info.id, **_dump(request)}), response)
+
+
+@router.post(
+    "/models/{model}/improvements",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "conflict", "state", "held", "not-ready"),
+)
+async def improve(
+    daemon: TheDaemon, client: Client, model: str, request: ImproveRequest, response: Response
+) -> Any:
+    """Diagnose and add until nothing significant is left.
+
+    With ``experiments`` the arm is moved to settle doubts: the client must be able to command it.
+    """
+    info = find_model(daemon, model)
+    _check(daemon, [*request.fit, *request.validate_], request.name, request.replace)
+    asked = {"model": info.id, **_dump(request)}
+    if asked.pop("experiments"):
+        daemon.lease.take(client)
+        require_ready(daemon)
+        return accepted(improvement_job(daemon, asked), response)
+    return accepted(daemon.compute("improve", "improve", asked), response)
+
+
+def find_model(daemon: Daemon, wanted: str) -> ModelInfo:
+    """The model, or a problem."""
+    try:
+        return daemon.models.find(wanted)
+    except UserError as error:
+        raise Problem("not-found", str(error)) from error
+
+
+def _dump(request: Any) -> dict[str, Any]:
+    return dict(request.model_dump(by_alias=True))
+
+
+def _check(daemon: Daemon, runs: list[str], name: str, replace: bool) -> None:
+    """Say at once what a worker would say later."""
+    for run in runs:
+        find_run(daemon, run)
+    if not replace and any(info.name == name for info in daemon.models.all()):
+        raise Problem("conflict", f"there is a model {name!r} already; or give replace: true")

@@ -1,0 +1,116 @@
+"""The arm: its state, and what may be asked of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter
+
+from backends.cia402 import state_of
+from pa10d.api.deps import Client, Commander, TheDaemon
+from pa10d.api.problems import Problem, responses
+from pa10d.api.schemas import ControllerRequest, Lease, LeaseRequest, RobotState
+from pa10d.daemon.daemon import Daemon
+
+router = APIRouter(prefix="/robot", tags=["robot"])
+COMMAND = responses("state", "held", "not-ready")
+
+
+@router.get("", response_model=RobotState)
+async def look(daemon: TheDaemon) -> dict[str, Any]:
+    """The arm, now."""
+    return describe(daemon)
+
+
+@router.post("/enable", response_model=RobotState, responses=COMMAND)
+async def enable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Power on, release the brakes, hold the arm where it is."""
+    await daemon.robot.command("enable", timeout=30.0)
+    await daemon.robot.until("holding", "fault", timeout=5.0)
+    return describe(daemon)
+
+
+@router.post("/disable", response_model=RobotState, responses=COMMAND)
+async def disable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Bring the arm to rest, brakes on, power off."""
+    await daemon.robot.command("disable", timeout=30.0)
+    await daemon.robot.until("inactive", "fault", "offline", timeout=10.0)
+    return describe(daemon)
+
+
+@router.post("/stop", response_model=RobotState)
+async def stop(daemon: TheDaemon) -> dict[str, Any]:
+    """Bring the arm to rest along its limits. Everybody may, always; nothing needs to be held."""
+    daemon.stop()
+    await daemon.robot.until("holding", "inactive", "fault", "offline", timeout=5.0)
+    return describe(daemon)
+
+
+@router.post("/reset", response_model=RobotState, responses=COMMAND)
+async def reset(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Leave a fault, once its cause is gone; the arm stays unpowered."""
+    await daemon.robot.reset()
+    await daemon.robot.until("inactive", timeout=3.0)
+    return describe(daemon)
+
+
+@router.post("/connect", response_model=RobotState, responses=COMMAND)
+async def connect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Try to reach the drives now."""
+    if daemon.robot.state == "offline":
+        await daemon.robot.connect()
+    await daemon.robot.until("inactive", timeout=3.0)
+    return describe(daemon)
+
+
+@router.post("/disconnect", response_model=RobotState, responses=COMMAND)
+async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Leave the bus; the arm must be unpowered."""
+    if daemon.robot.state != "offline":
+        await daemon.robot.disconnect()
+    await daemon.robot.until("offline", timeout=3.0)
+    return describe(daemon)
+
+
+@router.put(
+    "/controller", response_model=RobotState, responses=responses("state", "held", "refused")
+)
+async def controller(
+    daemon: TheDaemon, _client: Commander, request: ControllerRequest
+) -> dict[str, Any]:
+    """Choose the control law; computed torque needs a model."""
+    await daemon.use_controller(request.controller, request.model)
+    return describe(daemon)
+
+
+@router.get("/lease", response_model=Lease)
+async def lease(daemon: TheDaemon) -> dict[str, Any]:
+    """Who commands the arm."""
+    return daemon.lease.document()
+
+
+@router.put("/lease", response_model=Lease, responses=responses("held"))
+async def take_lease(daemon: TheDaemon, client: Client, request: LeaseRequest) -> dict[str, Any]:
+    """Take or prolong the command of the arm. Every command does so for half a minute, too."""
+    daemon.lease.take(client, request.seconds)
+    daemon.events.publish("lease", daemon.lease.document())
+    return daemon.lease.document()
+
+
+@router.delete("/lease", response_model=Lease, responses=responses("held"))
+async def give_lease_back(daemon: TheDaemon, client: Client) -> dict[str, Any]:
+    """Let others command."""
+    if not daemon.lease.release(client) and daemon.lease.current():
+        holder = daemon.lease.current()
+        raise Problem("held", f"{holder} holds the lease, not {client}", holder=holder)
+    daemon.events.publish("lease", daemon.lease.document())
+    return daemon.lease.document()
+
+
+def describe(daemon: Daemon) -> dict[str, Any]:
+    """The robot's state as clients see it."""
+    document = daemon.robot.document() | {"lease": daemon.lease.document()}
+    for axis in document["axes"]:
+        state = state_of(axis["status_word"])
+        axis["drive_state"] = None if state is None else str(state)
+    return document

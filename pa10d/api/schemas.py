@@ -1,0 +1,333 @@
+"""What goes over the wire, with examples; SI units, joints numbered from 1."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
+State = Literal["offline", "inactive", "holding", "running", "stopping", "fault"]
+Name = Annotated[str, Field(min_length=1, max_length=100, examples=["monday-cold"])]
+Joint = Annotated[int, Field(ge=1, le=64)]
+
+
+class Strict(BaseModel):
+    """A request: unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Fault(BaseModel):
+    """A latched fault."""
+
+    kind: str = Field(examples=["following_error"])
+    cause: str
+    joint: int | None = Field(description="None: the whole arm")
+    remedy: str
+    sentence: str
+    state: str = Field(description="The arm's state when it happened")
+    time: float
+    sequence: int
+    device: bool = Field(description="Said by a drive or the bus, not by the loop")
+
+
+class Axis(BaseModel):
+    """One joint, now."""
+
+    joint: Joint
+    name: str
+    position: float = Field(description="rad")
+    velocity: float = Field(description="rad/s")
+    torque: float = Field(description="N·m, measured")
+    target: float = Field(description="rad, where it shall be")
+    temperature: float | None = Field(description="°C")
+    status_word: int = Field(description="CiA 402 0x6041")
+    drive_state: str | None = Field(
+        None, description="CiA 402 state", examples=["switch on disabled"]
+    )
+    age: int = Field(description="Cycles since it answered")
+
+
+class Lease(BaseModel):
+    """Who commands the arm."""
+
+    holder: str | None = Field(examples=["anonymous@127.0.0.1"])
+    expires_in: float = Field(description="s")
+
+
+class RobotState(BaseModel):
+    """The arm, now."""
+
+    profile: str
+    state: State
+    fault: Fault | None
+    offline_reason: str | None
+    controller: Literal["pid", "computed_torque"]
+    model: str | None = Field(description="The model that computed torque uses")
+    rate: float = Field(description="Hz")
+    simulated: bool
+    notes: list[str] = Field(description="What this machine does not allow, and what that means")
+    recording: bool = Field(description="What the arm does now belongs to a run")
+    time: float | None = Field(description="s on the loop's clock")
+    axes: list[Axis]
+    lease: Lease
+
+
+class LeaseRequest(Strict):
+    """Ask for the command of the arm."""
+
+    seconds: float = Field(60.0, gt=0, le=3600)
+
+
+class ControllerRequest(Strict):
+    """Which control law holds and moves the arm from now on."""
+
+    controller: Literal["pid", "computed_torque"]
+    model: Name | None = None
+
+
+class Job(BaseModel):
+    """Something that takes longer than a request."""
+
+    id: str
+    kind: str = Field(examples=["identify"])
+    request: dict[str, Any]
+    status: JobStatus
+    progress: float = Field(ge=0, le=1)
+    message: str
+    error: str | None
+    created: str
+    started: str | None
+    finished: str | None
+
+
+class JobWithResult(Job):
+    """With what came out."""
+
+    result: Any = None
+
+
+class Run(BaseModel):
+    """One recording."""
+
+    id: str
+    name: str
+    created: str
+    profile: str
+    joints: list[str]
+    status: Literal["started", "success", "stopped", "aborted", "failed"]
+    reason: str
+    samples: int
+    duration: float = Field(description="s")
+    rate: float = Field(description="Hz")
+    channels: list[str]
+    tags: list[str]
+    source: str
+    kind: str
+    warnings: list[str]
+    repaired: bool
+    software: str
+
+
+class RunChange(Strict):
+    """Another name, other tags."""
+
+    name: Name | None = None
+    tags: Annotated[list[Name], Field(max_length=32)] | None = None
+
+
+class Page(BaseModel):
+    """Part of a list; ``next`` goes on where this one ends."""
+
+    total: int
+    next: str | None = Field(None, description="Give it as 'cursor' to go on")
+
+
+class RunPage(Page):
+    """Runs, newest first."""
+
+    items: list[Run]
+
+
+class JobPage(Page):
+    """Jobs, newest first."""
+
+    items: list[Job]
+
+
+class Health(BaseModel):
+    """Is the daemon alive, and does the robot answer?"""
+
+    status: Literal["ok"] = "ok"
+    version: str
+    robot: State
+    uptime: float = Field(description="s")
+
+
+class Model(BaseModel):
+    """One torque model; all errors N·m, filtered, one value per joint."""
+
+    id: str
+    name: str
+    created: str
+    robot: str
+    joints: list[str]
+    change: str = Field(examples=["added stribeck J4"])
+    effects: list[str] = Field(examples=[["coulomb J1", "stribeck J4"]])
+    runs: list[str]
+    cutoff_hz: float
+    feasible: bool
+    rms: list[float] = Field(description="Of the fit")
+    held_out: dict[str, list[float]]
+    noise_floor: list[float] | None
+    parent: str | None
+    parent_name: str | None
+    software: str
+    replaced: bool = Field(description="A later model took its name")
+
+
+class Parameter(BaseModel):
+    """One value with its standard error."""
+
+    name: str = Field(examples=["stribeck J4: Fs"])
+    value: float
+    std_error: float | None
+    unit: str
+    meaning: str
+
+
+class ModelDetails(Model):
+    """With all parameters."""
+
+    parameters: list[Parameter]
+    standard: dict[str, list[float]] | None = Field(
+        description="Feasible standard parameters per joint: m mx my mz Ixx Ixy Iyy Ixz Iyz Izz"
+    )
+    shift_s: float
+
+
+class ModelPage(Page):
+    """Models, newest first."""
+
+    items: list[Model]
+
+
+class History(BaseModel):
+    """A model and all it was made from, the first ancestor first."""
+
+    items: list[Model]
+
+
+class EffectAbout(BaseModel):
+    """What the library says of one effect."""
+
+    id: str
+    title: str
+    equation: str
+    scope: Literal["joint", "pair", "robot"]
+    question: Literal["textbook", "missing", "changed"]
+    signature: str
+    confounders: dict[str, str]
+    experiment: str
+    experiment_kind: str
+    remedy: str
+    source: str
+    coefficients: dict[str, str] = Field(description="name -> unit")
+    shapes: dict[str, str] = Field(description="name -> unit")
+
+
+class EffectList(BaseModel):
+    """The effect library."""
+
+    items: list[EffectAbout]
+
+
+Runs = Annotated[list[Name], Field(min_length=1, max_length=100)]
+EffectId = Annotated[str, Field(max_length=60, examples=["stribeck"])]
+Joints = Annotated[list[Joint], Field(max_length=64)]
+
+
+class IdentifyRequest(Strict):
+    """Fit the textbook model."""
+
+    runs: Runs
+    name: Name
+    cutoff: float | None = Field(None, gt=0, le=10_000, description="Hz; default: from the data")
+    with_effects: Annotated[list[EffectId], Field(max_length=32)] = []
+    replace: bool = False
+
+
+class CompareRequest(Strict):
+    """Judge a model on runs."""
+
+    model: Name
+    runs: Runs
+
+
+class DiagnoseRequest(Strict):
+    """Ask which effect is missing."""
+
+    model: Name
+    fit: Runs
+    validate_: Annotated[list[Name], Field(max_length=100, alias="validate")] = []
+    frozen: bool = Field(False, description="What changed? Nothing is refitted")
+    effect: EffectId | None = Field(None, description="Test one suspicion")
+    joints: Joints = []
+
+
+class AddRequest(Strict):
+    """A new version of a model with one more effect."""
+
+    effect: EffectId
+    joints: Joints = []
+    fit: Runs
+    name: Name
+    replace: bool = False
+
+
+class ImproveRequest(Strict):
+    """Diagnose and add until nothing significant is left."""
+
+    experiments: bool = Field(
+        False, description="Run the experiments that settle a doubt; this moves the arm"
+    )
+    fit: Runs
+    validate_: Annotated[list[Name], Field(max_length=100, alias="validate")] = []
+    name: Name
+    replace: bool = False
+
+
+class ExperimentRequest(BaseModel):
+    """Run one experiment. Further keys, as a plan may carry, are passed over."""
+
+    model_config = ConfigDict(
+        extra="ignore",
+        json_schema_extra={
+            "example": {"kind": "tracking", "parameters": {"period": 4.0, "cycles": 2}}
+        },
+    )
+    kind: Annotated[str, Field(max_length=60, examples=["tracking"])]
+    parameters: dict[str, Any] = Field({}, description="As the kind's schema says")
+    name: Name | None = Field(None, description="Of the run; default: the kind, numbered")
+    tags: Annotated[list[Name], Field(max_length=32)] = []
+    controller: Literal["pid", "computed_torque"] | None = Field(
+        None, description="Default: the one in use"
+    )
+    model: Name | None = Field(None, description="For computed torque")
+    replace: bool = False
+
+
+class KindAbout(BaseModel):
+    """One kind of experiment."""
+
+    kind: str
+    title: str
+    description: str
+    parameters: dict[str, Any] = Field(description="JSON schema")
+
+
+class KindList(BaseModel):
+    """All kinds."""
+
+    items: list[KindAbout]

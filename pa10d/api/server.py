@@ -1,0 +1,117 @@
+"""``pa10d serve``: the daemon with its API on a port."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import secrets
+import socket
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+import uvicorn
+
+from pa10d.api.access import Access
+from pa10d.api.app import create_app
+from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.presence import Presence, announced, present
+from pa10d.daemon.runtime import own, runtime_folder
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+
+LOCK = ".daemon.lock"
+PATIENCE = 20.0  # s for which an older daemon's control process may still bring its arm to rest
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+MAY_TAKE = 20  # s for open requests once told to end
+
+log = logging.getLogger("pa10d")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to serve. Port 0: a free one. Without tokens only loopback addresses are allowed."""
+
+    data: Path
+    host: str = "127.0.0.1"
+    port: int = 8010
+    tokens: dict[str, str] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
+    simulator: bool = True
+    as_json: bool = False
+
+
+def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
+    """Until told to end (SIGTERM, SIGINT); the arm is at rest then, brakes on."""
+    if settings.host not in LOOPBACK and not settings.tokens:
+        raise UserError(
+            f"--host {settings.host}: other machines could command the arm; expected a loopback "
+            "address, or tokens (--token-file, PA10D_TOKEN)"
+        )
+    logging.basicConfig(format="%(name)s: %(message)s", stream=sys.stderr)
+    logging.getLogger("pa10d").setLevel(logging.INFO)
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(_listen(settings.host, settings.port))
+        lock = stack.enter_context(_sole_daemon(settings.data))
+        runtime = stack.enter_context(runtime_folder())
+        daemon = Daemon(
+            profile, robot, settings.data, runtime,
+            simulator=settings.simulator, inherit=(lock.fileno(),),
+        )  # fmt: skip
+        url = _url(settings.host, listener.getsockname()[1])
+        tokens = dict(settings.tokens)
+        presence = Presence(url, os.getpid(), profile.name, _token(tokens))
+        access = Access(tokens, frozenset(settings.names))
+
+        def ready() -> None:
+            stack.enter_context(announced(settings.data, presence))
+            if settings.as_json:
+                print(json.dumps({"url": url, "pid": os.getpid()}), flush=True)
+            else:
+                print(f"pa10d serves {profile.name} on {url}", file=sys.stderr, flush=True)
+
+        config = uvicorn.Config(
+            create_app(daemon, access, ready), log_level="warning", lifespan="on", loop="asyncio",
+            server_header=False, access_log=False, ws="websockets-sansio",
+            timeout_graceful_shutdown=MAY_TAKE,
+        )  # fmt: skip
+        uvicorn.Server(config).run(sockets=[listener])
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+        listener.listen(128)
+    except OSError as error:
+        listener.close()
+        raise UserError(
+            f"--port {port}: {error.strerror}; expected a free port (0 picks one)"
+        ) from error
+    return listener
+
+
+def _sole_daemon(data: Path) -> IO[str]:
+    other = present(data)
+    if other is not None:
+        raise UserError(f"{data}: a daemon runs here already ({other.url}, process {other.pid})")
+    taken = f"{data}: another daemon, or its control process, still holds this data folder"
+    return own(data / LOCK, PATIENCE, taken)
+
+
+def _token(tokens: dict[str, str]) -> str | None:
+    """With tokens in force the user's own command line needs one, too."""
+    if not tokens:
+        return None
+    return tokens.setdefault("admin", secrets.token_urlsafe(24))
+
+
+def _url(host: str, port: int) -> str:
+    shown = f"[{host}]" if ":" in host else host
+    return f"http://{shown}:{port}"

@@ -1,0 +1,36 @@
+"""What a user should know of a recording before fitting: arrays in, findings out."""
+
+from __future__ import annotations
+
+from pa10d.checks.channels import check_channels
+from pa10d.checks.delay import Delay, check_delay, estimate_delay
+from pa10d.checks.finding import Finding
+from pa10d.checks.timing import check_timing
+from pa10d.checks.units import beyond_limits, check_units
+from pa10d.dynamics.robot import Robot
+from pa10d.recording import Recording
+from pa10d.sampling import Timing
+
+__all__ = ["Delay", "Finding", "beyond_limits", "check_recording", "estimate_delay"]
+
+_ORDER = {"error": 0, "warning": 1, "info": 2}
+
+
+def check_recording(
+    recording: Recording, timing: Timing | None = None, robot: Robot | None = None
+) -> list[Finding]:
+    """Everything worth saying, gravest first.
+
+    timing: how the stamps were before they became equal steps; robot: for limits and the delay.
+    """
+    names = None if robot is None else robot.joint_names
+    findings = [
+        *check_timing(recording, timing),
+        *check_channels(recording, names),
+        *check_units(recording, robot),
+    ]
+    if robot is not None:
+        findings += beyond_limits(recording, robot)
+        if not any(finding.severity == "error" for finding in findings):
+            findings += check_delay(recording, robot)
+    return sorted(findings, key=lambda finding: _ORDER[finding.severity])

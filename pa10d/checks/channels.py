@@ -1,0 +1,120 @@
+"""Torque that is clipped or frozen, positions that jump, joints that never move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.checks.finding import Finding, joint_label, percent
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+Runs = list[tuple[int, int]]  # first index, length
+
+MOVING = 0.02  # of the joint's fast speed
+FROZEN = 0.25  # s
+STILL = 5e-3  # rad (m)
+LITTLE = 0.1  # rad (m)
+
+
+def check_channels(recording: Recording, names: tuple[str, ...] | None) -> Iterator[Finding]:
+    """Findings per joint, from the arrays alone."""
+    for j in range(recording.joints):
+        q, tau = recording.q[:, j], recording.tau[:, j]
+        label, moving = joint_label(j, names), _moving(q)
+        motion = list(_motion(q, recording, label, j))
+        yield from motion
+        if np.ptp(q) > STILL:
+            yield from _clipped(tau, moving, label, j)
+            yield from _frozen(tau, moving, recording, label, j)
+
+
+def _moving(q: Array) -> NDArray[np.bool_]:
+    """(N,) faster than creeping, judged over several samples because encoders are coarse."""
+    reach = min(5, (len(q) - 1) // 2)
+    span = np.abs(q[2 * reach :] - q[: len(q) - 2 * reach])
+    fast = span > max(MOVING * float(np.quantile(span, 0.99)), 1e-12)
+    return np.concatenate([fast[:1].repeat(reach), fast, fast[-1:].repeat(reach)])
+
+
+def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Finding]:
+    reach = float(np.ptp(q))
+    if reach <= STILL:
+        yield Finding(
+            "warning",
+            "never_moved",
+            f"{label} never moves (range {reach:.2g} rad): nothing of its friction and little of "
+            "its inertia can be learnt here",
+            "add a run in which it moves, or leave it out under 'joints' in the profile",
+            j + 1,
+        )
+    elif reach < LITTLE:
+        yield Finding(
+            "info", "little_motion", f"{label} moves over {reach:.2g} rad only", "", j + 1
+        )
+    steps = np.abs(np.diff(q))
+    usual = float(np.quantile(steps, 0.999))
+    worst = int(steps.argmax())
+    if steps[worst] > max(0.05, 10 * usual):
+        turn = abs(steps[worst] - 2 * np.pi) < 0.1
+        yield Finding(
+            "error",
+            "jump",
+            f"{label}: q jumps by {steps[worst]:.3g} rad at {recording.t[worst]:.3f} s",
+            "unwrap the angle: it starts anew every turn" if turn else "cut the file there",
+            j + 1,
+        )
+
+
+def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Iterator[Finding]:
+    """A limit shows as one extreme value that returns again and again while the joint moves.
+
+    A coarse sensor dwells on its highest level too, but then about as long on the one below.
+    """
+    for side, extreme in ((1.0, "largest"), (-1.0, "smallest")):
+        values = side * tau
+        top = values.max()
+        below = values[values < top]
+        if not len(below):
+            return
+        flat = (values == top) & moving
+        beside = int((values == below.max()).sum())
+        held = sum(length for _, length in _runs(flat) if length >= 3)
+        if held >= 10 and held > 6 * beside:
+            share = percent(held / len(tau))
+            yield Finding(
+                "error",
+                "clipped",
+                f"{label}: the torque stands at its {extreme} value {side * top:.4g} N·m in "
+                f"{share} of the samples: it is clipped",
+                "widen the sensor's range or move less hard; leave these samples out of a fit",
+                j + 1,
+            )
+
+
+def _frozen(
+    tau: Array, moving: NDArray[np.bool_], recording: Recording, label: str, j: int
+) -> Iterator[Finding]:
+    least = max(10, int(FROZEN * recording.rate))
+    same = np.concatenate([[False], np.diff(tau) == 0]) & moving
+    extreme = (tau == tau.max()) | (tau == tau.min())
+    runs = [(k, length) for k, length in _runs(same & ~extreme) if length >= least]
+    constant = np.ptp(tau) == 0
+    if constant or runs:
+        first, longest = (0, len(tau)) if constant else max(runs, key=lambda run: run[1])
+        yield Finding(
+            "error",
+            "frozen",
+            f"{label}: the torque holds one value for {longest / recording.rate:.2g} s at "
+            f"{recording.t[first]:.3f} s while the joint moves",
+            "look for a lost sensor or a logger that repeats old values",
+            j + 1,
+        )
+
+
+def _runs(flags: NDArray[np.bool_]) -> Runs:
+    """Where ``flags`` is True without a break."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
+    return [(int(a), int(b - a)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,37 @@
+"""One thing that a user should know of a recording before fitting a model to it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Severity = Literal["info", "warning", "error"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """``error``: a fit would be wrong; ``warning``: it would be poorer; ``info``: good to know."""
+
+    severity: Severity
+    code: str  # short and stable, for programs
+    sentence: str
+    advice: str = ""
+    joint: int | None = None  # from 1
+
+    def document(self) -> dict[str, Any]:
+        """As JSON knows it."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        return f"{self.severity}: {self.sentence}" + (f" → {self.advice}" if self.advice else "")
+
+
+def joint_label(j: int, names: tuple[str, ...] | None) -> str:
+    """``joint 3 (S3)`` for index 2."""
+    return f"joint {j + 1} ({names[j]})" if names else f"joint {j + 1}"
+
+
+def percent(share: float) -> str:
+    """A share of samples for a person: two digits, and never 1e+02."""
+    value = 100 * share
+    return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"

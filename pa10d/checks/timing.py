@@ -1,0 +1,92 @@
+"""Sampling rate, jitter, gaps, length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pa10d.checks.finding import Finding, percent
+from pa10d.recording import Recording
+from pa10d.sampling import Timing
+
+SLOW, TOO_SLOW, TOO_FAST = 50.0, 10.0, 20_000.0  # Hz
+UNEVEN = 0.1  # of a period: later stamps than this cost accuracy at the usual cut-offs
+SHORT = 5.0  # s
+
+
+def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Finding]:
+    """``timing``: how the stamps were before they became equal steps."""
+    rate, n = recording.rate, len(recording.t)
+    yield Finding(
+        "info", "rate", f"{n} samples at {rate:.6g} Hz, {recording.duration:.1f} s, "
+        f"{recording.joints} joints"
+    )  # fmt: skip
+    yield from _plausible(rate)
+    if rate >= TOO_SLOW and recording.duration < SHORT:
+        yield Finding(
+            "warning",
+            "short",
+            f"the recording lasts {recording.duration:.2g} s",
+            "record 20 s or more, so that every joint turns around several times",
+        )
+    if timing is not None:
+        yield from _steps(timing)
+
+
+def _plausible(rate: float) -> Iterator[Finding]:
+    for factor, unit in ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")):
+        if rate < TOO_SLOW and SLOW <= rate * factor <= TOO_FAST:
+            yield Finding(
+                "error",
+                "time_unit",
+                f"{rate:.3g} Hz: the stamps look like {unit}",
+                f"divide the column time by {factor:g}",
+            )
+            return
+    if rate < SLOW:
+        yield Finding(
+            "error" if rate < TOO_SLOW else "warning",
+            "slow",
+            f"{rate:.3g} Hz is slow: accelerations come from differences of q",
+            "record at 100 Hz or faster",
+        )
+    if rate > TOO_FAST:
+        yield Finding(
+            "warning",
+            "fast",
+            f"{rate:.3g} Hz is faster than robots are sampled",
+            "check that the column time is in seconds",
+        )
+
+
+def _steps(timing: Timing) -> Iterator[Finding]:
+    share = timing.jitter / timing.period
+    if timing.resampled:
+        yield Finding(
+            "warning" if share > UNEVEN else "info",
+            "jitter",
+            f"the stamps are irregular: steps off by up to {timing.jitter * 1e3:.3g} ms "
+            f"({percent(share)} of a period); the samples were interpolated",
+            "let the robot's controller stamp the samples, not the logger",
+        )
+    if timing.rounding is not None:
+        yield Finding(
+            "info",
+            "rounded_stamps",
+            f"the stamps are rounded to {timing.rounding * 1e3:g} ms and were taken as equal steps",
+        )
+    if timing.duplicates:
+        yield Finding(
+            "warning",
+            "duplicate_stamps",
+            f"{timing.duplicates} samples share a stamp with the one before and were averaged",
+            "log more digits of the time",
+        )
+    if timing.gaps:
+        begin, longest = max(timing.gaps, key=lambda gap: gap[1])
+        yield Finding(
+            "warning",
+            "gaps",
+            f"{len(timing.gaps)} gaps without samples, {sum(g[1] for g in timing.gaps):.3g} s in "
+            f"all, the longest {longest:.3g} s at {begin:.3f} s, filled by straight lines",
+            "cut the file at long gaps: what stands in them was never measured",
+        )

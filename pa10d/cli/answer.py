@@ -1,0 +1,49 @@
+"""What a command says: a document for programs, a text for people, notes on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+from pa10d.jsonable import plain
+
+
+@dataclass(frozen=True)
+class Answer:
+    """``document`` is printed with --json, ``text`` without; status 1 says: it did not go well."""
+
+    document: Any
+    text: str = ""
+    status: int = 0
+
+
+def note(line: str) -> None:
+    """Progress, warnings and the like: never on stdout."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def print_answer(answer: Answer, as_json: bool) -> None:
+    """To stdout, in one form or the other."""
+    if as_json:
+        print(json.dumps(plain(answer.document), ensure_ascii=False, allow_nan=False))
+    elif answer.text:
+        print(answer.text)
+
+
+def print_failure(message: str, as_json: bool) -> None:
+    """Why it could not be done."""
+    note(message)
+    if as_json:
+        print(json.dumps({"error": message}, ensure_ascii=False))
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """Columns for a person, left-aligned."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in [head, *rows]
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,82 @@
+"""How commands are declared."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from pa10d import __version__
+from pa10d.cli.answer import Answer
+
+DEFAULT_PROFILE = "pa10-sim"
+Run = Callable[[argparse.Namespace], Answer]
+
+
+def root_parser() -> tuple[argparse.ArgumentParser, Any]:
+    """The parser of ``pa10d`` and the place where commands hang."""
+    parser = argparse.ArgumentParser(
+        prog="pa10d",
+        description="Hold a robot arm by its amplifiers and learn what its torque is made of.",
+        parents=[_anywhere()],
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"pa10d {__version__}")
+    return parser, parser.add_subparsers(metavar="COMMAND", required=True)
+
+
+class Commands:
+    """Where a family adds its commands; ``group`` is a command with commands of its own."""
+
+    def __init__(self, subparsers: Any) -> None:
+        self._subparsers = subparsers
+
+    def add(self, name: str, run: Run, says: str, **more: Any) -> argparse.ArgumentParser:
+        """A command: ``run(options)`` gives its Answer. The caller adds options to the parser."""
+        parser = self._parser(name, says, **more)
+        parser.set_defaults(run=run)
+        return parser
+
+    def group(self, name: str, says: str) -> Commands:
+        """A command with commands of its own, such as ``pa10d run import``."""
+        parser = self._parser(name, says)
+        return Commands(parser.add_subparsers(metavar="COMMAND", required=True))
+
+    def _parser(self, name: str, says: str, **more: Any) -> argparse.ArgumentParser:
+        parser: argparse.ArgumentParser = self._subparsers.add_parser(
+            name, help=says, description=says, parents=[_anywhere()], allow_abbrev=False, **more
+        )
+        return parser
+
+
+def profile_option(parser: argparse.ArgumentParser) -> None:
+    """--profile P."""
+    parser.add_argument(
+        "--profile",
+        metavar="P",
+        default=DEFAULT_PROFILE,
+        help=f"the robot: a profile's name or YAML file (default: {DEFAULT_PROFILE})",
+    )
+
+
+def replace_option(parser: argparse.ArgumentParser, what: str) -> None:
+    """--replace."""
+    parser.add_argument("--replace", action="store_true", help=f"take the place of {what}")
+
+
+def _anywhere() -> argparse.ArgumentParser:
+    """Options that are taken before and after the command, whichever way."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument(
+        "--data",
+        metavar="DIR",
+        default=argparse.SUPPRESS,
+        help="where runs and models are kept (default: PA10D_DATA or the user's data folder)",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="print one JSON document on stdout and nothing else",
+    )
+    return parser

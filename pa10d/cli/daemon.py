@@ -1,0 +1,139 @@
+"""``pa10d serve``, ``sim``, ``experiment``, ``check``: the robot."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pa10d.cli.answer import Answer, note
+from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.daemon_client import robot_options
+
+if TYPE_CHECKING:
+    from pa10d.profile import Profile
+
+PORT = 8010
+
+
+def add_commands(commands: Commands) -> None:
+    """The family around the daemon."""
+    serving = commands.add("serve", serve, "the daemon with HTTP API and web page")
+    serving.add_argument("--port", type=int, default=PORT, help=f"0: a free one (default: {PORT})")
+    serving.add_argument("--host", default="127.0.0.1", help="address to listen on")
+    serving.add_argument(
+        "--name", dest="names", nargs="+", action="extend", default=[], metavar="HOST",
+        help="further names of this machine that a browser may use",
+    )  # fmt: skip
+    serving.add_argument(
+        "--token-file", type=Path, metavar="FILE",
+        help='{"look": "…", "command": "…", "admin": "…"} or one token (also: PA10D_TOKEN)',
+    )  # fmt: skip
+    serving.add_argument(
+        "--no-sim", action="store_true", help="do not start the virtual arm of the profile"
+    )
+    robot_options(serving)
+    experimenting = commands.add("experiment", experiment, "run one experiment → run ids")
+    experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
+    experimenting.add_argument(
+        "--plan", type=Path, metavar="FILE", help="{kind, parameters} as next_experiment gives it"
+    )
+    experimenting.add_argument(
+        "--set", dest="settings", metavar="KEY=VALUE", nargs="+", action="extend", default=[],
+        help="parameters of the kind, such as period=4 joints=[1,2]",
+    )  # fmt: skip
+    experimenting.add_argument("--name", metavar="RUN", help="of the run (default: the kind)")
+    experimenting.add_argument("--tag", dest="tags", nargs="+", action="extend", default=[])
+    experimenting.add_argument("--controller", choices=("pid", "computed_torque"))
+    experimenting.add_argument("--model", help="for computed torque")
+    experimenting.add_argument("--check", action="store_true", help="the pre-check only")
+    replace_option(experimenting, "the run of this name")
+    robot_options(experimenting)
+    checking = commands.add("check", check, "go or no-go before power")
+    checking.add_argument("--seconds", type=float, default=2.0, help="for each timing test")
+    robot_options(checking)
+    simulating = commands.add("sim", sim, "the virtual arm alone, in its own process")
+    robot_options(simulating)
+
+
+def serve(options: argparse.Namespace) -> Answer:
+    """``serve``: until interrupted."""
+    from pa10d.api.access import tokens_from
+    from pa10d.api.server import Settings
+    from pa10d.api.server import serve as run
+    from pa10d.services.robots import load_robot
+    from pa10d.store.location import data_folder
+
+    profile, robot = load_robot(options.profile)
+    secret = options.token_file.read_text() if options.token_file else ""
+    settings = Settings(
+        data=data_folder(options.data),
+        host=options.host,
+        port=options.port,
+        tokens=tokens_from(secret or os.environ.get("PA10D_TOKEN", "")),
+        names=tuple(options.names),
+        simulator=not options.no_sim,
+        as_json=options.json,
+    )
+    run(_on_bus(profile, options), robot, settings)
+    return Answer(None)
+
+
+def experiment(options: argparse.Namespace) -> Answer:
+    """``experiment``: by the daemon that runs on this data, else by one of our own."""
+    from pa10d.cli.daemon_client import daemon_for, progress_line, read_plan
+
+    plan = read_plan(options.kind, options.plan, options.settings)
+    keys = ("name", "tags", "controller", "model", "replace")
+    chosen = {key: getattr(options, key) for key in keys if getattr(options, key)}
+    with daemon_for(options) as client:
+        if options.check:
+            found = client.check_experiment({**plan, **chosen})
+            lines = [f"{c['level']:7s} {c['sentence']}" for c in found["checks"]]
+            return Answer(found, "\n".join(lines), status=0 if found["go"] else 1)
+        found = client.experiment(plan=plan, progress=progress_line(), **chosen)
+    for sentence in found["recommendation"]:
+        note(sentence)
+    return Answer(found, "\n".join(found["runs"]))
+
+
+def check(options: argparse.Namespace) -> Answer:
+    """``check``."""
+    from pa10d.daemon.check import check_robot
+    from pa10d.services.robots import load_robot
+    from pa10d.store.location import data_folder
+
+    profile, robot = load_robot(options.profile)
+    found = check_robot(
+        _on_bus(profile, options), robot, data_folder(options.data), options.seconds
+    )
+    go = all(c.level != "error" for c in found)
+    lines = [f"{c.level:7s} {c.subject}: {c.sentence}" for c in found]
+    document = {"go": go, "checks": [c.document() for c in found]}
+    return Answer(document, "\n".join([*lines, "go" if go else "no go"]), 0 if go else 1)
+
+
+def sim(options: argparse.Namespace) -> Answer:
+    """``sim``: until interrupted."""
+    from pa10d.daemon.simulator import claim, serve_arm
+    from pa10d.errors import UserError
+    from pa10d.profile import load_profile
+
+    profile = _on_bus(load_profile(options.profile), options)
+    lock = claim(profile)
+    if lock is None:
+        raise UserError(f"a virtual arm is on '{profile.can.channel}' already")
+    with lock:
+        serve_arm(profile, lambda: note(f"virtual arm on '{profile.can.channel}'"))
+    return Answer(None)
+
+
+def _on_bus(profile: Profile, options: argparse.Namespace) -> Profile:
+    """The profile with the bus and clock of this call."""
+    changes: dict[str, object] = {}
+    if options.channel:
+        changes["can"] = profile.can.model_copy(update={"channel": options.channel})
+    if options.clock and profile.simulation:
+        changes["simulation"] = profile.simulation.model_copy(update={"clock": options.clock})
+    return profile.model_copy(update=changes)

@@ -1,0 +1,107 @@
+"""How a command finds a daemon to ask, and shows how far a job is."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pa10d.cli.answer import Answer, note
+from pa10d.cli.commands import profile_option
+from pa10d.errors import UserError
+
+if TYPE_CHECKING:
+    from pa10d.client import Client
+
+BAR = 30  # characters
+
+
+def robot_options(parser: argparse.ArgumentParser) -> None:
+    """--profile, and on which bus and by which clock its arm is simulated."""
+    profile_option(parser)
+    parser.add_argument("--channel", help="CAN channel, instead of the profile's")
+    parser.add_argument(
+        "--clock", choices=("simulated", "real"),
+        help="of the virtual arm, instead of the profile's",
+    )  # fmt: skip
+
+
+@contextlib.contextmanager
+def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
+    """The daemon on this data folder; where none runs, one for the time of this command."""
+    from pa10d.client import local_daemon, running_daemon
+    from pa10d.profile import load_profile
+    from pa10d.store.location import data_folder
+
+    client = running_daemon(options.data)
+    if client is None:
+        data = data_folder(options.data)
+        note("no daemon runs on this data: one is started for this command")
+        with local_daemon(
+            data, options.profile, channel=options.channel, clock=options.clock
+        ) as client:
+            yield client
+        return
+    with client:
+        serves = client.robot()["profile"]
+        wanted = load_profile(options.profile).name
+        if serves != wanted:
+            note(f"the daemon on this data serves {serves}, not {wanted}")
+        yield client
+
+
+def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> dict[str, Any]:
+    """``{kind, parameters, …}`` from a file or from what the command line says."""
+    import yaml
+
+    if (kind is None) == (file is None):
+        raise UserError("experiment: expected either KIND or --plan FILE")
+    given: dict[str, Any] = {}
+    for setting in settings:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise UserError(f"--set {setting}: expected KEY=VALUE")
+        given[key] = yaml.safe_load(value)
+    if file is None:
+        return {"kind": kind, "parameters": given}
+    try:
+        plan = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise UserError(f"{file}: not YAML or JSON; expected kind and parameters") from error
+    if not isinstance(plan, dict) or "kind" not in plan:
+        raise UserError(f"{file}: no 'kind'; expected {{kind: …, parameters: …}}")
+    return {**plan, "parameters": {**(plan.get("parameters") or {}), **given}}
+
+
+def progress_line() -> Callable[[float, str], None]:
+    """A bar on a terminal, a line per step elsewhere."""
+    said = ""
+
+    def show(share: float, message: str) -> None:
+        nonlocal said
+        if sys.stderr.isatty():
+            done = round(BAR * share)
+            bar = "█" * done + "·" * (BAR - done)
+            end = "\n" if share >= 1 else ""
+            print(f"\r{bar} {share:4.0%} {message:40.40s}", end=end, file=sys.stderr, flush=True)
+        elif message != said:
+            note(f"{share:4.0%} {message}")
+            said = message
+
+    return show
+
+
+def improve_by_daemon(options: argparse.Namespace) -> Answer:
+    """``improve --experiments``."""
+    with daemon_for(options) as client:
+        found = client.improve(
+            options.model_, options.fit, options.name, progress_line(),
+            validate=options.validate, replace=options.replace, experiments=True,
+        )  # fmt: skip
+    for entry in found["experiments"]:
+        note(f"run to settle a doubt: {entry['plan']['kind']} -> {', '.join(entry['runs'])}")
+    made = ", ".join(f"{m['name']} ({m['change']})" for m in found["versions"])
+    return Answer(found, f"stored: {made}" if made else "nothing stored: there is nothing to add")

@@ -1,0 +1,179 @@
+"""``pa10d diagnose``, ``add`` and ``improve``: which effect is missing, and a model that has it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pa10d.cli.answer import Answer, note, table
+from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.daemon_client import improve_by_daemon, robot_options
+from pa10d.cli.models import _library, _model, _progress
+
+if TYPE_CHECKING:
+    from pa10d.diagnose.outcome import Diagnosis
+
+
+def add_commands(commands: Commands) -> None:
+    """``diagnose``, ``add`` and ``improve``."""
+    parser = commands.add("diagnose", diagnose, "which physical effect is missing, or what changed")
+    _model(parser)
+    _sides(parser)
+    parser.add_argument(
+        "--frozen", action="store_true", help="do not refit the model: what changed since?"
+    )
+    parser.add_argument("--effect", metavar="E", help="test one suspicion only")
+    _joints(parser)
+    _report(parser)
+
+    parser = commands.add("add", add, "a new version of a model with an effect fitted in")
+    _model(parser)
+    parser.add_argument("effect", metavar="EFFECT")
+    _joints(parser)
+    parser.add_argument("--fit", nargs="+", action="extend", required=True, metavar="RUN")
+    parser.add_argument("--name", required=True, metavar="NEW", help="the new version's name")
+    replace_option(parser, "the model of this name (the old one stays under its id)")
+
+    parser = commands.add("improve", improve, "diagnose and add until nothing significant is left")
+    _model(parser)
+    _sides(parser)
+    parser.add_argument("--name", required=True, metavar="NEW", help="the last version's name")
+    _report(parser)
+    parser.add_argument(
+        "--experiments", action="store_true",
+        help="move the arm: run what settles a doubt (by the daemon, or one of its own)",
+    )  # fmt: skip
+    robot_options(parser)
+    replace_option(parser, "models of these names (the old ones stay under their ids)")
+
+
+def diagnose(options: argparse.Namespace) -> Answer:
+    """``diagnose``."""
+    from pa10d.services.diagnoses import diagnose_runs
+
+    found = diagnose_runs(
+        _library(options), options.model_, options.fit, options.validate, frozen=options.frozen,
+        effect=options.effect, joints=options.joint, progress=_progress,
+    )  # fmt: skip
+    document = found.document()
+    _write_report(options, found, document)
+    return Answer(document, in_words(found))
+
+
+def add(options: argparse.Namespace) -> Answer:
+    """``add``."""
+    from pa10d.services.diagnoses import add_effect
+
+    info, model, warnings = add_effect(
+        _library(options), options.model_, options.effect, options.joint, options.fit,
+        name=options.name, replace_model=options.replace, progress=_progress,
+    )  # fmt: skip
+    for warning in warnings:
+        note(f"warning: {warning}")
+    held = model.held_out["held out"]
+    document = {
+        "id": info.id,
+        "name": info.name,
+        "parent": model.parent,
+        "change": model.change,
+        "held_out": [float(v) for v in held],
+        "warnings": warnings,
+    }
+    text = f"{info.name} ({info.id}): {model.change}; held-out RMS " + " ".join(
+        f"{v:.4g}" for v in held
+    )
+    return Answer(document, text)
+
+
+def improve(options: argparse.Namespace) -> Answer:
+    """``improve``."""
+    from pa10d.services.diagnoses import improve_model
+
+    if options.experiments:
+        return improve_by_daemon(options)
+
+    made = improve_model(
+        _library(options), options.model_, options.fit, options.validate, name=options.name,
+        replace_model=options.replace, progress=_progress,
+    )  # fmt: skip
+    text = in_words(made.diagnosis)
+    if made.infos:
+        text += "\nstored: " + ", ".join(f"{i.name} ({i.change})" for i in made.infos)
+    else:
+        text += "\nnothing stored: there is nothing to add"
+    document = made.document()
+    _write_report(options, made.diagnosis, document)
+    return Answer(document, text)
+
+
+def _write_report(options: argparse.Namespace, found: Diagnosis, document: dict[str, Any]) -> None:
+    from pa10d.services.diagnoses import write_diagnosis_report
+
+    if options.report is None:
+        return
+    document["report"] = str(
+        write_diagnosis_report(
+            _library(options), found, options.report.absolute(), model=options.model_,
+            fit=options.fit, validate=options.validate,
+        )
+    )  # fmt: skip
+    note(f"report: {document['report']}")
+
+
+def in_words(found: Diagnosis) -> str:
+    """A diagnosis for the terminal."""
+    n = len(found.rms)
+    says = {
+        "none": "Nothing significant is missing: what is left is measurement noise.",
+        "unknown": "Something is missing that no effect of the library explains.",
+        "missing": "Missing:" if not found.frozen else "Changed:",
+    }
+    lines = [says[found.verdict]]
+    for number, finding in enumerate(found.findings, 1):
+        lines.append(f"{number}. {finding.sentence}")
+        values = ", ".join(
+            f"{name} = {v.value:.4g} ± {v.std_error:.2g} {v.unit}"
+            for name, v in finding.parameters.items()
+        )
+        lines.append(f"   {finding.term.label}: {values}")
+        if finding.next_experiment is not None:
+            lines.append(f"   settle the doubt with: {finding.next_experiment}")
+    for s in found.unexplained:
+        lines.append(
+            f"Joint {s.joint + 1}: {s.share:.0%} of its squared error depends on "
+            f"{' and '.join(s.variables)}."
+        )
+    head = ["joint", "RMS N·m", *(f.term.label for f in found.findings), "noise floor"]
+    rows = [
+        [
+            str(j + 1),
+            f"{found.rms[j]:.4g}",
+            *(f"{f.rms_after[j]:.4g}" for f in found.findings),
+            f"{found.noise_floor[j]:.4g}",
+        ]
+        for j in range(n)
+    ]
+    lines += [table(head, rows), f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz"]
+    return "\n".join(lines)
+
+
+def _sides(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--fit", nargs="+", action="extend", required=True, metavar="RUN", help="runs to fit"
+    )
+    parser.add_argument(
+        "--validate", nargs="+", action="extend", default=[], metavar="RUN",
+        help="runs to judge by (default: every other block of time of the fitted ones)",
+    )  # fmt: skip
+
+
+def _joints(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--joint", nargs="+", type=int, action="extend", default=[], metavar="J",
+        help="joints, numbered from 1 (two for effects of pairs)",
+    )  # fmt: skip
+
+
+def _report(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")

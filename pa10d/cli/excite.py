@@ -1,0 +1,133 @@
+"""``pa10d excite``: an optimal exciting trajectory, as a plan that can be run."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from pa10d.cli.answer import Answer, note, plain, table
+from pa10d.cli.commands import Commands, profile_option
+from pa10d.errors import UserError
+
+STEP = 0.1  # share of the search between two lines of progress
+
+
+def add_commands(commands: Commands) -> None:
+    """``excite``."""
+    parser = commands.add("excite", excite, "find a trajectory that excites all parameters")
+    profile_option(parser)
+    add = parser.add_argument
+    add("--joints", metavar="A-B", help="such as 1-4 or 1,2,4 (default: all)")
+    add("--seconds", type=_positive, metavar="S", help="how long the search may take")
+    add("--generations", type=int, metavar="N", help="how far to search; repeats exactly")
+    add("--seed", type=int, default=1, help="same seed and generations, same result (default: 1)")
+    add("--period", type=_positive, default=10.0, metavar="S", help="of the motion (default: 10)")
+    add("--cycles", type=int, default=3, metavar="N", help="periods to record (default: 3)")
+    add("--harmonics", type=int, default=5, metavar="N", help="of the series (default: 5)")
+    add("--samples", type=int, default=100, metavar="N", help="of a period (default: 100)")
+    add("--floor", default="0", metavar="M", help="height in the base frame, or none (default: 0)")
+    add("--boundary", type=float, nargs="+", metavar="V",
+        help="rad/s per joint: only samples above it count")  # fmt: skip
+    add("--noise", type=float, nargs="+", metavar="T", help="N·m per joint: weigh by it")
+    add("--criterion", choices=("condition", "determinant"), default="condition",
+        help="condition number (default), or the determinant of the information")  # fmt: skip
+    add("--smallest", type=float, default=0.0, metavar="L2",
+        help="weight of 1/σ_min beside the condition number (default: 0)")  # fmt: skip
+    add("--even", type=float, default=0.0, metavar="L3",
+        help="weight of the worst joint's standard error (default: 0)")  # fmt: skip
+    add("--scaled", action="store_true", help="columns to unit norm, so that units do not count")
+    add("--workers", type=int, metavar="N", help="processes (default: one per processor)")
+    add("--out", type=Path, metavar="FILE", help="write the plan as YAML")
+
+
+def excite(options: argparse.Namespace) -> Answer:
+    """``excite``."""
+    import yaml
+
+    from pa10d.services.excitation import excite as search
+
+    if options.out is not None and not options.out.absolute().parent.is_dir():
+        raise UserError(f"{options.out}: no such folder {options.out.absolute().parent}")
+    found = search(
+        options.profile, _joints(options.joints), seconds=options.seconds,
+        generations=options.generations, seed=options.seed, cycles=options.cycles,
+        workers=options.workers, progress=_teller(), fundamental=1.0 / options.period,
+        harmonics=options.harmonics, samples=options.samples, floor=_floor(options.floor),
+        boundary=options.boundary, noise=options.noise, smallest=options.smallest,
+        evenness=options.even, scaled=options.scaled,
+        determinant=options.criterion == "determinant",
+    )  # fmt: skip
+    document: dict[str, Any] = plain(found.document())
+    for warning in document["about"]["warnings"]:
+        note(f"warning: {warning}")
+    if options.out is not None:
+        text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
+        options.out.write_text(text, encoding="utf-8")
+        note(f"plan: {options.out}")
+    answer = {**document["about"], "out": None if options.out is None else str(options.out)}
+    if options.out is None:
+        answer["plan"] = {key: document[key] for key in ("kind", "parameters")}
+    return Answer(answer, _text(found.problem.joints, document["about"]))
+
+
+def _text(joints: tuple[int, ...], about: dict[str, Any]) -> str:
+    rows = [
+        [
+            str(j + 1),
+            f"{about['standard_error'][k]:.3g}",
+            *(f"{100 * about['use'][key][k]:.0f} %" for key in about["use"]),
+        ]
+        for k, j in enumerate(joints)
+    ]
+    head = ["joint", "standard error at 1 N·m", *(f"of its {key}" for key in about["use"])]
+    return "\n".join(
+        [
+            f"condition number {about['condition_number']:.1f} "
+            f"({about['columns']} parameters, {about['equations']} equations), smallest singular "
+            f"value {about['smallest_singular_value']:.3g}, uneven by {about['evenness']:.1f}",
+            table(head, rows),
+            f"{about['generations']} generations, {about['evaluations']} evaluations, "
+            f"{about['seconds']:.1f} s",
+        ]
+    )
+
+
+def _teller() -> Any:
+    told = [0.0]
+
+    def tell(share: float, words: str) -> None:
+        if share >= told[0]:
+            told[0] = share + STEP
+            note(f"{100 * share:3.0f} %  {words}")
+
+    return tell
+
+
+def _joints(text: str | None) -> list[int] | None:
+    if text is None:
+        return None
+    found: list[int] = []
+    try:
+        for part in text.split(","):
+            first, _, last = part.partition("-")
+            found += range(int(first), int(last or first) + 1)
+    except ValueError as error:
+        raise UserError(f"--joints: found {text!r}, expected such as 1-4 or 1,2,4") from error
+    return found
+
+
+def _floor(text: str) -> float | None:
+    if text.lower() == "none":
+        return None
+    try:
+        return float(text)
+    except ValueError as error:
+        raise UserError(f"--floor: found {text!r}, expected a height in m or none") from error
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"found {text}, expected more than 0")
+    return value

@@ -1,0 +1,117 @@
+"""``pa10d model …``: torque models on show, their history, and taken elsewhere."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pa10d.cli.answer import Answer, note, table
+from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.models import _library, _model, _rows
+
+if TYPE_CHECKING:
+    from pa10d.store.models import ModelInfo
+
+ENDINGS = {"urdf": "urdf", "python": "py"}
+
+
+def add_commands(commands: Commands) -> None:
+    """The family ``model``."""
+    models = commands.group("model", "torque models: list, show, history, export")
+    models.add("list", list_, "all models, oldest first")
+    _model(models.add("show", show, "a model's parameters with units and standard errors"))
+    _model(models.add("history", history, "what a model was made from, step by step"))
+    parser = models.add("export", export, "a model for other programs")
+    _model(parser)
+    parser.add_argument("--format", required=True, choices=tuple(ENDINGS))
+    parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf or .py")
+    replace_option(parser, "an existing file")
+
+
+def list_(options: argparse.Namespace) -> Answer:
+    """``model list``."""
+    store = _library(options).models
+    for bad in store.broken():
+        note(f"warning: {bad.error}")
+    infos = store.all()
+    head = ["id", "name", "created", "from", "change", "RMS N·m"]
+    rows = [
+        [
+            i.id, f"{i.name} (replaced)" if i.replaced else i.name, i.created[:19],
+            i.parent_name or "", i.change, _several(i.rms),
+        ]
+        for i in infos
+    ]  # fmt: skip
+    return Answer([_brief(i) for i in infos], table(head, rows) if rows else "no models yet")
+
+
+def show(options: argparse.Namespace) -> Answer:
+    """``model show``."""
+    from pa10d.services.model_details import model_details
+
+    library = _library(options)
+    info = library.models.find(options.model_)
+    details = model_details(library.models.load(info))
+    path = library.models.path(info)
+    rows = [
+        [p["name"], f"{p['value']:.5g}", _error(p["std_error"]), p["unit"], p["meaning"]]
+        for p in details["parameters"]
+    ]
+    lines = [
+        f"{info.name} ({info.id}), {info.change}, from {info.parent_name or 'nothing'}",
+        f"runs {', '.join(info.runs)}; cut-off {info.cutoff_hz:g} Hz; file {path}",
+        table(["parameter", "value", "± 1 σ", "unit", "is"], rows),
+        table(["joint", "RMS N·m"], _rows(info.joints, info.rms)),
+    ]
+    return Answer(_brief(info) | details | {"file": path}, "\n".join(lines))
+
+
+def history(options: argparse.Namespace) -> Answer:
+    """``model history``."""
+    store = _library(options).models
+    infos = store.history(options.model_)
+    lines = []
+    for info in infos:
+        lines.append(f"{info.name} ({info.id}): {info.change}")
+        lines.append(f"  fit       {_several(info.rms)} N·m on {', '.join(info.runs)}")
+        lines += [f"  held out  {_several(v)} N·m on {run}" for run, v in info.held_out.items()]
+        if info.noise_floor is not None:
+            lines.append(f"  noise     {_several(info.noise_floor)} N·m")
+    first = infos[0]
+    if first.parent is not None:
+        lines.insert(0, f"{first.parent_name} ({first.parent}): not in this store")
+    return Answer([_brief(info) for info in infos], "\n".join(lines))
+
+
+def export(options: argparse.Namespace) -> Answer:
+    """``model export``."""
+    from pa10d.errors import UserError
+    from pa10d.services.models import export_model, write_file
+
+    info, text, lost = export_model(_library(options), options.model_, options.format)
+    out = options.out or Path(f"{info.name}.{ENDINGS[options.format]}")
+    if out.exists() and not options.replace:
+        raise UserError(f"{out}: there is such a file already; expected another or --replace")
+    for line in lost:
+        note(f"warning: {line}")
+    write_file(out.absolute(), text)
+    document = {"id": info.id, "name": info.name, "file": out.absolute(), "not_carried": lost}
+    return Answer(document, str(out))
+
+
+def _several(values: Sequence[float]) -> str:
+    return " ".join(f"{value:.3g}" for value in values)
+
+
+def _error(value: float | None) -> str:
+    return "" if value is None else f"{value:.2g}"
+
+
+def _brief(info: ModelInfo) -> dict[str, Any]:
+    keys = (
+        "id", "name", "created", "robot", "joints", "parent", "parent_name", "change", "effects",
+        "runs", "cutoff_hz", "feasible", "rms", "held_out", "noise_floor", "software", "replaced",
+    )  # fmt: skip
+    return {key: getattr(info, key) for key in keys}

@@ -1,0 +1,118 @@
+"""``pa10d identify`` and ``compare``: torque models made and judged."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pa10d.cli.answer import Answer, note, table
+from pa10d.cli.commands import Commands, profile_option, replace_option
+
+if TYPE_CHECKING:
+    from pa10d.services.library import Library
+
+
+def add_commands(commands: Commands) -> None:
+    """``identify`` and ``compare``."""
+    parser = commands.add("identify", identify, "fit the textbook torque model to runs")
+    _runs(parser)
+    profile_option(parser)
+    parser.add_argument("--name", required=True, metavar="MODEL", help="the new model's name")
+    parser.add_argument(
+        "--cutoff", type=float, metavar="HZ", help="low-pass of the fit (default: from the data)"
+    )
+    parser.add_argument(
+        "--with", dest="effects", metavar="EFFECT", nargs="+", action="extend", default=[],
+        help="further effects on every joint, such as torque_offset",
+    )  # fmt: skip
+    replace_option(parser, "the model of this name (the old one stays under its id)")
+
+    parser = commands.add("compare", compare, "how large a model's error is, and where")
+    _model(parser)
+    _runs(parser)
+    parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")
+
+
+def identify(options: argparse.Namespace) -> Answer:
+    """``identify``."""
+    from pa10d.services.models import identify_runs
+
+    made = identify_runs(
+        _library(options), options.runs, options.profile, name=options.name,
+        cutoff=options.cutoff, with_effects=options.effects, replace=options.replace,
+        progress=_progress,
+    )  # fmt: skip
+    found = made.summary
+    for warning in found.get("warnings", ()):
+        note(f"warning: {warning}")
+    lines = [
+        f"{made.info.name} ({made.info.id})",
+        f"{found['base_parameters']} base parameters, {found['inertial_base_parameters']} of them "
+        f"inertial; condition number {found['condition_number']:.4g}; cut-off "
+        f"{found['cutoff_hz']:.4g} Hz; {'feasible' if found['feasible'] else 'not feasible'}",
+        table(["joint", "RMS N·m"], _rows(made.info.joints, made.info.rms)),
+    ]
+    return Answer(found, "\n".join(lines))
+
+
+def compare(options: argparse.Namespace) -> Answer:
+    """``compare``."""
+    from pa10d.services.models import compare_runs, write_report
+
+    library = _library(options)
+    found = compare_runs(
+        library, options.model_, options.runs, ancestors=options.report is not None,
+        progress=_progress,
+    )  # fmt: skip
+    document = found.document()
+    for warning in document["warnings"]:
+        note(f"warning: {warning}")
+    if options.report is not None:
+        document["report"] = str(write_report(found, options.report.absolute()))
+        note(f"report: {document['report']}")
+    pooled = document["pooled"]
+    head = ["joint", "RMS N·m", "noise floor", "ratio", "RMS raw", "max", "NRMSE", "R²"]
+    rows = [
+        [
+            f"{j + 1} {name}",
+            *(f"{pooled[key][j]:.4g}" for key in ("rms", "noise_floor")),
+            f"{pooled['rms'][j] / max(pooled['noise_floor'][j], 1e-300):.2f}",
+            *(f"{pooled[key][j]:.4g}" for key in ("rms_raw", "max", "nrmse", "r2")),
+        ]
+        for j, name in enumerate(found.info.joints)
+    ]
+    places = [place["sentence"] for place in document["where"]]
+    text = [
+        f"{found.info.name} on {', '.join(run.name for run in found.runs)}, "
+        f"low-pass {document['cutoff_hz']:g} Hz",
+        table(head, rows),
+        *(places or ["nowhere more than elsewhere: no region stands out"]),
+    ]
+    return Answer(document, "\n".join(text))
+
+
+def _library(options: argparse.Namespace) -> Library:
+    from pa10d.services.library import open_library
+
+    return open_library(options.data)
+
+
+def _runs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("runs", metavar="RUN", nargs="+", help="name, id or the start of an id")
+
+
+def _model(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model_", metavar="MODEL", help="name, id or the start of an id")
+
+
+def _progress(share: float, what: str) -> None:
+    note(f"{share:4.0%}  {what}")
+
+
+def _rows(joints: Sequence[str], values: Sequence[float]) -> list[list[str]]:
+    return [
+        [f"{j + 1} {name}", f"{value:.4g}"]
+        for j, (name, value) in enumerate(zip(joints, values, strict=True))
+    ]

@@ -1,0 +1,158 @@
+"""``pa10d run …``: recordings in, out and on show."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pa10d.cli.answer import Answer, note, table
+from pa10d.cli.commands import Commands, profile_option, replace_option
+
+if TYPE_CHECKING:
+    from pa10d.checks import Finding
+    from pa10d.store import RunInfo, RunStore
+
+FORMATS = ("csv", "mcap", "parquet", "mat")
+
+
+def add_commands(commands: Commands) -> None:
+    """The family ``run``."""
+    runs = commands.group("run", "recordings: import, list, show, check, export, repair, delete")
+    parser = runs.add("import", import_, "take a recording (.csv, .csv.gz) into the store")
+    parser.add_argument("file", type=Path, metavar="FILE", help="time,q1..qn,tau1..taun and more")
+    profile_option(parser)
+    parser.add_argument("--name", metavar="N", help="its name (default: the file's)")
+    parser.add_argument("--check", action="store_true", help="say what to know before fitting")
+    parser.add_argument(
+        "--map", metavar="COL=FIELD", nargs="+", action="extend", default=[],
+        help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …",
+    )  # fmt: skip
+    replace_option(parser, "the run of this name")
+    runs.add("list", list_, "all runs, oldest first")
+    _one_run(runs.add("show", show, "what is known of a run"))
+    checking = runs.add("check", check, "what to know of a run before fitting")
+    _one_run(checking)
+    profile_option(checking)
+    exporting = runs.add("export", export, "write a run as a file")
+    _one_run(exporting)
+    exporting.add_argument("--format", required=True, choices=FORMATS)
+    exporting.add_argument("--out", type=Path, metavar="FILE", help="default: ./NAME.FORMAT")
+    replace_option(exporting, "an existing file")
+    runs.add("repair", repair, "finish runs whose recorder was killed (done at every start too)")
+    _one_run(runs.add("delete", delete, "remove a run"))
+
+
+def import_(options: argparse.Namespace) -> Answer:
+    """``run import``."""
+    from pa10d.services.robots import load_robot
+    from pa10d.services.runs import import_run
+
+    store = _store(options)
+    profile, robot = load_robot(options.profile)
+    result = import_run(
+        store, options.file, profile, robot, name=options.name, mapping=options.map,
+        replace=options.replace, check=options.check,
+    )  # fmt: skip
+    for warning in result.header_warnings if options.check else result.info.warnings:
+        note(f"warning: {warning}")
+    document = _brief(result.info) | {"warnings": result.info.warnings}
+    if options.check:
+        document["findings"] = [finding.document() for finding in result.findings]
+        for finding in result.findings:
+            note(str(finding))
+    note(f"{result.info.name}: {_extent(result.info)}")
+    return Answer(document, result.info.id)
+
+
+def list_(options: argparse.Namespace) -> Answer:
+    """``run list``."""
+    infos = _store(options).all()
+    rows = [[i.id, i.name, i.status, _extent(i), i.profile, " ".join(i.tags)] for i in infos]
+    head = ["id", "name", "status", "extent", "profile", "tags"]
+    return Answer([_brief(i) for i in infos], table(head, rows) if rows else "no runs yet")
+
+
+def show(options: argparse.Namespace) -> Answer:
+    """``run show``."""
+    from pa10d.services.summaries import joint_summaries
+
+    store = _store(options)
+    info = store.find(options.run_)
+    joints = joint_summaries(store, info)
+    lines = [f"{key}: {value}" for key, value in _described(info).items() if value not in ("", ())]
+    head = ["joint", "name", "q min", "q max", "|dq| max", "tau min", "tau max"]
+    keys = ["q_min", "q_max", "dq_max", "tau_min", "tau_max"]
+    rows = [[str(j["joint"]), j["name"], *(f"{j[k]:.4g}" for k in keys)] for j in joints]
+    lines += ["", table(head, rows)] if rows else []
+    return Answer(info.document() | {"per_joint": joints}, "\n".join(lines))
+
+
+def check(options: argparse.Namespace) -> Answer:
+    """``run check``."""
+    from pa10d.services.robots import load_robot
+    from pa10d.services.runs import check_run
+
+    findings: list[Finding] = check_run(
+        _store(options), options.run_, load_robot(options.profile)[1]
+    )
+    document = {"findings": [finding.document() for finding in findings]}
+    return Answer(document, "\n".join(map(str, findings)))
+
+
+def export(options: argparse.Namespace) -> Answer:
+    """``run export``."""
+    from pa10d.store.export import export_run
+
+    store = _store(options)
+    info = store.find(options.run_)
+    out = options.out or Path(f"{info.name}.{options.format}")
+    export_run(store, info, options.format, out, options.replace)
+    return Answer({"id": info.id, "name": info.name, "file": out.absolute()}, str(out))
+
+
+def repair(options: argparse.Namespace) -> Answer:
+    """``run repair``: opening the store has done it."""
+    repaired = _store(options).repaired
+    lines = [f"{i.name} ({i.id}): {i.status}, {i.reason or _extent(i)}" for i in repaired]
+    return Answer([_brief(i) for i in repaired], "\n".join(lines) or "nothing to repair")
+
+
+def delete(options: argparse.Namespace) -> Answer:
+    """``run delete``."""
+    info = _store(options).delete(options.run_)
+    return Answer(_brief(info), f"deleted {info.name} ({info.id})")
+
+
+def _store(options: argparse.Namespace) -> RunStore:
+    from pa10d.store import RunStore
+
+    return RunStore(options.data)
+
+
+def _one_run(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run_", metavar="RUN", help="name, id or the start of an id")
+
+
+def _brief(info: RunInfo) -> dict[str, object]:
+    keys = ("id", "name", "created", "profile", "status", "reason", "samples", "duration", "rate")
+    return {key: getattr(info, key) for key in keys} | {
+        "joints": len(info.joints),
+        "tags": info.tags,
+        "repaired": info.repaired,
+    }
+
+
+def _described(info: RunInfo) -> dict[str, object]:
+    shown = info.document()
+    shown |= {"duration": f"{info.duration:.3f} s", "rate": f"{info.rate:.6g} Hz"}
+    for key in ("joints", "channels", "tags"):
+        shown[key] = ", ".join(shown[key])
+    shown["warnings"] = "".join(f"\n  {warning}" for warning in info.warnings)
+    for key in ("format", "replaces"):
+        del shown[key]
+    return shown
+
+
+def _extent(info: RunInfo) -> str:
+    return f"{info.samples} samples, {info.duration:.1f} s, {info.rate:.6g} Hz"

@@ -1,0 +1,390 @@
+"""A thin client of the daemon's API, for programs, the demo and the command line.
+
+with local_daemon(data, profile="pa10-sim") as arm:
+    job = arm.experiment("tracking", {"seconds": 20})
+    print(job["result"]["runs"])
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from pa10d.errors import UserError
+
+Document = dict[str, Any]
+Progress = Callable[[float, str], None]
+
+REQUEST = 60.0  # s for one request
+LOOK_EVERY = 0.25  # s between looks at a job
+START = 180.0  # s for a daemon to come up; compiled code may have to be made first
+OVER = ("succeeded", "failed", "cancelled")
+
+
+class ApiError(UserError):
+    """The daemon said no; ``problem`` is its document (RFC 9457)."""
+
+    def __init__(self, problem: Document) -> None:
+        super().__init__(str(problem.get("detail") or problem.get("title") or "refused"))
+        self.problem = problem
+        self.status = int(problem.get("status", 0))
+
+
+class JobFailed(UserError):
+    """A job did not succeed; ``job`` is its document."""
+
+    def __init__(self, job: Document) -> None:
+        super().__init__(str(job["error"] or f"{job['kind']}: {job['status']}"))
+        self.job = job
+
+
+class Client:
+    """Every call is one request, or one job that is waited for."""
+
+    def __init__(self, url: str, token: str | None = None, name: str | None = None) -> None:
+        """name: who commands the arm; default: this process."""
+        headers = {"X-Client": name or f"client-{os.getpid()}"}
+        if token:
+            headers["Authorization"] = f"Bearer {token}"
+        self.url = url.rstrip("/")
+        self._http = httpx.Client(
+            base_url=self.url, headers=headers, timeout=REQUEST, trust_env=False
+        )
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._http.close()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # -- robot ------------------------------------------------------------------------------
+
+    def health(self) -> Document:
+        """``/healthz``."""
+        return self._ask("GET", "/healthz")
+
+    def robot(self) -> Document:
+        """The arm's state."""
+        return self._ask("GET", "/api/v1/robot")
+
+    def enable(self) -> Document:
+        """Power on and hold."""
+        return self._ask("POST", "/api/v1/robot/enable")
+
+    def disable(self) -> Document:
+        """Rest, brakes on, power off."""
+        return self._ask("POST", "/api/v1/robot/disable")
+
+    def stop(self) -> Document:
+        """Rest."""
+        return self._ask("POST", "/api/v1/robot/stop")
+
+    def reset(self) -> Document:
+        """Leave a fault."""
+        return self._ask("POST", "/api/v1/robot/reset")
+
+    def use_controller(self, controller: str, model: str | None = None) -> Document:
+        """``pid``, or ``computed_torque`` with a model."""
+        body = {"controller": controller, "model": model}
+        return self._ask("PUT", "/api/v1/robot/controller", json=body)
+
+    def wait_for_robot(self, *states: str, timeout: float = 30.0) -> Document:
+        """Until the arm is in one of the states; UserError with its reasons where it is not."""
+        until = time.monotonic() + timeout
+        while True:
+            robot = self.robot()
+            if robot["state"] in states:
+                return robot
+            if time.monotonic() > until:
+                why = robot["offline_reason"] or (robot["fault"] or {}).get("sentence", "")
+                wanted = " or ".join(states)
+                raise UserError(f"the arm is {robot['state']}, expected {wanted}; {why}")
+            time.sleep(0.1)
+
+    # -- jobs -------------------------------------------------------------------------------
+
+    def start(self, path: str, body: Any) -> Document:
+        """Start a job by POST; its document."""
+        return self._ask("POST", f"/api/v1/{path}", json=body)
+
+    def job(self, number: str) -> Document:
+        """One job, with its result."""
+        return self._ask("GET", f"/api/v1/jobs/{number}")
+
+    def cancel(self, number: str) -> Document:
+        """Ask a job to end."""
+        return self._ask("POST", f"/api/v1/jobs/{number}/cancel")
+
+    def wait(self, job: Document, progress: Progress | None = None) -> Document:
+        """Until it is over; JobFailed unless it succeeded. Interrupted: the job is cancelled."""
+        try:
+            while True:
+                job = self.job(job["id"])
+                if progress is not None:
+                    progress(job["progress"], job["message"])
+                if job["status"] in OVER:
+                    break
+                time.sleep(LOOK_EVERY)
+        except KeyboardInterrupt:
+            self.cancel(job["id"])
+            raise
+        if job["status"] != "succeeded":
+            raise JobFailed(job)
+        return job
+
+    # -- experiments ------------------------------------------------------------------------
+
+    def experiment_kinds(self) -> list[Document]:
+        """Kinds with their JSON schemas."""
+        return list(self._ask("GET", "/api/v1/experiments")["items"])
+
+    def check_experiment(self, plan: Mapping[str, Any]) -> Document:
+        """The pre-check alone; nothing moves."""
+        job = self.start("experiments/check", dict(plan))
+        return dict(self.wait(job)["result"])
+
+    def experiment(
+        self,
+        kind: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        plan: Mapping[str, Any] | None = None,
+        progress: Progress | None = None,
+        **options: Any,
+    ) -> Document:
+        """Run one to its end → result: ``runs`` (ids), ``analysis``, ``recommendation``, …
+
+        ``plan`` takes a diagnosis' ``next_experiment`` as it stands. options: name, tags,
+        controller, model.
+        """
+        body = dict(plan) if plan is not None else {"kind": kind, "parameters": parameters or {}}
+        job = self.start("experiments", {**body, **options})
+        return dict(self.wait(job, progress)["result"])
+
+    # -- runs -------------------------------------------------------------------------------
+
+    def runs(self, **filters: Any) -> list[Document]:
+        """All runs, newest first; filters: name, profile, kind, tag, status."""
+        return self._all("/api/v1/runs", filters)
+
+    def run(self, run: str) -> Document:
+        """One run."""
+        return self._ask("GET", f"/api/v1/runs/{run}")
+
+    def upload(self, file: Path, name: str | None = None, **more: Any) -> Document:
+        """Bring in a CSV file."""
+        query = {"filename": file.name, **({"name": name} if name else {}), **more}
+        with file.open("rb") as body:
+            return self._ask("POST", "/api/v1/runs", params=query, content=body)
+
+    def export(self, run: str, form: str, out: Path) -> Path:
+        """Write a run as csv, mcap, parquet or mat."""
+        with self._http.stream("GET", f"/api/v1/runs/{run}/export", params={"format": form}) as got:
+            if got.status_code >= 400:
+                got.read()
+                raise ApiError(_problem(got))
+            with out.open("wb") as file:
+                for part in got.iter_bytes():
+                    file.write(part)
+        return out
+
+    def delete_run(self, run: str) -> Document:
+        """Remove a run."""
+        return self._ask("DELETE", f"/api/v1/runs/{run}")
+
+    # -- models -----------------------------------------------------------------------------
+
+    def models(self) -> list[Document]:
+        """All models, newest first."""
+        return self._all("/api/v1/models", {})
+
+    def model(self, model: str) -> Document:
+        """One model."""
+        return self._ask("GET", f"/api/v1/models/{model}")
+
+    def identify(
+        self, runs: Sequence[str], name: str, progress: Progress | None = None, **more: Any
+    ) -> Document:
+        """Textbook model from runs; the answer is that of ``pa10d identify``."""
+        return self._result("models", {"runs": list(runs), "name": name, **more}, progress)
+
+    def compare(
+        self, model: str, runs: Sequence[str], progress: Progress | None = None, **more: Any
+    ) -> Document:
+        """Error per joint and where the model fails."""
+        return self._result("comparisons", {"model": model, "runs": list(runs), **more}, progress)
+
+    def diagnose(
+        self,
+        model: str,
+        fit: Sequence[str],
+        validate: Sequence[str] = (),
+        progress: Progress | None = None,
+        **more: Any,
+    ) -> Document:
+        """Which effect is missing. more: frozen, effect, joints."""
+        body = {"model": model, "fit": list(fit), "validate": list(validate), **more}
+        return self._result("diagnoses", body, progress)
+
+    def add(
+        self,
+        model: str,
+        effect: str,
+        joints: Sequence[int],
+        fit: Sequence[str],
+        name: str,
+        progress: Progress | None = None,
+        **more: Any,
+    ) -> Document:
+        """A new version with the effect fitted in."""
+        body = {"effect": effect, "joints": list(joints), "fit": list(fit), "name": name, **more}
+        return self._result(f"models/{model}/effects", body, progress)
+
+    def improve(
+        self, model: str, fit: Sequence[str], name: str, progress: Progress | None = None,
+        **more: Any,
+    ) -> Document:  # fmt: skip
+        """Diagnose and add until nothing significant is left. more: validate, experiments."""
+        body = {"fit": list(fit), "name": name, **more}
+        return self._result(f"models/{model}/improvements", body, progress)
+
+    # -- live -------------------------------------------------------------------------------
+
+    def events(self, since: int | None = None) -> Iterator[Document]:
+        """What happens, as it happens."""
+        query = "" if since is None else f"?since={since}"
+        with self._socket(f"/api/v1/events{query}") as socket:
+            for message in socket:
+                yield json.loads(message)
+
+    def telemetry(self, history: float = 0.0) -> Iterator[tuple[list[str], float, Any]]:
+        """(columns, start time s, rows (k, columns) float32) as they come."""
+        import numpy as np
+
+        with self._socket(f"/api/v1/telemetry?history={history:g}") as socket:
+            columns = list(json.loads(socket.recv())["columns"])
+            for packet in socket:
+                start = float(np.frombuffer(packet, "<f8", 1)[0])
+                rows = np.frombuffer(packet, "<f4", offset=8).reshape(-1, len(columns))
+                yield columns, start, rows
+
+    # -- inside -----------------------------------------------------------------------------
+
+    def _ask(self, method: str, path: str, **more: Any) -> Document:
+        try:
+            response = self._http.request(method, path, **more)
+        except httpx.HTTPError as error:
+            raise UserError(f"{self.url}: the daemon does not answer ({error})") from error
+        if response.status_code >= 400:
+            raise ApiError(_problem(response))
+        return dict(response.json())
+
+    def _all(self, path: str, filters: Mapping[str, Any]) -> list[Document]:
+        query, items = {"limit": 500, **filters}, []
+        while True:
+            page = self._ask("GET", path, params=query)
+            items += page["items"]
+            if page.get("next") is None:
+                return items
+            query["cursor"] = page["next"]
+
+    def _result(self, path: str, body: Any, progress: Progress | None) -> Document:
+        return dict(self.wait(self.start(path, body), progress)["result"])
+
+    def _socket(self, path: str) -> Any:
+        from websockets.sync.client import connect
+
+        headers = {
+            k: v for k, v in self._http.headers.items() if k in ("authorization", "x-client")
+        }
+        return connect(
+            "ws" + self.url.removeprefix("http") + path, additional_headers=headers,
+            max_size=1 << 24, proxy=None, close_timeout=0.5,
+        )  # fmt: skip
+
+
+def _problem(response: httpx.Response) -> Document:
+    with contextlib.suppress(ValueError):
+        return dict(response.json())
+    return {"status": response.status_code, "detail": response.text[:300]}
+
+
+def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
+    """A client of the daemon that runs on this data, if there is one."""
+    from pa10d.daemon.presence import present
+    from pa10d.store.location import data_folder
+
+    found = present(data_folder(data))
+    if found is None:
+        return None
+    client = Client(found.url, found.token)
+    with contextlib.suppress(UserError):
+        client.health()
+        return client
+    client.close()
+    return None
+
+
+@contextlib.contextmanager
+def local_daemon(
+    data: str | os.PathLike[str],
+    profile: str = "pa10-sim",
+    *,
+    channel: str | None = None,
+    clock: str | None = None,
+) -> Iterator[Client]:
+    """A daemon of our own, with its virtual arm where the profile has one, on a free port.
+
+    channel: a bus of its own; default: one that nobody else uses. clock: ``simulated`` runs as
+    fast as this machine can. Everything ends with the block, the arm at rest.
+    """
+    from pa10d.daemon.simulator import wants_simulator
+    from pa10d.profile import load_profile
+
+    command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
+    command += ["--profile", profile, "--port", "0"]
+    if channel is None and wants_simulator(load_profile(profile)):
+        channel = f"local-{os.getpid()}-{time.time_ns() % 10**9}"
+    command += ["--channel", channel] if channel else []
+    command += ["--clock", clock] if clock else []
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    try:
+        line = process.stdout.readline()
+        if not line.startswith("{"):
+            raise UserError("the daemon did not start; its messages are above")
+        with running_at(json.loads(line)["url"], data) as client:
+            yield client
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+
+
+@contextlib.contextmanager
+def running_at(url: str, data: str | os.PathLike[str]) -> Iterator[Client]:
+    """A client once the robot answers."""
+    from pa10d.daemon.presence import present
+
+    found = present(Path(data))
+    with Client(url, found.token if found else None) as client:
+        client.wait_for_robot("inactive", timeout=START)
+        yield client

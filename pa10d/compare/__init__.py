@@ -1,0 +1,23 @@
+"""Where does a model fail? Figures of the error, the regions that carry it, its spectra."""
+
+from pa10d.compare.comparison import Comparison, RunScores, compare
+from pa10d.compare.document import document
+from pa10d.compare.noise import NoiseFloor, noise_floor
+from pa10d.compare.places import Place, places
+from pa10d.compare.residuals import RunResidual, run_residual
+from pa10d.compare.scores import Scores, scores
+
+__all__ = [
+    "Comparison",
+    "NoiseFloor",
+    "Place",
+    "RunResidual",
+    "RunScores",
+    "Scores",
+    "compare",
+    "document",
+    "noise_floor",
+    "places",
+    "run_residual",
+    "scores",
+]

@@ -1,0 +1,102 @@
+"""A model against recordings: how large the error is, where it is, and what it looks like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
+from pa10d.compare.noise import NoiseFloor, noise_floor
+from pa10d.compare.orders import OrderSpectrum, order_spectrum
+from pa10d.compare.places import Place, places
+from pa10d.compare.residuals import RunResidual, run_residual
+from pa10d.compare.scores import Scores, scores
+from pa10d.compare.whiteness import Whiteness, whiteness
+from pa10d.errors import UserError
+from pa10d.model import TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class RunScores:
+    """One run's figures, or those of all together; where: its own regions."""
+
+    name: str
+    scores: Scores
+    floor: NoiseFloor
+    where: tuple[Place, ...]
+
+    @property
+    def noise_floor(self) -> Array:
+        """(n,) N·m."""
+        return self.floor.values
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Everything that compare finds. Lists of spectra and whiteness have one entry per joint."""
+
+    model: TorqueModel
+    residuals: tuple[RunResidual, ...]
+    runs: tuple[RunScores, ...]
+    pooled: RunScores
+    orders: tuple[OrderSpectrum | None, ...]
+    frequencies: tuple[FrequencySpectrum, ...]
+    whiteness: tuple[Whiteness, ...]
+    warnings: tuple[str, ...] = field(default=())
+
+
+def compare(
+    model: TorqueModel,
+    recordings: Sequence[Recording],
+    progress: Progress = lambda share, what: None,
+) -> Comparison:
+    """Judge the model on every recording and on all of them together.
+
+    progress(share done in 0…1, what is being done)
+    """
+    if not recordings:
+        raise UserError("nothing to compare with: expected at least one run")
+    residuals, own = [], []
+    for index, recording in enumerate(recordings):
+        progress(0.6 * index / len(recordings), f"run {recording.name}")
+        run = run_residual(model, recording)
+        floor = noise_floor([run])
+        where = places([run], model.robot, floor.values)
+        own.append(RunScores(run.name, scores([run]), floor, tuple(where)))
+        residuals.append(run)
+    progress(0.6, "all runs together")
+    pooled = own[0]
+    if len(own) > 1:
+        floor = noise_floor(residuals)
+        where = places(residuals, model.robot, floor.values)
+        pooled = RunScores("pooled", scores(residuals), floor, tuple(where))
+    progress(0.8, "spectra")
+    joints = range(model.robot.n)
+    return Comparison(
+        model=model,
+        residuals=tuple(residuals),
+        runs=tuple(own),
+        pooled=pooled,
+        orders=tuple(
+            None if model.robot.prismatic[j] else order_spectrum(residuals, j) for j in joints
+        ),
+        frequencies=tuple(frequency_spectrum(residuals, j) for j in joints),
+        whiteness=tuple(whiteness(residuals, j) for j in joints),
+        warnings=tuple(_warnings(residuals)),
+    )
+
+
+def _warnings(residuals: Sequence[RunResidual]) -> list[str]:
+    return [
+        f"run {run.name}: joint {j + 1} hardly moves; its error there is friction at rest, "
+        "which no model knows"
+        for run in residuals
+        for j in run.rested
+    ]

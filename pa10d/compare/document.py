@@ -1,0 +1,76 @@
+"""A comparison as JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.compare.comparison import Comparison, RunScores
+from pa10d.compare.places import Place
+from pa10d.compare.regions import Region
+
+
+def document(comparison: Comparison) -> dict[str, Any]:
+    """Figures per run and pooled, where the model fails (pooled), and the shape of the rest."""
+    cutoff = comparison.model.cutoff
+    pooled = figures(comparison.pooled, cutoff)
+    return {
+        "model": comparison.model.name,
+        "joint_names": list(comparison.model.robot.joint_names),
+        "cutoff_hz": cutoff,
+        "runs": [{"name": run.name, **figures(run, cutoff)} for run in comparison.runs],
+        "pooled": pooled,
+        "where": pooled["where"],
+        "order_lines": [
+            [{"order": order, "amplitude": size} for order, size in found.lines] if found else []
+            for found in comparison.orders
+        ],
+        "whiteness": [
+            {
+                "p_value": white.p_value,
+                "samples": white.samples,
+                "effective_samples": white.effective,
+                "memory_s": white.memory,
+            }
+            for white in comparison.whiteness
+        ],
+        "warnings": list(comparison.warnings),
+    }
+
+
+def figures(run: RunScores, cutoff: float) -> dict[str, Any]:
+    """One run's entry."""
+    found = run.scores
+    return {
+        "rms": numbers(found.rms),
+        "rms_raw": numbers(found.rms_raw),
+        "nrmse": numbers(found.nrmse),
+        "max": numbers(found.max),
+        "r2": numbers(found.r2),
+        "noise_floor": numbers(run.noise_floor),
+        "noise_floor_from": list(run.floor.methods),
+        "cutoff_hz": cutoff,
+        "where": [place_document(place) for place in run.where],
+    }
+
+
+def place_document(place: Place) -> dict[str, Any]:
+    """One region or curve."""
+    what = place.what
+    return {
+        "joint": place.joint + 1,
+        "variable": place.variable,
+        "range": [what.low, what.high],
+        "share": what.share,
+        "sentence": place.sentence,
+        "kind": "region" if isinstance(what, Region) else "curve",
+        "samples": what.samples if isinstance(what, Region) else 1.0,
+        "p_value": place.p_value,
+    }
+
+
+def numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """JSON knows no nan and no infinity: null."""
+    return [float(v) if np.isfinite(v) else None for v in values]

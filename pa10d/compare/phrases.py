@@ -1,0 +1,74 @@
+"""Regions and curves in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pa10d.compare.curves import Curve
+from pa10d.compare.quantities import Quantity
+from pa10d.compare.regions import Region
+
+
+def sentence(joint: int, what: Region | Curve, torque_unit: str) -> str:
+    """``joint 4 below 0.2 rad/s carries 61 % of its squared error (in 12 % of its samples)``."""
+    if isinstance(what, Region):
+        return (
+            f"joint {joint + 1} {_range(joint, what)} carries {what.share:.0%} of its squared "
+            f"error (in {what.samples:.0%} of its samples)".replace("%", " %")
+        )
+    share = f"{what.share:.0%}".replace("%", " %")
+    if what.quantity is None:
+        return (
+            f"joint {joint + 1} is off by a constant {what.level:+.2g} {torque_unit}, "
+            f"which is {share} of its squared error"
+        )
+    return (
+        f"joint {joint + 1}'s error follows {_words(joint, what.quantity)}: "
+        f"a fixed curve against it explains {share} of its squared error"
+    )
+
+
+def _range(joint: int, region: Region) -> str:
+    quantity = region.quantity
+    span = _span(region)
+    if quantity.kind == "|dq|" and quantity.own:
+        return span
+    if quantity.kind == "time":
+        return f"{span} into a run"
+    if quantity.kind == "reversal_time":
+        return f"{span} after a reversal"
+    if quantity.kind == "reversal_travel":
+        return f"{span} past a reversal"
+    return f"while {_words(joint, quantity)} is {span}"
+
+
+def _span(region: Region) -> str:
+    unit = region.quantity.unit
+    if region.open_low:
+        return f"below {_number(region.high)} {unit}"
+    if region.open_high:
+        return f"above {_number(region.low)} {unit}"
+    return f"between {_number(region.low)} and {_number(region.high)} {unit}"
+
+
+def _words(joint: int, quantity: Quantity) -> str:
+    whose = "its" if quantity.joint == joint else f"joint {quantity.joint + 1}'s"
+    return {
+        "q": f"{whose} position",
+        "dq": f"{whose} velocity",
+        "|dq|": f"{whose} speed",
+        "ddq": f"{whose} acceleration",
+        "load": f"{whose} load",
+        "temperature": f"{whose} temperature",
+        "time": "the time in the run",
+        "reversal_time": "the time since its last reversal",
+        "reversal_travel": f"{whose} travel since its last reversal",
+    }[quantity.kind]
+
+
+def _number(value: float) -> str:
+    """Two digits, without the exponent that nobody reads: 0.034, 1.2, 120."""
+    if value == 0:
+        return "0"
+    digits = max(0, 1 - int(np.floor(np.log10(abs(value)))))
+    return f"{value:.{digits}f}"

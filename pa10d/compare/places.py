@@ -1,0 +1,59 @@
+"""Where a model fails: all significant regions and curves, ranked, each said once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.compare.curves import Curve
+from pa10d.compare.phrases import sentence
+from pa10d.compare.quantities import Values, quantities
+from pa10d.compare.regions import Region
+from pa10d.compare.residuals import RunResidual
+from pa10d.compare.samples import joint_samples
+from pa10d.compare.search import Search
+from pa10d.dynamics import Robot
+
+Array = NDArray[np.float64]
+
+LEVEL = 0.01  # chance that noise alone makes any place, over all joints and quantities
+CLEAR_LEVEL = 0.1  # the same for joints whose error is clearly more than noise: there it is
+CLEAR = 1.5  # times the noise floor, and only its place may be an accident
+
+
+@dataclass(frozen=True)
+class Place:
+    """joint: 0-based; p_value: corrected for everything that was looked at."""
+
+    joint: int
+    what: Region | Curve
+    sentence: str
+    p_value: float
+
+    @property
+    def variable(self) -> str:
+        """The quantity's name, ``constant`` for a constant error."""
+        return self.what.quantity.name if self.what.quantity else "constant"
+
+
+def places(
+    runs: list[RunResidual], robot: Robot, floor: Array | None = None, level: float = LEVEL
+) -> list[Place]:
+    """Ranked: what carries most squared error beyond its share first. floor: (n,) N·m noise."""
+    found: list[Place] = []
+    of_run = {run: Values(run) for run in runs}
+    warm = any(run.seen.temperature is not None for run in runs)
+    kinds = 3  # constants, curves and regions are each looked for
+    for joint in range(robot.n):
+        samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run)
+        rms = float(np.sqrt(np.mean(samples.error**2)))
+        clear = floor is not None and rms > CLEAR * floor[joint]
+        search = Search(samples, (CLEAR_LEVEL if clear else level) / robot.n / kinds, seed=joint)
+        unit = "N" if robot.prismatic[joint] else "N·m"
+        found += [
+            Place(joint, what, sentence(joint, what, unit), min(1.0, p * robot.n * kinds))
+            for what, p in search.run()
+        ]
+    return sorted(found, key=lambda place: -place.what.excess)

@@ -1,0 +1,121 @@
+"""Motions that come again, within a run or in another one: there the model's error comes again
+too, and what differs between the two passes is noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from pa10d.compare.residuals import RunResidual
+
+Array = NDArray[np.float64]
+
+COARSE = 50.0  # Hz: enough to find when a motion comes again
+SHORTEST = 1.0  # s of a period
+LARGEST_SHIFT = 2.0  # s by which one run may be later in the motion than the other
+ALIKE = 0.02  # largest difference of two passes, in standard deviations of a joint's motion
+MOVES = 0.02  # rad: joints that move less do not decide
+LEAST = 2.0  # s that two passes must have in common
+
+
+def differences(runs: list[RunResidual]) -> list[list[Array]]:
+    """Per joint: differences of the filtered error (K,) N·m between two passes of one motion,
+    over √2, so that their RMS is the noise's; empty where no motion comes again."""
+    n = runs[0].error.shape[1]
+    out: list[list[Array]] = [[] for _ in range(n)]
+    fine = [run.equation.lowpass for run in runs]
+    errors = [
+        type(low)(low.samples, low.rate, low.cutoff, 1, low.order)(run.raw_error)
+        for low, run in zip(fine, runs, strict=True)
+    ]
+    for i, run in enumerate(runs):
+        lag = period(run.seen.q, fine[i].rate)
+        if lag is not None:
+            _collect(
+                out, errors[i][lag:], errors[i][:-lag], run.raw_counts[lag:] & run.raw_counts[:-lag]
+            )
+        for k in range(i + 1, len(runs)):
+            if abs(fine[i].rate / fine[k].rate - 1.0) > 1e-3:
+                continue
+            shift = same_motion(run.seen.q, runs[k].seen.q, fine[i].rate)
+            if shift is not None:
+                one, other = overlap(len(errors[i]), len(errors[k]), shift)
+                counts = run.raw_counts[one] & runs[k].raw_counts[other]
+                _collect(out, errors[i][one], errors[k][other], counts)
+    return out
+
+
+def period(q: Array, rate: float) -> int | None:
+    """Samples after which the motion (N, n) comes again; None where it never does."""
+    step = max(1, int(rate / COARSE))
+    x = q[::step]
+    lags = np.arange(int(SHORTEST * rate / step), len(x) // 2)
+    if len(lags) == 0:
+        return None
+    far = _distance(x, x)[lags]
+    if not len(far) or far.min() > ALIKE**2:
+        return None
+    first = int(np.argmax(far < 4 * max(far.min(), 1e-12)))
+    near = lags[first] * step + np.arange(-3 * step, 3 * step + 1)
+    near = near[(near > 0) & (near < len(q))]
+    exact = [float(np.max(_mean_square(q[lag:], q[:-lag]))) for lag in near]
+    return int(near[int(np.argmin(exact))])
+
+
+def same_motion(one: Array, other: Array, rate: float) -> int | None:
+    """Samples by which ``other`` is later than ``one`` in the same motion; None where it is
+    another motion."""
+    reach = int(LARGEST_SHIFT * rate)
+    step = max(1, int(rate / COARSE))
+    best: tuple[float, int] = (np.inf, 0)
+    for width, around in ((step, range(-reach, reach + 1, step)), (1, ())):
+        tried = around or range(best[1] - step, best[1] + step + 1)
+        for shift in tried:
+            a, b = overlap(len(one), len(other), shift)
+            if a.stop - a.start < max(LEAST * rate, 0.5 * max(len(one), len(other))):
+                continue
+            thin = (
+                slice(None, None, max(1, (a.stop - a.start) // 400)) if width > 1 else slice(None)
+            )
+            far = float(np.max(_mean_square(one[a][thin], other[b][thin])))
+            best = min(best, (far, shift))
+    return best[1] if best[0] < ALIKE**2 else None
+
+
+def overlap(one: int, other: int, shift: int) -> tuple[slice, slice]:
+    """Which samples of two series belong together when the second is ``shift`` later."""
+    start, other_start = max(0, -shift), max(0, shift)
+    length = max(0, min(one - start, other - other_start))
+    return slice(start, start + length), slice(other_start, other_start + length)
+
+
+def _collect(out: list[list[Array]], one: Array, other: Array, counts: NDArray[np.bool_]) -> None:
+    for j, found in enumerate(out):
+        if counts[:, j].any():
+            found.append((one[counts[:, j], j] - other[counts[:, j], j]) / np.sqrt(2.0))
+
+
+def _mean_square(one: Array, other: Array) -> Array:
+    """(n,) mean squared difference in squares of each joint's spread; 0 for joints at rest."""
+    spread = np.std(one, axis=0)
+    far = np.mean((one - other) ** 2, axis=0) / np.maximum(spread, 1e-12) ** 2
+    return np.where(spread > MOVES, far, 0.0)
+
+
+def _distance(x: Array, y: Array) -> Array:
+    """(L,) for each lag: the largest over joints of ``_mean_square`` of x later and y."""
+    samples = len(x)
+    size = scipy.fft.next_fast_len(2 * samples, real=True)
+    x = x - x.mean(axis=0)
+    spectrum = scipy.fft.rfft(x, size, axis=0)
+    product = scipy.fft.irfft(np.abs(spectrum) ** 2, size, axis=0)[:samples]
+    squares = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(x**2, axis=0)])
+    lag = np.arange(samples)
+    both = (squares[samples] - squares[lag]) + squares[samples - lag]
+    far = (both - 2 * product) / (samples - lag)[:, None]
+    variance = x.var(axis=0)
+    moves = np.sqrt(variance) > MOVES
+    if not moves.any():
+        return np.full(samples, np.inf)
+    return np.max(far[:, moves] / variance[moves], axis=1)

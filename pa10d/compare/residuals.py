@@ -1,0 +1,94 @@
+"""Measured minus modelled torque of one run, filtered and raw, and where it counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.effects import Context
+from pa10d.equation import RunEquation, prepare
+from pa10d.errors import UserError
+from pa10d.model import TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FEWEST_MOVING = 20  # filtered samples in motion below which a joint is judged at rest as well
+FEWEST = 8  # filtered samples below which nothing can be said
+
+
+@dataclass(frozen=True, eq=False)
+class RunResidual:
+    """One run seen by one model.
+
+    seen       motion at the raw rate with the model's loads and torque
+    measured, modelled  (M, n) N·m, both through the equation's low-pass, decimated
+    raw_error  (N, n) N·m, unfiltered measured torque minus prediction
+    counts     (M, n) True where joint i's error is judged: in motion, reversals included (they
+               are where friction models fail), away from the run's ends
+    rested     joints (0-based) that hardly moved: judged over the whole run instead
+    """
+
+    name: str
+    equation: RunEquation
+    seen: Context
+    measured: Array
+    modelled: Array
+    raw_error: Array
+    counts: Mask
+    rested: tuple[int, ...]
+
+    @cached_property
+    def error(self) -> Array:
+        """(M, n) N·m, filtered."""
+        return self.measured - self.modelled
+
+    @cached_property
+    def raw_counts(self) -> Mask:
+        """(N, n): ``counts`` at the raw rate."""
+        factor = self.equation.lowpass.factor
+        return np.repeat(self.counts, factor, axis=0)[: len(self.raw_error)]
+
+    def decimated(self, raw: Array) -> Array:
+        """Every raw sample (N, …) that has a filtered counterpart, (M, …)."""
+        return raw[:: self.equation.lowpass.factor]
+
+
+def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
+    """Predict the run's torque at the raw rate, then filter both sides alike."""
+    if recording.joints != model.robot.n:
+        raise UserError(
+            f"run {recording.name!r} has {recording.joints} joints, "
+            f"expected {model.robot.n} as in model {model.name!r}"
+        )
+    equation = prepare(recording, model.robot, model.cutoff, model.shift)
+    predicted = model.predict(equation.context)
+    counts, rested = _judged(equation)
+    return RunResidual(
+        name=recording.name,
+        equation=equation,
+        seen=model.contextualise(equation.context),
+        measured=equation.tau,
+        modelled=equation.lowpass(predicted),
+        raw_error=equation.raw_tau - predicted,
+        counts=counts,
+        rested=rested,
+    )
+
+
+def _judged(equation: RunEquation) -> tuple[Mask, tuple[int, ...]]:
+    """Where errors count; a joint that never moves is better judged at rest than not at all."""
+    counts = equation.moving.copy()
+    rested = tuple(int(j) for j in np.flatnonzero(counts.sum(axis=0) < FEWEST_MOVING))
+    ends = min(equation.lowpass.settle, (len(counts) - 1) // 2)
+    counts[ends : len(counts) - ends, rested] = True
+    if counts.sum(axis=0).min() < FEWEST:
+        raise UserError(
+            f"run {equation.name!r}: {equation.context.t[-1]:.2g} s are too short for a cut-off of "
+            f"{equation.lowpass.cutoff:g} Hz, expected at least {6 / equation.lowpass.cutoff:.2g} s"
+        )
+    return counts, rested

@@ -1,0 +1,43 @@
+"""From a profile to an arm that can be cycled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.protocol import Backend
+from pa10d.control.arm import Arm
+from pa10d.control.gains import pid_gains
+from pa10d.control.journal import Journal
+from pa10d.control.limits import arm_limits
+from pa10d.control.pid import Pid
+from pa10d.control.ring import Ring
+from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.profile import Profile
+
+Array = NDArray[np.float64]
+
+
+def servo_factory(profile: Profile, robot: Robot, period: float) -> Callable[[], Pid]:
+    """Makes joint servos with the profile's gains."""
+    limits, gains = arm_limits(profile, robot), pid_gains(robot, profile.control)
+    return lambda: Pid(gains, limits.torque, period)
+
+
+def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> Arm:
+    """The arm of a profile on a backend; offline until ``connect``."""
+    still = np.zeros((1, robot.n))
+
+    def gravity(q: Array) -> Array:
+        return inverse_dynamics(robot, robot.parameters, q[None], still, still)[0]
+
+    gravity(np.zeros(robot.n))  # compiled before it is needed
+    return Arm(
+        backend,
+        arm_limits(profile, robot),
+        servo_factory(profile, robot, backend.period),
+        gravity,
+        Journal(ring),
+    )

@@ -1,0 +1,67 @@
+"""Messages of the daemon turned into calls of the arm, and the answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pa10d.control.arm import Arm
+from pa10d.control.computed_torque import ComputedTorque
+from pa10d.control.live_model import LiveModel
+from pa10d.control.pid import Controller, Pid
+from pa10d.control.reference import Motion
+from pa10d.control.states import Refused
+from pa10d.dynamics import Robot
+
+
+class Commands:
+    """Carries out one message at a time; never raises."""
+
+    def __init__(self, arm: Arm, robot: Robot, make_servo: Callable[[], Pid]) -> None:
+        self._arm, self._robot, self._make_servo = arm, robot, make_servo
+        self._plain = {
+            name: getattr(arm, name)
+            for name in ("connect", "disconnect", "enable", "disable", "stop", "reset")
+        }
+
+    def carry_out(self, message: dict[str, Any]) -> dict[str, Any]:
+        """→ ``{reply, ok}`` or ``{reply, ok: False, command, state, needed, detail, remedy}``."""
+        number, what = message.get("id"), str(message.get("do"))
+        try:
+            if what == "run":
+                self._arm.run(load_motion(message))
+            elif what == "controller":
+                self._arm.use(self._controller(message))
+            elif what in self._plain:
+                self._plain[what]()
+            else:
+                raise ValueError(f"unknown command {what!r}")
+        except Refused as refusal:
+            return {
+                "reply": number,
+                "ok": False,
+                "command": refusal.command,
+                "state": refusal.state.label,
+                "needed": [s.label for s in refusal.needed],
+                "detail": str(refusal),
+                "remedy": refusal.remedy,
+            }
+        except Exception as error:
+            detail = f"{what}: {type(error).__name__}: {error}"
+            return {"reply": number, "ok": False, "command": what, "detail": detail}
+        return {"reply": number, "ok": True, "state": self._arm.state.label}
+
+    def _controller(self, message: dict[str, Any]) -> Controller:
+        servo = self._make_servo()
+        if message["name"] == "pid":
+            return servo
+        return ComputedTorque(self._robot, LiveModel.from_document(message["model"]), servo)
+
+
+def load_motion(message: dict[str, Any]) -> Motion:
+    """The motion whose rows lie in a file of memory; they are paged in as they are followed."""
+    rows = np.load(Path(message["rows"]), mmap_mode="r")
+    return Motion(int(message["number"]), rows, int(message["first"]), int(message["last"]))

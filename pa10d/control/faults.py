@@ -1,0 +1,79 @@
+"""What went wrong, on which axis, and what to check first."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from backends.protocol import BackendFault
+
+REMEDIES = {
+    "not_finite": "report it with the recorded run; look at gains and model first",
+    "torque_state": "report it: torque was asked for in a state that allows none",
+    "position_limit": "look at the plan and at what pushes the arm; move it back inside by hand",
+    "velocity_limit": "look at the plan's speeds, the gains and the drive's sign and gear ratio",
+    "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
+    "stale": "check cabling, termination and bus load; the axis stopped answering",
+    "controller": "report it with the recorded run; the arm was stopped by the joint servo",
+    "stop": "look at brakes and drives before the next motion: the arm did not stop as asked",
+    "daemon_gone": "look at the daemon's log; systemd starts it again",
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Latched until an explicit reset. ``axis`` is 0-based, None for the whole arm."""
+
+    kind: str
+    cause: str
+    axis: int | None = None
+    remedy: str = ""
+    state: str = ""  # the arm's state when it happened
+    time: float = 0.0  # s on the loop's clock
+    sequence: int = 0  # the record at which it happened; the ring keeps the seconds before
+    device: bool = False  # said by the backend
+
+    @property
+    def dead_axis(self) -> int | None:
+        """The axis that takes no torque any more."""
+        return self.axis if self.device or self.kind == "stale" else None
+
+    @property
+    def whole_bus(self) -> bool:
+        """Whether no axis can be stopped by the loop."""
+        return self.device and self.axis is None
+
+    @property
+    def sentence(self) -> str:
+        """One line for a person; joints numbered from 1."""
+        named = self.axis is None or self.cause.startswith("joint ")
+        where = "" if named else f"joint {(self.axis or 0) + 1}: "
+        return f"{where}{self.cause}" + (f"; {self.remedy}" if self.remedy else "")
+
+    def document(self) -> dict[str, Any]:
+        """For JSON: the axis numbered from 1 as ``joint``."""
+        out = asdict(self)
+        axis = out.pop("axis")
+        return {**out, "joint": None if axis is None else axis + 1, "sentence": self.sentence}
+
+
+class Violation(Exception):
+    """The loop itself saw what may not go on."""
+
+    def __init__(self, kind: str, cause: str, axis: int | None = None) -> None:
+        super().__init__(cause)
+        self.kind, self.cause, self.axis = kind, cause, axis
+
+
+def fault_from(error: Exception, state: str, time: float, sequence: int) -> Fault:
+    """Any exception as a fault."""
+    device = isinstance(error, BackendFault)
+    if isinstance(error, BackendFault):
+        kind, cause, axis, remedy = error.kind, error.cause, error.axis, error.remedy
+    elif isinstance(error, Violation):
+        kind, cause, axis, remedy = error.kind, error.cause, error.axis, REMEDIES[error.kind]
+    else:
+        text = " ".join(str(error).split())[:300]
+        kind, cause, axis = "controller", f"{type(error).__name__}: {text}", None
+        remedy = REMEDIES[kind]
+    return Fault(kind, cause, axis, remedy, state, time, sequence, device)

@@ -1,0 +1,60 @@
+"""What the arm may do, per joint, as the torque exit and the braking use it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+
+Array = NDArray[np.float64]
+
+FOLLOWING_ERROR = 0.15  # rad (m): several times what a tuned servo leaves
+FOLLOWING_TIME = 0.05  # s behind at full speed, where that is more
+FULL_TORQUE_IN = 0.02  # s from zero to the torque limit: reversals pass, steps do not
+
+
+@dataclass(frozen=True)
+class ArmLimits:
+    """(n,) each: rad, rad/s, rad/s², N·m, N·m/s, rad; stale_cycles: without a fresh value."""
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    torque_rate: Array
+    following_error: Array
+    stale_cycles: int = 3
+
+
+def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
+    """Limits of a robot that is to be moved: every one must be known, or follow from another."""
+    for values, key, unit in (
+        (robot.velocity, "velocity", "rad/s"),
+        (robot.acceleration, "acceleration", "rad/s²"),
+        (robot.effort, "torque", "N·m"),
+    ):
+        for j in np.flatnonzero(~np.isfinite(values)):
+            raise UserError(
+                f"{profile.path}: limits.{key}: found nothing for joint {j + 1}, "
+                f"expected a limit in {unit}; without it the arm may not be moved"
+            )
+    safety = profile.safety
+    rate = safety.torque_rate or (robot.effort / FULL_TORQUE_IN).tolist()
+    usual = np.maximum(FOLLOWING_ERROR, FOLLOWING_TIME * robot.velocity)
+    following = safety.following_error or usual.tolist()
+    return ArmLimits(
+        lower=robot.lower.copy(),
+        upper=robot.upper.copy(),
+        velocity=robot.velocity.copy(),
+        acceleration=robot.acceleration.copy(),
+        torque=robot.effort.copy(),
+        torque_rate=np.array(rate, dtype=float),
+        following_error=np.array(following, dtype=float),
+        stale_cycles=safety.stale_cycles,
+    )

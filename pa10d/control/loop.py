@@ -1,0 +1,120 @@
+"""The loop of the control process: wait, take commands, cycle, tell what changed."""
+
+from __future__ import annotations
+
+import select
+import socket
+import time
+from typing import Any
+
+from pa10d.control.arm import Arm
+from pa10d.control.clock import Clock
+from pa10d.control.commands import Commands
+from pa10d.control.mailbox import Mailbox
+from pa10d.control.ring import Ring
+from pa10d.control.states import POWERED, ArmState
+
+IDLE = 0.05  # s between looks at the pipe while offline
+SILENCE = 5.0  # s without a word from the daemon: it hangs
+PATIENCE = 2.0  # s that simulated time waits for a recorder that does not keep up
+
+
+class Loop:
+    """Runs until the daemon closes the pipe, or ``end`` is called; then the arm is at rest."""
+
+    def __init__(self, arm: Arm, ring: Ring, commands: Commands, connection: socket.socket) -> None:
+        self._arm, self._ring, self._commands = arm, ring, commands
+        self._connection, self._mailbox = connection, Mailbox(connection)
+        self._clock = Clock(arm.backend.period)
+        self._told: tuple[Any, ...] = ()
+        self._ending = ""
+        self._heard = time.monotonic()
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send an event to the daemon."""
+        self._mailbox.tell(message)
+
+    def end(self, why: str) -> None:
+        """Stop along the limits, power off, leave."""
+        self._ending = self._ending or why
+
+    def run(self) -> None:
+        """Returns once the arm is safe and the bus is left."""
+        while not (self._ending and self._arm.state not in POWERED):
+            if self._arm.state == ArmState.OFFLINE:
+                select.select([self._connection], [], [], IDLE)
+                self._clock.restart()
+            else:
+                self._wait()
+            self._listen()
+            self._arm.cycle()
+            self._clock.done()
+            self._tell_changes()
+        if self._arm.state != ArmState.OFFLINE:
+            self._arm.disconnect()
+            self._tell_changes()
+
+    def _wait(self) -> None:
+        arm, clock = self._arm, self._clock
+        arm.journal.timing(clock.late, clock.busy, clock.missed)
+        moving = arm.state in (ArmState.RUNNING, ArmState.STOPPING)
+        fast = moving and not arm.backend.realtime
+        clock.wait(paced=not fast)
+        if fast and arm.recording:
+            self._await_recorder()
+
+    def _await_recorder(self) -> None:
+        """In simulated time nothing is lost because a disk is slow."""
+        ring, until = self._ring, time.monotonic() + PATIENCE
+        while ring.taken >= 0 and ring.written - ring.taken > ring.capacity // 2:
+            if time.monotonic() > until:
+                self._arm.stop()
+                return
+            time.sleep(0.001)
+
+    def _listen(self) -> None:
+        while (message := self._mailbox.take()) is not None:
+            self._heard = time.monotonic()
+            if message.get("do") == "alive":
+                continue
+            if message.get("do") == "end":
+                self.end("asked to")
+                continue
+            answer = self._commands.carry_out(message)
+            self._tell_changes()  # before the answer: who asked then knows the new state
+            self._mailbox.tell(answer)
+            self._clock.restart()
+        if self._mailbox.closed:
+            self._orphaned("the daemon is gone")
+        elif self._arm.backend.realtime and time.monotonic() - self._heard > SILENCE:
+            self._orphaned(f"no word from the daemon for {SILENCE:g} s")
+        if self._ending:
+            self._arm.disable()
+
+    def _orphaned(self, why: str) -> None:
+        if not self._ending:
+            self._arm.emergency("daemon_gone", why)
+            self.end(why)
+
+    def _tell_changes(self) -> None:
+        arm = self._arm
+        state = (arm.state, arm.fault, arm.path.controller)
+        if state != self._told:
+            self._told = state
+            self._mailbox.tell(describe(arm))
+        else:
+            self._mailbox.flush()
+
+
+def describe(arm: Arm) -> dict[str, Any]:
+    """The event that tells the arm's state."""
+    model = getattr(arm.path.controller, "model", None)
+    return {
+        "event": "state",
+        "state": arm.state.label,
+        "fault": None if arm.fault is None else arm.fault.document(),
+        "controller": arm.path.controller.name,
+        "model": None if model is None else model.name,
+        "warnings": list(arm.backend.warnings),
+        "sequence": arm.journal.count,
+    }

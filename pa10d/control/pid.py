@@ -1,0 +1,61 @@
+"""Independent joint control: PID whose integral never winds up."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.gains import PidGains
+from pa10d.control.reference import Reference
+
+Array = NDArray[np.float64]
+
+
+class Controller(Protocol):
+    """A control law; every array is (n,)."""
+
+    name: str
+
+    def start(self, reference: Reference, q: Array, dq: Array, torque: Array) -> None:
+        """Begin so that the next output continues ``torque`` (N·m) without a step."""
+
+    def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
+        """N·m wanted in this cycle."""
+        ...
+
+    def applied(self, wanted: Array, sent: Array) -> None:
+        """What the exit let pass of what was wanted."""
+
+
+class Pid:
+    """kp·e + kd·ė + ∫ki·e; what the exit cut off is fed back into the integral."""
+
+    name = "pid"
+
+    def __init__(self, gains: PidGains, limit: Array, period: float) -> None:
+        self.gains = gains
+        self._limit, self._period = limit, period
+        self._integral = np.zeros_like(limit)
+        # tracking time of the back-calculation: that of the integral itself
+        self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
+
+    def start(self, reference: Reference, q: Array, dq: Array, torque: Array) -> None:
+        """The integral takes the torque that the other terms do not give."""
+        error, error_rate = reference.q - q, reference.dq - dq
+        rest = torque - self.gains.kp * error - self.gains.kd * error_rate
+        self._integral[:] = np.clip(rest, -self._limit, self._limit)
+
+    def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
+        """PID on the tracking error."""
+        error = reference.q - q
+        self._integral += self._period * self.gains.ki * error
+        np.clip(self._integral, -self._limit, self._limit, out=self._integral)
+        damping = self.gains.kd * (reference.dq - dq)
+        return self.gains.kp * error + damping + self._integral
+
+    def applied(self, wanted: Array, sent: Array) -> None:
+        """Anti-windup by back-calculation."""
+        self._integral += self._unwind * (sent - wanted)
+        np.clip(self._integral, -self._limit, self._limit, out=self._integral)

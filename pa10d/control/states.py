@@ -1,0 +1,54 @@
+"""The arm's states, and what may be asked of it in which of them."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class ArmState(IntEnum):
+    """offline → inactive (reads only) → holding → running → stopping → fault."""
+
+    OFFLINE = 0
+    INACTIVE = 1
+    HOLDING = 2
+    RUNNING = 3
+    STOPPING = 4
+    FAULT = 5
+
+    @property
+    def label(self) -> str:
+        """As clients see it."""
+        return self.name.lower()
+
+
+POWERED = frozenset({ArmState.HOLDING, ArmState.RUNNING, ArmState.STOPPING})
+"""The only states in which a torque other than zero may leave."""
+
+REMEDIES = {
+    ArmState.OFFLINE: "connect the robot: check bus and drives, then ask for 'connect'",
+    ArmState.INACTIVE: "enable the arm",
+    ArmState.HOLDING: "disable the arm",
+    ArmState.RUNNING: "wait for the motion to end, or stop it",
+    ArmState.STOPPING: "wait until the arm is at rest",
+    ArmState.FAULT: "remove the cause, then reset",
+}
+
+
+class Refused(Exception):
+    """A command that does not fit the state: what was asked, the state, the states needed."""
+
+    def __init__(
+        self, command: str, state: ArmState, needed: tuple[ArmState, ...], why: str = ""
+    ) -> None:
+        self.command, self.state, self.needed = command, state, needed
+        self.remedy = why or REMEDIES[state]
+        wanted = " or ".join(s.label for s in needed)
+        reason = f"the arm is {state.label}, needed: {wanted}; {self.remedy}"
+        super().__init__(f"{command}: {why if state in needed else reason}")
+
+
+def require(command: str, state: ArmState, *needed: ArmState) -> None:
+    """Raise Refused unless ``state`` is one of ``needed``."""
+    if state not in needed:
+        why = "there is no fault to leave" if command == "reset" else ""
+        raise Refused(command, state, needed, why)

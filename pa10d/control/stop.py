@@ -1,0 +1,57 @@
+"""A stop under way: braking along the limits, then rest; or the drives' own quick stop."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+
+from pa10d.control.faults import Violation
+from pa10d.control.reference import Braking
+from pa10d.control.states import ArmState
+from pa10d.control.torque_path import TorquePath
+
+REST_SPEED = 0.02  # of the velocity limit: slower is at rest
+REST_TIME = 0.05  # s at rest before a stop is done
+GRACE = 1.0  # s that a stop may take beyond what braking needs
+DRIVES_STOP = 2.0  # s for the drives' own quick stop
+
+
+class Progress(Enum):
+    """How far a stop has come."""
+
+    MOVING = 0
+    AT_REST = 1
+    OVERDUE = 2
+
+
+class Stop:
+    """``after``: HOLDING, INACTIVE or FAULT, the state that follows once the arm rests."""
+
+    def __init__(
+        self, path: TorquePath, period: float, after: ArmState, by_drives: bool = False
+    ) -> None:
+        self.after, self.by_drives = after, by_drives
+        self._path = path
+        self._braking = Braking(path.limits.acceleration, path.reference.dq, period)
+        span = DRIVES_STOP if by_drives else self._braking.duration + GRACE
+        self._deadline = path.time + span
+        self._rest_since = path.time
+
+    def advance(self) -> Progress:
+        """One period on."""
+        braked = self.by_drives or self._braking.advance(self._path.reference)
+        slow = np.abs(self._path.dq) < REST_SPEED * self._path.limits.velocity
+        if not braked or not slow[self._path.live].all():
+            self._rest_since = self._path.time
+        if self._path.time - self._rest_since >= REST_TIME:
+            return Progress.AT_REST
+        return Progress.OVERDUE if self._path.time > self._deadline else Progress.MOVING
+
+    def overdue(self) -> Violation:
+        """What to latch when the arm did not come to rest."""
+        fast = np.abs(self._path.dq) >= REST_SPEED * self._path.limits.velocity
+        moving = np.flatnonzero(fast & self._path.live)
+        return Violation(
+            "stop", "still moving after the stop", int(moving[0]) if len(moving) else None
+        )

@@ -1,0 +1,46 @@
+"""The one exit for torque. Whatever computed it, nothing reaches a drive but through here."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.envelope import Envelope
+from pa10d.control.faults import Violation
+from pa10d.control.limits import ArmLimits
+from pa10d.control.states import POWERED, ArmState
+
+Array = NDArray[np.float64]
+
+
+class TorqueExit:
+    """Finite, allowed by the state, inside the envelope, within limits, limited in its rate."""
+
+    def __init__(self, limits: ArmLimits, period: float) -> None:
+        self.limits = limits
+        self.sent = np.zeros_like(limits.torque)
+        self._step = limits.torque_rate * period
+        self._envelope = Envelope(limits)
+
+    def watch(
+        self, q: Array, dq: Array, age: NDArray[np.int64], wanted_q: Array, live: NDArray[np.bool_]
+    ) -> None:
+        """Raise Violation where a live axis has left the envelope of the motion."""
+        self._envelope.watch(q, dq, age, wanted_q, live)
+
+    def send(self, wanted: Array, state: ArmState, live: NDArray[np.bool_]) -> Array:
+        """(n,) N·m that may go to the drives; zero for axes that are not live."""
+        if state not in POWERED:
+            raise Violation("torque_state", f"torque asked for while {state.label}")
+        if not np.isfinite(wanted).all():
+            axis = int(np.flatnonzero(~np.isfinite(wanted))[0])
+            raise Violation("not_finite", "the controller gave no finite torque", axis)
+        limit = self.limits.torque
+        held = np.minimum(np.maximum(wanted, -limit), limit)
+        change = np.minimum(np.maximum(held - self.sent, -self._step), self._step)
+        self.sent = np.where(live, self.sent + change, 0.0)
+        return self.sent
+
+    def restart(self) -> None:
+        """The drives were unpowered: their torque is zero."""
+        self.sent = np.zeros_like(self.sent)

@@ -1,0 +1,107 @@
+"""From what was measured to what is sent: estimator, reference, controller, exit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.protocol import Feedback
+from pa10d.control.estimator import SpeedEstimator
+from pa10d.control.faults import Violation
+from pa10d.control.limits import ArmLimits
+from pa10d.control.pid import Controller, Pid
+from pa10d.control.reference import Reference
+from pa10d.control.states import ArmState
+from pa10d.control.torque_exit import TorqueExit
+
+Array = NDArray[np.float64]
+
+RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this is none
+
+
+class TorquePath:
+    """All that has a value per joint; (n,) each, joints that are not ``live`` get no torque."""
+
+    def __init__(self, limits: ArmLimits, period: float, make_servo: Callable[[], Pid]) -> None:
+        n = len(limits.torque)
+        self.limits, self._make_servo = limits, make_servo
+        self.controller: Controller = make_servo()
+        self.exit = TorqueExit(limits, period)
+        self.reference = Reference(n)
+        self.live = np.ones(n, dtype=bool)
+        self.time = 0.0
+        self.measured_q, self.tau = np.zeros(n), np.zeros(n)
+        self.status, self.age = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+        self.temperature: Array | None = None
+        self._speed = SpeedEstimator(n, period)
+
+    @property
+    def q(self) -> Array:
+        """Position, bridged where an axis did not answer."""
+        return self._speed.q
+
+    @property
+    def dq(self) -> Array:
+        """Estimated speed."""
+        return self._speed.dq
+
+    @property
+    def sent(self) -> Array:
+        """Torque sent last."""
+        return self.exit.sent
+
+    def measure(self, feedback: Feedback) -> None:
+        """Take in one cycle's feedback."""
+        self.time, self.age, self.status = feedback.time, feedback.age, feedback.status
+        self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
+        self.temperature = feedback.temperature
+        self._speed.update(feedback.q, feedback.age, feedback.time)
+
+    def watch(self, stopping_for_fault: bool) -> None:
+        """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
+        if not stopping_for_fault:
+            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
+            return
+        far = np.abs(self.reference.q - self.q) > RUNAWAY * self.limits.following_error
+        fast = np.abs(self.dq) > RUNAWAY * self.limits.velocity
+        gone = self.age > self.limits.stale_cycles
+        bad = np.flatnonzero(self.live & (far | fast | gone))
+        if len(bad):
+            raise Violation("stop", "does not stop as asked", int(bad[0]))
+
+    def torque(self, state: ArmState) -> Array:
+        """What may be sent in this cycle."""
+        wanted = self.controller.torque(self.reference, self.q, self.dq)
+        sent = self.exit.send(wanted, state, self.live)
+        self.controller.applied(wanted, sent)
+        return sent
+
+    def power_up(self, gravity: Array) -> None:
+        """Hold where the arm is, beginning with the torque that gravity is thought to need."""
+        self.exit.restart()
+        self.reference.rest(self.q.copy())
+        self.controller.start(self.reference, self.q, self.dq, gravity)
+
+    def power_down(self) -> None:
+        """The drives are off."""
+        self.exit.restart()
+        self.reference.rest(self.q.copy())
+
+    def use(self, controller: Controller) -> None:
+        """Another law, bumpless."""
+        controller.start(self.reference, self.q, self.dq, self.sent)
+        self.controller = controller
+
+    def fall_back(self) -> None:
+        """Plain joint servo from the measured state on: it needs no model and no plan."""
+        self.reference.rest(self.q.copy())
+        speed = self.limits.velocity
+        self.reference.dq[:] = np.where(self.live, np.clip(self.dq, -speed, speed), 0.0)
+        self.use(self._make_servo())
+
+    def forget(self) -> None:
+        """After a reset: every axis is live, and was at rest until now."""
+        self.live[:] = True
+        self._speed.restart()

@@ -1,0 +1,159 @@
+"""Go or no-go before power: wire, machine, drives, limits, disk, clock."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from backends.bus_budget import profile_budget
+from backends.registry import open_backend
+from pa10d.control.build import build_arm
+from pa10d.control.clock import Clock
+from pa10d.control.limits import arm_limits
+from pa10d.control.realtime import PRIORITY, take_priority
+from pa10d.control.ring import Ring
+from pa10d.control.states import Refused
+from pa10d.daemon.presence import present
+from pa10d.daemon.simulator import simulated_bus
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.experiments.checks import Check
+from pa10d.profile import Profile
+from pa10d.store.folders import write_text
+
+SMALL_DISK = 2.0  # GB; an hour of a seven-axis run takes about one
+SLOW_DISK = 0.1  # s for a small synchronous write
+LATE = 0.25  # of a period that the latest cycle in a hundred may be late
+SANE_YEAR = 2025
+
+
+def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[Check]:
+    """Every check; nothing is powered."""
+    return [
+        *_bus(profile),
+        *_limits(profile, robot),
+        *_disk(data),
+        *_clock(),
+        *_timing(profile, seconds),
+        *_drives(profile, robot, data, seconds),
+    ]
+
+
+def _bus(profile: Profile) -> list[Check]:
+    budget = profile_budget(profile)
+    return [Check("ok" if budget.fits else "error", "bus", budget.sentence())]
+
+
+def _limits(profile: Profile, robot: Robot) -> list[Check]:
+    try:
+        arm_limits(profile, robot)
+    except UserError as error:
+        return [Check("error", "limits", str(error))]
+    unbounded = [
+        Check("warning", "limits", "turns for ever: no position limit", int(j) + 1)
+        for j in np.flatnonzero(~np.isfinite(robot.lower) | ~np.isfinite(robot.upper))
+    ]
+    text = "position, velocity, acceleration and torque are known for every joint"
+    return unbounded or [Check("ok", "limits", text)]
+
+
+def _disk(data: Path) -> list[Check]:
+    free = shutil.disk_usage(data).free / 1e9
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(dir=data) as folder:
+        write_text(Path(folder) / "probe", "x" * 65536)
+    took = time.monotonic() - began
+    text = f"{free:.1f} GB free in {data}, {1e3 * took:.0f} ms for a synchronous write"
+    if free < SMALL_DISK or took > SLOW_DISK:
+        return [Check("warning", "disk", f"{text}; expected {SMALL_DISK:g} GB and a quicker disk")]
+    return [Check("ok", "disk", text)]
+
+
+def _clock() -> list[Check]:
+    source = Path("/sys/devices/system/clocksource/clocksource0/current_clocksource")
+    name = source.read_text().strip() if source.is_file() else "unknown"
+    step = time.get_clock_info("monotonic").resolution
+    if time.gmtime().tm_year < SANE_YEAR:
+        text = f"this machine believes in {time.strftime('%Y-%m-%d')}: runs get wrong dates"
+        return [Check("warning", "clock", f"{text}; set the clock, use NTP")]
+    if name not in ("tsc", "arch_sys_counter", "kvm-clock", "unknown"):
+        return [Check("warning", "clock", f"clock source {name} is slow to read; expected tsc")]
+    return [Check("ok", "clock", f"source {name}, resolution {1e9 * step:.0f} ns")]
+
+
+def _timing(profile: Profile, seconds: float) -> list[Check]:
+    """A bare loop at the profile's rate on this machine, with the priority that we get."""
+    with _real_time() as notes:
+        late = _late(profile, seconds, lambda: None)
+    return [*[Check("warning", "timing", n) for n in notes], _judged("bare loop", late, profile)]
+
+
+def _drives(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[Check]:
+    """Who answers, what they lack, and a loop that reads them, unpowered."""
+    daemon = present(data)
+    if daemon is not None:
+        text = f"the daemon at {daemon.url} holds the bus; look at its robot's notes"
+        return [Check("warning", "drives", text)]
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(simulated_bus(profile))
+        backend = open_backend(profile)
+        period = 1.0 / profile.control.rate
+        arm = build_arm(profile, robot, backend, Ring.create(robot.n, 4096, period))
+        try:
+            arm.connect()
+        except Refused as refusal:
+            return [Check("error", "drives", str(refusal).removeprefix("connect: "))]
+        stack.callback(arm.disconnect)
+        found = [Check("ok", "drives", r.identity) for r in getattr(backend, "reports", ())]
+        found += [Check("warning", "drives", warning) for warning in backend.warnings]
+        with _real_time():
+            late = _late(profile, seconds, arm.cycle)
+        if arm.fault is not None:
+            return [*found, Check("error", "drives", arm.fault.sentence)]
+        return [*found, _judged("loop with the drives", late, profile)]
+
+
+def _late(profile: Profile, seconds: float, cycle: Callable[[], None]) -> tuple[np.ndarray, int]:
+    """s by which each cycle began late, and how many were not finished in time."""
+    clock, late = Clock(1.0 / profile.control.rate), []
+    for _ in range(max(10, int(seconds * profile.control.rate))):
+        clock.wait(paced=True)
+        cycle()
+        clock.done()
+        late.append(clock.late)
+    return np.array(late), clock.missed
+
+
+def _judged(what: str, found: tuple[np.ndarray, int], profile: Profile) -> Check:
+    late, missed = found
+    usual, rare = np.quantile(late, [0.5, 0.99])
+    text = (
+        f"{what} at {profile.control.rate:g} Hz: {1e6 * usual:.0f} µs late as a rule, "
+        f"{1e6 * rare:.0f} µs once in a hundred cycles, {missed} of {len(late)} not done in time"
+    )
+    if rare > LATE / profile.control.rate or missed > len(late) // 200:
+        return Check(
+            "warning", "timing", f"{text}; expected less load, a real-time kernel or a lower rate"
+        )
+    return Check("ok", "timing", text)
+
+
+@contextlib.contextmanager
+def _real_time() -> Iterator[list[str]]:
+    """Priority and quiet garbage collection for a while."""
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    notes = take_priority(PRIORITY)
+    gc.disable()
+    try:
+        yield notes
+    finally:
+        gc.enable()
+        os.sched_setscheduler(0, *before)

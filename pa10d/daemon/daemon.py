@@ -1,0 +1,143 @@
+"""All that the daemon is made of, and how it begins and ends."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pa10d.daemon.events import Events
+from pa10d.daemon.jobs import Job, Jobs, Progress, Report
+from pa10d.daemon.lease import Lease
+from pa10d.daemon.notify import notify, watchdog_period
+from pa10d.daemon.robot import RobotProcess
+from pa10d.daemon.simulator import Simulator, wants_simulator
+from pa10d.daemon.telemetry import Telemetry
+from pa10d.daemon.workers import Workers
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+from pa10d.store import RunStore
+from pa10d.store.models import ModelStore
+
+MOVING = ("experiment", "improvement")  # kinds of jobs that move the arm
+
+log = logging.getLogger("pa10d.daemon")
+
+
+class Daemon:
+    """One robot, one data folder. Everything here runs in one event loop and never computes."""
+
+    def __init__(
+        self,
+        profile: Profile,
+        robot: Robot,
+        data: Path,
+        runtime: Path,
+        *,
+        simulator: bool = True,
+        inherit: Sequence[int] = (),
+    ) -> None:
+        """simulator: start the virtual arm too, where the profile has one."""
+        self.profile, self.kinematics, self.data = profile, robot, data
+        self.began = time.monotonic()
+        self.events = Events()
+        self.runs, self.models = RunStore(data), ModelStore(data)
+        self.jobs = Jobs(data / "jobs", self.events)
+        self.workers = Workers()
+        self.robot = RobotProcess(profile, robot, data, runtime, self.events)
+        self.robot.inherit = inherit
+        self.runtime = runtime
+        self.telemetry = Telemetry(self.robot.ring, robot.joint_names)
+        self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
+        self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
+        self._tasks: list[asyncio.Task[None]] = []
+
+    @property
+    def uptime(self) -> float:
+        """s since it began."""
+        return time.monotonic() - self.began
+
+    async def start(self) -> None:
+        """Bring everything up; the robot connects by itself as soon as it can."""
+        loop = asyncio.get_running_loop()
+        self.robot.start()
+        self._tasks = [
+            loop.create_task(self._provide_bus()),
+            loop.create_task(self.telemetry.run()),
+            loop.create_task(self.workers.warm_up()),
+            loop.create_task(_feed_watchdog()),
+        ]
+        notify("READY=1", f"STATUS=serving {self.profile.name}")
+
+    async def close(self) -> None:
+        """The arm comes to rest first, then everything ends."""
+        notify("STOPPING=1")
+        await self.jobs.close()
+        await self.robot.close()
+        for task in self._tasks:
+            task.cancel()
+        for ended in await asyncio.gather(*self._tasks, return_exceptions=True):
+            if isinstance(ended, Exception):
+                log.error("a task of the daemon had failed", exc_info=ended)
+        self.workers.close()
+        if self.simulator is not None:
+            await self.simulator.close()
+
+    async def _provide_bus(self) -> None:
+        if self.simulator is not None:
+            await self.simulator.start()
+        self.robot.bus_ready.set()
+
+    def compute(self, kind: str, task: str, request: dict[str, Any], **more: Any) -> Job:
+        """Start a job that one worker carries out: a function of ``pa10d.daemon.tasks``."""
+
+        async def work(report: Report) -> Any:
+            return await self.compute_now(task, report, **request, **more)
+
+        return self.jobs.start(kind, request, work)
+
+    async def compute_now(self, task: str, progress: Progress, **arguments: Any) -> Any:
+        """The result of a task, for a job that has more to do."""
+        call = f"pa10d.daemon.tasks:{task}"
+        return await self.workers.run(call, progress, data=str(self.data), **arguments)
+
+    async def answer(self, task: str, **arguments: Any) -> Any:
+        """The result of a short task, for a request that waits for it."""
+        return await self.compute_now(task, lambda *_: None, **arguments)
+
+    async def use_controller(self, name: str, model: str | None) -> None:
+        """Another control law; computed torque needs a model of the store."""
+        if name == "pid":
+            await self.robot.use({"name": "pid"})
+            return
+        if model is None:
+            raise UserError("controller 'computed_torque': expected 'model', a model's name")
+        live = await self.answer("live_model_of", model=model)
+        await self.robot.use({"name": "computed_torque", "model": live})
+
+    def stop(self) -> None:
+        """Rest, whoever asks; a running experiment ends as stopped."""
+        self.robot.stop()
+
+
+async def _feed_watchdog() -> None:
+    """Tell systemd that this loop still turns."""
+    period = watchdog_period()
+    while period is not None:
+        notify("WATCHDOG=1")
+        await asyncio.sleep(period)
+
+
+@contextlib.asynccontextmanager
+async def running(daemon: Daemon):
+    """From start to close."""
+    try:
+        await daemon.start()
+        yield daemon
+    finally:
+        await daemon.close()

@@ -1,0 +1,157 @@
+"""What workers compute for the daemon: services, with arguments and results that JSON knows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Progress = Callable[[float, str], None]
+
+
+def import_file(
+    data: str, file: str, profile: str, name: str | None, mapping: list[str], replace: bool
+) -> dict[str, Any]:
+    """A recording into the store → its description."""
+    from pa10d.services.robots import load_robot
+    from pa10d.services.runs import import_run
+    from pa10d.store import RunStore
+
+    found, robot = load_robot(profile)
+    result = import_run(
+        RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace
+    )
+    return result.info.document()
+
+
+def export_file(data: str, run: str, format: str, file: str) -> None:
+    """A run as a file."""
+    from pa10d.store import RunStore
+    from pa10d.store.export import export_run
+
+    store = RunStore(data)
+    export_run(store, store.find(run), format, Path(file), replace=False)
+
+
+def identify(
+    data: str,
+    runs: list[str],
+    profile: str,
+    name: str,
+    cutoff: float | None,
+    with_effects: list[str],
+    replace: bool,
+    progress: Progress,
+) -> dict[str, Any]:
+    """The textbook model → what ``pa10d identify --json`` says."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import identify_runs
+
+    return identify_runs(
+        open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
+        replace=replace, progress=progress,
+    ).summary  # fmt: skip
+
+
+def compare(data: str, model: str, runs: list[str], progress: Progress) -> dict[str, Any]:
+    """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import compare_runs
+
+    found = compare_runs(open_library(data), model, runs, ancestors=True, progress=progress)
+    return found.document()
+
+
+def model_document(data: str, model: str) -> dict[str, Any]:
+    """A stored model with its parameters."""
+    from pa10d.services.library import open_library
+    from pa10d.services.model_details import model_details
+
+    library = open_library(data)
+    info = library.models.find(model)
+    return vars(info) | model_details(library.models.load(info))
+
+
+def model_text(data: str, model: str, format: str) -> dict[str, Any]:
+    """A model for other programs: its text and what it cannot carry."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import export_model
+
+    info, text, lost = export_model(open_library(data), model, format)
+    return {"name": info.name, "text": text, "not_carried": lost}
+
+
+def live_model_of(data: str, model: str) -> dict[str, Any]:
+    """The part of a stored model that the control loop evaluates."""
+    from pa10d.control.live_model import live_model
+    from pa10d.services.library import open_library
+
+    return live_model(open_library(data).models.load(model)).document()
+
+
+def diagnose(
+    data: str,
+    model: str,
+    fit: list[str],
+    validate: list[str],
+    frozen: bool,
+    effect: str | None,
+    joints: list[int],
+    progress: Progress,
+) -> dict[str, Any]:
+    """Which effect is missing → what ``pa10d diagnose --json`` says."""
+    from pa10d.services.diagnoses import diagnose_runs
+    from pa10d.services.library import open_library
+
+    found = diagnose_runs(
+        open_library(data), model, fit, validate, frozen=frozen, effect=effect, joints=joints,
+        progress=progress,
+    )  # fmt: skip
+    return found.document()
+
+
+def add(
+    data: str,
+    model: str,
+    effect: str,
+    joints: list[int],
+    fit: list[str],
+    name: str,
+    replace: bool,
+    progress: Progress,
+) -> dict[str, Any]:
+    """A new version of a model with an effect fitted in."""
+    from pa10d.services.diagnoses import add_effect
+    from pa10d.services.library import open_library
+
+    info, made, warnings = add_effect(
+        open_library(data), model, effect, joints, fit, name=name, replace_model=replace,
+        progress=progress,
+    )  # fmt: skip
+    return {
+        "id": info.id,
+        "name": info.name,
+        "parent": made.parent,
+        "change": made.change,
+        "held_out": [float(v) for v in made.held_out["held out"]],
+        "warnings": warnings,
+    }
+
+
+def improve(
+    data: str,
+    model: str,
+    fit: list[str],
+    validate: list[str],
+    name: str,
+    replace: bool,
+    progress: Progress,
+) -> dict[str, Any]:
+    """New versions until nothing significant is left."""
+    from pa10d.services.diagnoses import improve_model
+    from pa10d.services.library import open_library
+
+    return improve_model(
+        open_library(data), model, fit, validate, name=name, replace_model=replace,
+        progress=progress,
+    ).document()  # fmt: skip

@@ -1,0 +1,115 @@
+"""Live values for everybody who looks: the ring, thinned out, with the last minutes kept."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.ring import Ring
+
+Rows = NDArray[np.float32]
+
+RATE = 50.0  # rows per second of the loop's time
+PERIOD = 0.05  # s between packets
+KEPT = 600.0  # s of history
+QUEUE = 64  # packets that wait for a slow listener; later ones are dropped
+SCALARS = ("state", "fault", "motion", "late", "missed")
+VECTORS = ("q", "dq", "tau", "q_ref", "torque", "temperature")
+
+
+class Telemetry:
+    """Packets: float64 start (s on the loop's clock), then float32 rows, time from there first.
+
+    All little-endian. Columns as ``header`` names them; joints numbered from 1.
+    """
+
+    def __init__(self, ring: Ring, names: tuple[str, ...]) -> None:
+        self._ring, self._names = ring, names
+        self._step = max(1, round(1.0 / (ring.period * RATE)))
+        self._next = 0
+        self._history: deque[tuple[float, Rows]] = deque()
+        self._listeners: set[asyncio.Queue[bytes]] = set()
+        layout = ring.layout
+        places = [layout.scalars[s] for s in SCALARS]
+        for v in VECTORS:
+            places += range(layout.vectors[v].start, layout.vectors[v].stop)
+        self._places = np.array(places)
+
+    @property
+    def listeners(self) -> int:
+        """How many look."""
+        return len(self._listeners)
+
+    def header(self) -> dict[str, Any]:
+        """What the columns of every packet are."""
+        joints = range(1, len(self._names) + 1)
+        columns = ["time", *SCALARS, *(f"{v}{j}" for v in VECTORS for j in joints)]
+        units = {"time": "s", "late": "s", "q": "rad", "dq": "rad/s", "tau": "N·m"}
+        units |= {"q_ref": "rad", "torque": "N·m", "temperature": "°C"}
+        rate = 1.0 / (self._ring.period * self._step)
+        return {"columns": columns, "joints": list(self._names), "rate": rate, "units": units}
+
+    async def run(self) -> None:
+        """Follow the ring for ever."""
+        while True:
+            await asyncio.sleep(PERIOD)
+            self.step()
+
+    def step(self) -> None:
+        """Take what is new, pass it on."""
+        rows, lost = self._ring.read(self._next)
+        first = self._next + lost
+        self._next = first + len(rows)
+        chosen = rows[(-first) % self._step :: self._step]
+        if not len(chosen):
+            return
+        t = chosen[:, self._ring.layout.scalars["time"]]
+        start = float(t[0])
+        thin = np.empty((len(chosen), 1 + len(self._places)), dtype="<f4")
+        thin[:, 0] = t - start
+        thin[:, 1:] = chosen[:, self._places]
+        self._history.append((start, thin))
+        while self._history[0][0] < start - KEPT:
+            self._history.popleft()
+        packet = _packet(start, thin)
+        for queue in self._listeners:
+            if not queue.full():
+                queue.put_nowait(packet)
+
+    def history(self, seconds: float) -> bytes | None:
+        """The last seconds as one packet."""
+        if not self._history:
+            return None
+        since = self._history[-1][0] - seconds
+        parts = [(t, rows) for t, rows in self._history if t >= since]
+        if not parts:
+            return None
+        start = parts[0][0]
+        shifted = []
+        for t, rows in parts:
+            moved = rows.copy()
+            moved[:, 0] += t - start
+            shifted.append(moved)
+        return _packet(start, np.concatenate(shifted))
+
+    async def listen(self, history: float) -> AsyncIterator[bytes]:
+        """Packets from now on, the last ``history`` seconds first."""
+        queue: asyncio.Queue[bytes] = asyncio.Queue(QUEUE)
+        before = self.history(history)
+        self._listeners.add(queue)
+        try:
+            if before is not None:
+                yield before
+            while True:
+                yield await queue.get()
+        finally:
+            self._listeners.discard(queue)
+
+
+def _packet(start: float, rows: Rows) -> bytes:
+    return np.array([start], dtype="<f8").tobytes() + np.ascontiguousarray(rows).tobytes()

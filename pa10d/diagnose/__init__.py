@@ -1,0 +1,1 @@
+"""Where does a model fail, which effect is missing, what changed, and what would settle a doubt."""

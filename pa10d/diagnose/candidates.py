@@ -1,0 +1,160 @@
+"""Every effect on every joint that may be missing, each with its best shape on the fit side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.partial import Partial, partials
+from pa10d.diagnose.ripple import order_peaks
+from pa10d.diagnose.shapes import refine
+from pa10d.diagnose.side import PerJoint
+from pa10d.diagnose.state import State
+from pa10d.effects import Context, Effect, all_effects
+from pa10d.model import Term
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect on its joints with the shape that the fit side likes best."""
+
+    effect: Effect
+    joints: tuple[int, ...]
+    shape: dict[str, float]
+    partial: Partial
+
+    @property
+    def gain(self) -> float:
+        """Weighted squared error that it removes from the fit side."""
+        return self.partial.gain
+
+    @property
+    def term(self) -> Term:
+        """As a term of a model."""
+        return Term(self.effect.id, self.joints, self.partial.theta, dict(self.shape))
+
+
+THREADS = 2
+THIN = 10  # samples of which one is looked at for where to start
+CHANGES = ("coulomb", "viscous", "torque_offset", "contact")
+"""Besides effects that only ask what changed: friction that rose or fell, a new bias, a stop."""
+
+
+def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
+    """All pairs of effect and joints: what may be missing, or (frozen) what may have changed."""
+    out: list[tuple[Effect, tuple[int, ...]]] = []
+    for effect in all_effects().values():
+        changed = effect.question == "changed" or effect.id in CHANGES
+        if not (changed if frozen else effect.question == "missing"):
+            continue
+        out += [(effect, joints) for joints in places(effect, n)]
+    return out
+
+
+def places(effect: Effect, n: int) -> Iterable[tuple[int, ...]]:
+    """The joints an effect may sit on."""
+    if effect.scope == "robot":
+        return [()]
+    if effect.scope == "pair":
+        return list(combinations(range(n), 2))
+    return [(j,) for j in range(n)]
+
+
+def scan(
+    state: State,
+    pairs: Sequence[tuple[Effect, tuple[int, ...]]],
+    tick: Callable[[float], None] = lambda share: None,
+) -> list[Candidate]:
+    """Best starting shape of every suspect, strongest first."""
+    found = []
+    with ThreadPoolExecutor(THREADS) as pool:  # filters and compiled loops leave the interpreter
+        tasks = [pool.submit(_best_start, state, effect, joints) for effect, joints in pairs]
+        try:
+            for index, task in enumerate(tasks):
+                best = task.result()
+                if best is not None:
+                    found.append(best)
+                tick((index + 1) / len(pairs))
+        except BaseException:
+            for task in tasks:
+                task.cancel()
+            raise
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def sharpen(state: State, candidate: Candidate) -> Candidate:
+    """The same candidate with its shape refined on the fit side."""
+    known: dict[tuple[float, ...], Partial] = {}
+
+    def partial_of(shape: dict[str, float]) -> Partial:
+        key = tuple(shape.values())
+        if key not in known:
+            columns = state.train.columns(candidate.effect, candidate.joints, [shape])
+            known[key] = partials(
+                state.fit, columns, candidate.effect, len(candidate.effect.coefficients)
+            )[0]
+        return known[key]
+
+    shape = refine(candidate.effect, candidate.shape, lambda s: partial_of(s).gain)
+    return Candidate(candidate.effect, candidate.joints, shape, partial_of(shape))
+
+
+def held_columns(state: State, candidate: Candidate) -> PerJoint:
+    """Columns of a candidate on the held-out side."""
+    return state.held.columns(candidate.effect, candidate.joints, [candidate.shape])
+
+
+def all_motion(contexts: Sequence[Context]) -> Context:
+    """Every run's motion, thinned out, as one that lasts as long as the longest: where to start
+    must not depend on which run comes first (only one of them may reach a stop)."""
+    longest = max(float(c.t[-1] - c.t[0]) for c in contexts)
+    warm = [c.temperature for c in contexts if c.temperature is not None]
+
+    def joined(parts: Iterable[Array]) -> Array:
+        return np.concatenate([x[::THIN] for x in parts])
+
+    q = joined(c.q for c in contexts)
+    return replace(
+        contexts[0],
+        t=np.linspace(0.0, longest, len(q)),
+        q=q,
+        dq=joined(c.dq for c in contexts),
+        ddq=joined(c.ddq for c in contexts),
+        total=joined(c.total for c in contexts),
+        temperature=joined(warm) if len(warm) == len(contexts) else None,
+    )
+
+
+def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
+    width = len(effect.coefficients)
+    best: Candidate | None = None
+    for shapes in _starts(state, effect, joints):
+        columns = state.train.columns(effect, joints, shapes)
+        if not columns:
+            continue
+        for shape, partial in zip(shapes, partials(state.fit, columns, effect, width), strict=True):
+            if partial.identifiable and (best is None or partial.gain > best.gain):
+                best = Candidate(effect, joints, dict(shape), partial)
+    return best
+
+
+def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:
+    """Shapes to begin with, in groups that fit into memory together."""
+    if effect.id == "torque_ripple":
+        peaks = order_peaks(state.train, state.train_residual(), joints[0])
+        shapes: list = [{"N": order} for order in peaks]
+    else:
+        # what reaches other joints asks for inertias, which the first run has at hand
+        one_run = effect.reaches_other_joints
+        context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
+        shapes = list(effect.starts(context, joints))
+    group = 2 if effect.reaches_other_joints else 12
+    for start in range(0, len(shapes), group):
+        yield shapes[start : start + group]

@@ -1,0 +1,267 @@
+"""From a model and recordings to a diagnosis; adding an effect; going on until nothing is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.candidates import Candidate, places, suspects
+from pa10d.diagnose.errors_of import full_covariance, term_covariance
+from pa10d.diagnose.floor import noise_floor
+from pa10d.diagnose.next_experiment import settle_doubt
+from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
+from pa10d.diagnose.search import STEPS, Judged, Search, Suspects, rms
+from pa10d.diagnose.sides import two_sides
+from pa10d.diagnose.state import State
+from pa10d.diagnose.structure import find_structure
+from pa10d.effects import Effect, Value, effect
+from pa10d.errors import Cancelled, UserError
+from pa10d.model import Term, TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+HIGHEST_HZ = 12.0
+
+
+def diagnose(
+    model: TorqueModel,
+    fit: Sequence[Recording],
+    validate: Sequence[Recording] = (),
+    *,
+    frozen: bool = False,
+    only: tuple[str, Sequence[int]] | None = None,
+    steps: int = STEPS,
+    progress: Progress | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Diagnosis:
+    """Which effect is missing (or, frozen, what changed), judged on data the fit has not seen.
+
+    only: (effect id, joints 0-based; empty: wherever it may sit) tests one suspicion.
+    progress: called with (share done, what is being done); cancel: True raises ``Cancelled``.
+    """
+
+    def say(share: float, what: str) -> None:
+        if cancel is not None and cancel():
+            raise Cancelled("the diagnosis was cancelled")
+        if progress is not None:
+            progress(share, what)
+
+    say(0.0, "filtering")
+    model = in_band(model)
+    train, held, words = two_sides(model, fit, validate)
+    say(0.1, "fitting the given model")
+    state = State.start(model, train, held, frozen)
+    given = len(state.terms)
+    before = rms(state.held_residual())
+    asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model)
+    search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
+    search.run(steps)
+    if only is None:
+        search.contest()
+    state = search.state
+    say(0.85, "looking for structure that the library does not know")
+    unexplained = tuple(find_structure(state)) if only is None else ()
+    say(0.9, "standard errors and doubts")
+    floor = noise_floor(state)
+    versions = _versions(model, state, given)
+    findings = tuple(
+        _finding(search, given, index, versions) for index in range(given, len(state.terms))
+    )
+    verdict = "missing" if findings else "unknown" if unexplained else "none"
+    say(1.0, "done")
+    return Diagnosis(
+        verdict=verdict,  # type: ignore[arg-type]
+        rms=before,
+        noise_floor=floor,
+        cutoff=model.cutoff,
+        findings=findings,
+        unexplained=unexplained,
+        model=versions[-1],
+        versions=versions,
+        judged_on=words,
+        frozen=frozen,
+    )
+
+
+def add(
+    model: TorqueModel,
+    effect_id: str,
+    joints: Sequence[int],
+    fit: Sequence[Recording],
+    *,
+    name: str,
+    validate: Sequence[Recording] = (),
+    progress: Progress | None = None,
+) -> tuple[TorqueModel, list[str]]:
+    """A new version with one effect fitted in, on each of the given joints (0-based; a pair for
+    effects of pairs), and warnings where it is not significant or identifiable."""
+    say = progress or (lambda share, what: None)
+    say(0.0, "filtering")
+    model = in_band(model)
+    train, held, _ = two_sides(model, fit, validate)
+    state = State.start(model, train, held)
+    given = len(state.terms)
+    search = Search(state, suspicion((effect_id, joints), model), given)
+    warnings = []
+    for number, (kind, place) in enumerate(search.suspects):
+        say(0.2 + 0.6 * number / len(search.suspects), f"fitting {effect_id}")
+        best = search.best(kind, place)
+        if best is None:
+            warnings.append(
+                f"{_label(kind, place)}: this data cannot tell it from what the model has; "
+                "it was left out"
+            )
+            continue
+        state.push(best.term)
+        search.settle(rounds=1)
+    if len(state.terms) == given:
+        raise UserError(
+            f"{effect_id}: cannot be told from the model's own terms on this data; "
+            f"expected data that shows it: {effect(effect_id).experiment}"
+        )
+    for index in range(given, len(state.terms)):
+        judged = search.judge_term(index)
+        if not judged.acceptable:
+            warnings.append(
+                f"{state.terms[index].label}: not significant on held-out data "
+                f"(p = {judged.p_corrected:.2g}, slope {judged.evidence.slope:.2f})"
+            )
+    say(1.0, "done")
+    added = ", ".join(t.label for t in state.terms[given:])
+    made = _snapshot(model, state, len(state.terms), f"added {added}")
+    return replace(made, name=name, parent=model.name), warnings
+
+
+def in_band(model: TorqueModel) -> TorqueModel:
+    """The model with the diagnosis' own cut-off, unless a user chose one.
+
+    Mechanical effects act within the band of the motion; above it a residual holds what reversals
+    and timing leave behind, which looks like any effect that is sharp.
+    """
+    chosen = model.notes.get("cutoff", {})
+    if isinstance(chosen, dict) and chosen.get("chosen_by") == "user":
+        return model
+    return replace(model, cutoff=min(model.cutoff, HIGHEST_HZ))
+
+
+def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
+    """One effect on the given joints (0-based), or wherever it may sit."""
+    kind, joints = effect(only[0]), list(only[1])
+    n = model.robot.n
+    for j in joints:
+        if not 0 <= j < n:
+            raise UserError(f"joint {j + 1}: expected 1 to {n}")
+    if kind.scope == "robot" or not joints:
+        return [(kind, place) for place in places(kind, n)]
+    if kind.scope == "pair":
+        if len(joints) != 2 or joints[0] == joints[1]:
+            raise UserError(f"{kind.id}: acts on a pair, expected two different joints")
+        return [(kind, (min(joints), max(joints)))]
+    return [(kind, (j,)) for j in joints]
+
+
+def _versions(given: TorqueModel, state: State, count: int) -> tuple[TorqueModel, ...]:
+    """One model per addition, each with its errors on the same held-out data."""
+    out = []
+    for size in range(count, len(state.terms) + 1):
+        label = "given model, refitted" if size == count else f"added {state.terms[size - 1].label}"
+        out.append(_snapshot(given, state, size, label))
+    return tuple(out)
+
+
+def _snapshot(given: TorqueModel, state: State, size: int, change: str) -> TorqueModel:
+    part = state if size == len(state.terms) else state.bare(size, own_weights=True)
+    terms = []
+    for index, term in enumerate(part.terms):
+        errors: dict[str, float] = dict(term.shape_errors)
+        if index >= len(given.terms) and term.shape:
+            errors = term_covariance(part, index)[1]
+        terms.append(replace(term, shape_errors=errors))
+    notes = {k: v for k, v in given.notes.items() if k not in ("warnings", "feasible")}
+    return replace(
+        part.model,
+        terms=tuple(terms),
+        covariance=full_covariance(part),
+        noise=part.fit.rms(),
+        shift=part.train.runs[0].shift,
+        standard=None,
+        feasible=False,
+        change=change,
+        parent=given.name,
+        runs=tuple(dict.fromkeys(run.name for run in part.train.runs)),
+        held_out={"held out": rms(part.held_residual())},
+        notes=notes,
+    )
+
+
+def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:
+    state = search.state
+    term = state.terms[index]
+    judged = search.judge_term(index)
+    covariance, shape_errors = term_covariance(state, index)
+    before = versions[index - given].held_out["held out"]
+    after = versions[index - given + 1].held_out["held out"]
+    size = _size(state, index, judged)
+    rivals = search.rivals_of(term)
+    confusions = tuple(_confusion(term, r) for r in rivals)
+    plan = None
+    if rivals:
+        own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
+        plan = settle_doubt(state.model, own, [r.candidate for r in rivals])
+    return Finding(
+        term=replace(term, shape_errors=shape_errors),
+        parameters=term.effect.values(term.coefficients, covariance, term.shape, shape_errors),
+        rms_before=before,
+        rms_after=after,
+        p_value=judged.p_corrected,
+        slope=judged.evidence.slope,
+        size=size,
+        confounded_with=confusions,
+        next_experiment=plan,
+        sentence=_sentence(term, before, after, size, confusions),
+    )
+
+
+def _size(state: State, index: int, judged: Judged) -> Value:
+    """RMS of the torque where it acts most, N·m; its error follows from the held-out slope."""
+    columns = state.blocks[index][1]
+    torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}
+    largest = max(float(np.sqrt(np.mean(v**2))) for v in torque.values())
+    z = max(abs(judged.evidence.z), 1e-9)
+    return Value(largest, largest * abs(judged.evidence.slope) / z, "N·m")
+
+
+def _confusion(term: Term, rival: Judged) -> Confusion:
+    other = rival.candidate
+    why = term.effect.confounders.get(
+        other.effect.id,
+        "on this data it predicts nearly the same torque, with no significantly larger error",
+    )
+    return Confusion(other.effect.id, other.joints, why)
+
+
+def _label(kind: Effect, joints: Sequence[int]) -> str:
+    return f"{kind.id} J{','.join(str(j + 1) for j in joints)}" if joints else kind.id
+
+
+def _sentence(
+    term: Term, before: Array, after: Array, size: Value, confusions: Sequence[Confusion]
+) -> str:
+    """One sentence that a technician understands."""
+    worst = int(np.argmax(before**2 - after**2))
+    share = 1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2
+    joints = " and ".join(str(j + 1) for j in term.joints)
+    where = f"joint {joints}" if len(term.joints) == 1 else f"joints {joints}" if joints else "arm"
+    text = (
+        f"The {where} shows {term.effect.title.lower()}: about {size.value:.2g} N·m that the model "
+        f"lacks; with it {share:.0%} of joint {worst + 1}'s squared error is gone."
+    )
+    if confusions:
+        others = ", ".join(sorted({effect(c.effect).title.lower() for c in confusions}))
+        text += f" This data cannot yet tell it from {others}."
+    return text

@@ -1,0 +1,369 @@
+"""Forward steps with backward pruning: add what is missing until nothing significant is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpen
+from pa10d.diagnose.errors_of import doubt_of
+from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_p, judge, rivalry
+from pa10d.diagnose.fit import Fit, predict
+from pa10d.diagnose.partial import partials
+from pa10d.diagnose.shapes import refine
+from pa10d.diagnose.side import PerJoint
+from pa10d.diagnose.state import State
+from pa10d.diagnose.structure import find_structure
+from pa10d.diagnose.timing import align
+from pa10d.effects import Effect
+from pa10d.equation import RunEquation
+from pa10d.model import Term
+
+Array = NDArray[np.float64]
+Place = tuple[str, tuple[int, ...]]
+Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
+
+LEVEL = 0.01  # false alarms over a whole search
+HELD_OUT_LEVEL = 0.01  # of one candidate on the held-out side alone
+SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
+PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
+LEAST_GAIN = 12.0  # drop of the weighted squared error below which noise alone does as well
+STEPS = 8
+SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
+MATERIAL = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
+MUCH_WORSE = 0.25  # rise of one joint's RMS for which no finding is worth it
+OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
+SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
+TELL_APART = 2.6  # standard errors by which the better of two rivals must lead (1 %)
+
+
+@dataclass
+class Judged:
+    """A candidate with its held-out evidence, corrected for all that were judged beside it."""
+
+    candidate: Candidate
+    evidence: Evidence
+    p_corrected: float
+    change: PerJoint = field(repr=False, default_factory=dict)
+
+    @property
+    def place(self) -> Place:
+        """Effect and joints."""
+        return self.candidate.effect.id, self.candidate.joints
+
+    @property
+    def complexity(self) -> int:
+        """Number of free parameters that it spends."""
+        return complexity(self.candidate.effect)
+
+    @property
+    def acceptable(self) -> bool:
+        """Significant, of the predicted size, material, itself, and harmful to no joint."""
+        e = self.evidence
+        kind, joints = self.candidate.effect, self.candidate.joints
+        # an effect of one equation must help that joint; what it shifts elsewhere is no evidence
+        own = list(joints) if joints and not kind.reaches_other_joints else slice(None)
+        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
+        shape = self.candidate.shape
+        degenerate = any(s.at_edge(shape[s.name]) for s in self.candidate.effect.shapes)
+        return bool(
+            not degenerate
+            and self.p_corrected < LEVEL
+            and e.p_value < HELD_OUT_LEVEL
+            and SLOPES[0] < e.slope < SLOPES[1]
+            and drop > MATERIAL
+            and not e.worse
+        )
+
+
+@dataclass
+class Step:
+    """One addition: what was chosen, and what else explained the same error nearly as well."""
+
+    chosen: Judged
+    rivals: list[Judged]  # cannot be told apart from it on this data
+    before: Array
+    after: Array
+
+
+@dataclass
+class Search:
+    """The course of a search: ``state`` is the model as far as it has come."""
+
+    state: State
+    suspects: Suspects
+    fixed: int
+    steps: list[Step] = field(default_factory=list)
+    progress: Callable[[float, str], None] = lambda share, text: None
+
+    def run(self, steps: int = STEPS) -> Search:
+        """Add, prune, add again."""
+        self._align()
+        refused: set[Place] = set()
+        for number in range(steps):
+            self.progress(number / steps, f"step {number + 1}: looking through the library")
+            judged = self.look()
+            good = [j for j in judged if j.acceptable and j.place not in refused]
+            if not good:
+                break
+            chosen, tied = self.prefer(good, judged)
+            before = rms(self.state.held_residual())
+            dropped = self.take(chosen)
+            if dropped is None:
+                refused.add(chosen.place)
+                continue
+            refused |= dropped
+            self.steps.append(Step(chosen, tied, before, rms(self.state.held_residual())))
+        return self
+
+    def take(self, chosen: Judged) -> set[Place] | None:
+        """Add a candidate and settle; says what became redundant, or None where, refitted around
+        it, the model got worse elsewhere: not what was promised.
+
+        A joint whose error fell draws the fit towards itself. On weakly excited data that alone
+        may spoil another joint, so a second attempt leaves the weights as they were.
+        """
+        saved = self.state.copy()
+        before, everywhere = rms(saved.held_residual()), moving_rms(saved)
+        for weights in (saved.weights, saved.fit.sigma):
+            self.state = saved.copy()
+            self.state.weights = weights
+            self.state.push(chosen.candidate.term)
+            self.settle()
+            dropped = self.prune()
+            after = rms(self.state.held_residual())
+            if not (harmful(before, after) or harmful(everywhere, moving_rms(self.state))):
+                return dropped
+        self.state = saved
+        return None
+
+    def best(self, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
+        """The best shape of one effect in one place, or None where the data cannot show it."""
+        found = scan(self.state, [(effect, joints)])
+        return sharpen(self.state, found[0]) if found else None
+
+    def rivals_of(self, term: Term) -> list[Judged]:
+        """What explained the same error equally well when the term was chosen."""
+        for step in self.steps:
+            if step.chosen.place == (term.effect_id, term.joints):
+                return step.rivals
+        return []
+
+    def contest(self) -> list[int]:
+        """Joints on which the findings are beaten by a plain smooth map of the motion.
+
+        A true effect explains its error better than any generic map can. Where a map alone
+        leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
+        that the library does not have: they are dropped, and the joint is left unexplained.
+        """
+        concerned = sorted({j for t in self.state.terms[self.fixed :] for j in t.joints})
+        if not concerned:
+            return []
+        bare = self.state.bare(self.fixed)
+        now = self.state.held_residual()
+        maps = find_structure(bare, concerned)
+        outdone = [m.joint for m in maps if m.outdoes(now, OUTDONE)]
+        for index in reversed(range(self.fixed, len(self.state.terms))):
+            if any(j in outdone for j in self.state.terms[index].joints):
+                self.state.drop(index)
+        if outdone:
+            self.settle()
+        return outdone
+
+    def look(self) -> list[Judged]:
+        """Scan all suspects and judge the shortlist on the held-out side."""
+        present = {(t.effect_id, t.joints) for t in self.state.terms}
+        open_suspects = [
+            (e, joints)
+            for e, joints in self.suspects
+            if (e.id, joints) not in present or e.id in REPEATABLE
+        ]
+        found = self._shortlist(scan(self.state, open_suspects))
+        sharp = sorted((sharpen(self.state, c) for c in found), key=lambda c: -c.gain)
+        doubt = doubt_of(self.state)
+        return [self.judge(c, len(found), doubt) for c in sharp]
+
+    def _shortlist(self, found: list[Candidate]) -> list[Candidate]:
+        """The strongest of every joint, as far as the fit side alone does not speak against them:
+        a joint with a large error must not hide what another one has to say."""
+        per_joint: dict[int, int] = {}
+        out = []
+        for candidate in found:
+            places = candidate.joints or (-1,)
+            if all(per_joint.get(j, 0) >= PER_JOINT for j in places):
+                continue
+            if candidate.gain < LEAST_GAIN:
+                continue
+            for j in places:
+                per_joint[j] = per_joint.get(j, 0) + 1
+            out.append(candidate)
+        return out
+
+    def judge(self, candidate: Candidate, among: int, doubt: Doubt | None = None) -> Judged:
+        """Held-out evidence of one candidate; doubt: of the present model."""
+        fit, partial = self.state.fit, candidate.partial
+        columns = held_columns(self.state, candidate)
+        change = self.state.change(fit, columns, partial.seen, partial.theta)
+        found = judge(
+            self.state.held, self.state.held_residual(), change, doubt or doubt_of(self.state)
+        )
+        p = self._corrected(fit, self.state.train.columns, candidate, found, among)
+        return Judged(candidate, found, p, change)
+
+    def _corrected(
+        self, fit: Fit, columns: Any, candidate: Candidate, found: Evidence, among: int
+    ) -> float:
+        """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
+        the candidate was chosen, and for those judged beside it on the held-out side."""
+        partial = candidate.partial
+        if callable(columns):
+            columns = columns(candidate.effect, candidate.joints, [candidate.shape])
+        seen = partial.seen @ partial.theta
+        change = {j: -(q @ seen) for j, q in fit.basis.items()}
+        for j, c in columns.items():
+            change[j] = change[j] + c @ partial.theta / fit.sigma[j]
+        own = fit_side_p(self.state.train, fit.residual, change, complexity(candidate.effect))
+        chosen = min(1.0, own * len(self.suspects))
+        both = stats.chi2.sf(
+            -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
+        )
+        return float(min(1.0, both * among))
+
+    def prefer(self, good: list[Judged], judged: list[Judged]) -> tuple[Judged, list[Judged]]:
+        """The best candidate, or the simplest of those that this data cannot tell from it."""
+        best = max(good, key=lambda j: j.evidence.gain)
+        tied = [j for j in judged if j is best or self._tied(best, j)]
+        chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.evidence.gain))
+        return chosen, [j for j in tied if j is not chosen]
+
+    def _tied(self, best: Judged, other: Judged) -> bool:
+        residual = self.state.held_residual()
+        overlap, z = rivalry(self.state.held, residual, best.change, other.change)
+        alike = np.all(other.evidence.after < (1.0 + MATERIAL) * best.evidence.after)
+        return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
+
+    def settle(self, rounds: int = 2) -> None:
+        """Refit; loads of the new model; shapes of all nonlinear terms anew."""
+        self.state.refit()
+        self._align()
+        for _ in range(rounds):
+            self._relinearise()
+            self.state.relook()
+            self.state.refit()
+            for index, term in enumerate(self.state.terms):
+                if term.effect.shapes and self._worth_refining(index):
+                    self._refine(index)
+        self.state.relook()
+        self.state.refit()
+
+    def prune(self) -> set[Place]:
+        """Drop additions that later ones made redundant, the least useful first; says which."""
+        dropped: set[Place] = set()
+        while len(self.state.terms) > self.fixed:
+            weakest = None
+            for index in range(self.fixed, len(self.state.terms)):
+                judged = self.judge_term(index)
+                if not judged.acceptable and (
+                    weakest is None or judged.evidence.gain < weakest[1].evidence.gain
+                ):
+                    weakest = (index, judged)
+            if weakest is None:
+                break
+            dropped.add(weakest[1].place)
+            self.state.drop(weakest[0])
+            self.state.refit()
+        return dropped
+
+    def judge_term(self, index: int) -> Judged:
+        """Held-out evidence of a term already in the model, on top of all others."""
+        rest = self.state.fit.without(self.state.place(index))
+        term = self.state.terms[index]
+        train, held = self.state.blocks[index]
+        partial = partials(rest, train, term.effect, len(term.effect.coefficients))[0]
+        change = self.state.change(rest, held, partial.seen, partial.theta)
+        found = judge(
+            self.state.held, self.state.held_residual(rest), change, doubt_of(self.state, rest)
+        )
+        candidate = Candidate(term.effect, term.joints, term.shape, partial)
+        p = self._corrected(rest, train, candidate, found, SHORTLIST)
+        return Judged(candidate, found, p)
+
+    def _align(self) -> None:
+        """A frozen model brings its own timing: nothing there may be explained by moving it."""
+        if self.state.prior is None:
+            align(self.state)
+
+    def _relinearise(self) -> None:
+        for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
+            shape = term.effect.relinearised(term.coefficients, term.shape)
+            if shape != term.shape:
+                self.state.terms[index] = replace(term, shape=shape)
+
+    def _worth_refining(self, index: int) -> bool:
+        if index >= self.fixed:
+            return True
+        touched = {j for t in self.state.terms[self.fixed :] for j in t.joints}
+        return self.state.terms[index].joints[0] in touched
+
+    def _refine(self, index: int) -> None:
+        term = self.state.terms[index]
+        rest = self.state.fit.without(self.state.place(index))
+        width = len(term.effect.coefficients)
+
+        def gain(shape: dict[str, float]) -> float:
+            columns = self.state.train.columns(term.effect, term.joints, [shape])
+            return partials(rest, columns, term.effect, width)[0].gain
+
+        shape = refine(term.effect, term.shape, gain, evaluations=20)
+        if shape != term.shape:
+            self.state.replace_term(index, replace(term, shape=shape))
+            self.state.refit()
+
+
+REPEATABLE = ("torque_ripple", "contact", "position_friction")
+"""Effects of which a joint may have several: another order, the other stop, a second worn spot."""
+
+
+def moving_rms(state: State) -> Array:
+    """(n,) N·m on the held-out side, reversals included: what a fit has not looked at must not
+    become worse either."""
+    squares, counts = np.zeros(state.held.n), np.zeros(state.held.n)
+    for run in state.held.runs:
+        error = run.tau - run.lowpass(state.model.predict(run.context))
+        near = held_out_rows(run)
+        squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
+        counts += near.sum(axis=0)
+    return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
+
+
+def held_out_rows(run: RunEquation) -> NDArray[np.bool_]:
+    """(M, n): moving samples in the stretches of time that the held-out side has."""
+    whole = np.any(run.keep, axis=1)
+    return np.asarray(run.moving & whole[:, None])
+
+
+def harmful(before: Array, after: Array) -> bool:
+    """Did the errors, each joint by its own measure, grow on the whole or much on one joint?"""
+    ratio = (after / np.maximum(before, 1e-300)) ** 2
+    return bool(np.sum(ratio - 1.0) > 0 or np.max(ratio) > (1.0 + MUCH_WORSE) ** 2)
+
+
+def complexity(effect: Effect) -> int:
+    """Number of free parameters of an effect."""
+    free = sum(not c.nuisance for c in effect.coefficients)
+    return free + sum(s.scale != "choice" for s in effect.shapes)
+
+
+def rms(residual: dict[int, Array]) -> Array:
+    """(n,) N·m."""
+    return np.array([float(np.sqrt(np.mean(residual[j] ** 2))) for j in sorted(residual)])
+
+
+def explained(state: State) -> Array:
+    """(n,) RMS of the model's torque on the held-out side, N·m."""
+    return rms(predict(state.held_matrix, state.fit.beta))

@@ -1,0 +1,79 @@
+"""One side of the question: the runs a fit sees, or the runs it is judged on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.effects import Effect, Shape
+from pa10d.equation import RunEquation
+from pa10d.model import TorqueModel
+from pa10d.signals import delayed
+
+Array = NDArray[np.float64]
+PerJoint = dict[int, Array]
+"""Rows of each joint's equation that count, (m_j, k); joints without a column are absent."""
+
+
+@dataclass
+class Side:
+    """Kept samples of several runs, joint by joint: standstill masks differ between joints.
+
+    tau    joint -> (m_j,) filtered torque
+    runs   the equations, in order; contexts are those of the current model
+    """
+
+    runs: list[RunEquation]
+
+    def __post_init__(self) -> None:
+        self.n = self.runs[0].tau.shape[1]
+        self.keep = [run.keep for run in self.runs]
+        self.tau = [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+        self.contexts = [run.context for run in self.runs]
+
+    def shift(self, seconds: float) -> None:
+        """Move the torque of all runs earlier by this much (it was late against the motion)."""
+        self.runs = [
+            replace(run, tau=delayed(run.tau, -seconds, run.rate), shift=run.shift + seconds)
+            for run in self.runs
+        ]
+        self.tau = [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+
+    def look_through(self, model: TorqueModel) -> None:
+        """Let loads and torques that effects depend on be those of this model."""
+        self.contexts = [model.contextualise(run.context) for run in self.runs]
+
+    def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
+        """Filtered regressor columns."""
+        columns = [run.rigid_columns(kept) for run in self.runs]
+        return {j: self._rows([c[:, j] for c in columns], j) for j in range(self.n)}
+
+    def columns(self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape]) -> PerJoint:
+        """Filtered columns of one effect for several shapes, side by side (k per shape)."""
+        raw = [
+            np.concatenate([effect.columns(c, joints, s) for s in shapes], axis=-1)
+            for c in self.contexts
+        ]
+        if not effect.reaches_other_joints:
+            filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
+            return {joints[0]: self._rows(filtered, joints[0])}
+        touched = [j for j in range(self.n) if any(np.any(x[:, j]) for x in raw)]
+        filtered = [run.lowpass(x[:, touched]) for run, x in zip(self.runs, raw, strict=True)]
+        return {j: self._rows([x[:, i] for x in filtered], j) for i, j in enumerate(touched)}
+
+    def scatter(self, rows: PerJoint) -> list[Array]:
+        """Per run (M, n), zeros where nothing is kept: the reverse of gathering one column."""
+        out = [np.zeros(run.tau.shape) for run in self.runs]
+        for j, values in rows.items():
+            start = 0
+            for run, keep in zip(out, self.keep, strict=True):
+                count = int(keep[:, j].sum())
+                run[keep[:, j], j] = values[start : start + count]
+                start += count
+        return out
+
+    def _rows(self, per_run: list[Array], joint: int) -> Array:
+        return np.concatenate([x[k[:, joint]] for x, k in zip(per_run, self.keep, strict=True)])

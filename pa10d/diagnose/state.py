@@ -1,0 +1,174 @@
+"""The model at a step of the search: its terms, its columns on both sides, its fit."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.fit import Fit, Prior, iterated_fit, predict, weighted_fit
+from pa10d.diagnose.side import PerJoint, Side
+from pa10d.model import Term, TorqueModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class State:
+    """Fit and held-out side of one model; columns are kept, so a step computes only new ones."""
+
+    model: TorqueModel
+    train: Side
+    held: Side
+    rigid: tuple[PerJoint, PerJoint]
+    terms: list[Term]
+    blocks: list[tuple[PerJoint, PerJoint]] = field(default_factory=list)
+    fit: Fit = None  # type: ignore[assignment]
+    held_matrix: PerJoint = field(default_factory=dict)
+    prior: Prior | None = None
+    weights: Array | None = None  # σ per joint where it is not to follow the residual
+
+    @classmethod
+    def start(cls, model: TorqueModel, train: Side, held: Side, frozen: bool = False) -> State:
+        """Columns of the given model, refitted to the training side.
+
+        frozen: the model may move only as far as its own uncertainty allows.
+        """
+        train.look_through(model)
+        held.look_through(model)
+        kept = model.base.kept
+        state = cls(model, train, held, (train.rigid(kept), held.rigid(kept)), [])
+        state.prior = own_uncertainty(model) if frozen else None
+        for term in model.terms:
+            state.push(term)
+        state.refit()
+        return state
+
+    def push(self, term: Term) -> None:
+        """Append a term; the caller refits."""
+        self.terms.append(term)
+        self.blocks.append(self._columns(term))
+
+    def replace_term(self, index: int, term: Term) -> None:
+        """Another shape for a term; the caller refits."""
+        self.terms[index] = term
+        self.blocks[index] = self._columns(term)
+
+    def drop(self, index: int) -> None:
+        """Remove a term; the caller refits."""
+        del self.terms[index], self.blocks[index]
+
+    def copy(self) -> State:
+        """As it is now: going on with one of the two leaves the other alone."""
+        return replace(
+            self,
+            train=copy(self.train),
+            held=copy(self.held),
+            terms=list(self.terms),
+            blocks=list(self.blocks),
+        )
+
+    def bare(self, count: int, own_weights: bool = False) -> State:
+        """A refitted copy with the first ``count`` terms only.
+
+        own_weights: joints are weighted with what this smaller model leaves, as they would be had
+        nobody ever seen the terms that it lacks.
+        """
+        copy = replace(self, terms=self.terms[:count], blocks=self.blocks[:count])
+        if own_weights:
+            copy.fit = None  # type: ignore[assignment]
+        copy.refit()
+        return copy
+
+    def place(self, index: int) -> slice:
+        """Columns of terms[index] in the matrix."""
+        start = len(self.model.h)
+        start += sum(len(t.effect.coefficients) for t in self.terms[:index])
+        return slice(start, start + len(self.terms[index].effect.coefficients))
+
+    def refit(self) -> None:
+        """Solve for all coefficients and hand them to the terms and the model."""
+        if self.weights is not None:
+            self.fit = weighted_fit(self.train, self.matrix(0), self.weights, self.prior)
+        else:
+            sigma = None if self.fit is None else self.fit.rms()
+            self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.prior)
+        self.held_matrix = self.matrix(1)
+        b = len(self.model.h)
+        values, start = self.fit.beta, b
+        fitted = []
+        for term in self.terms:
+            k = len(term.effect.coefficients)
+            fitted.append(replace(term, coefficients=values[start : start + k].copy()))
+            start += k
+        self.terms = fitted
+        self.model = replace(
+            self.model, h=values[:b].copy(), terms=tuple(fitted), covariance=self.fit.covariance()
+        )
+
+    def relook(self) -> None:
+        """Loads have changed: columns that depend on the model are made again."""
+        self.train.look_through(self.model)
+        self.held.look_through(self.model)
+        for index, term in enumerate(self.terms):
+            if term.effect.uses_model:
+                self.blocks[index] = self._columns(term)
+
+    def matrix(self, side: int) -> PerJoint:
+        """All columns of one side (0 training, 1 held out), joint -> (m_j, p)."""
+        n, b = self.train.n, len(self.model.h)
+        widths = [len(t.effect.coefficients) for t in self.terms]
+        total = b + sum(widths)
+        out = {}
+        for j in range(n):
+            rows = self.rigid[side][j]
+            block = np.zeros((len(rows), total))
+            block[:, :b] = rows
+            start = b
+            for columns, width in zip(self.blocks, widths, strict=True):
+                if j in columns[side]:
+                    block[:, start : start + width] = columns[side][j]
+                start += width
+            out[j] = block
+        return out
+
+    def held_residual(self, fit: Fit | None = None) -> PerJoint:
+        """joint -> (m_j,) N·m left over on the held-out side."""
+        predicted = predict(self.held_matrix, (fit or self.fit).beta)
+        return {j: self.held.tau[j] - predicted[j] for j in predicted}
+
+    def train_residual(self) -> PerJoint:
+        """joint -> (m_j,) N·m left over on the training side."""
+        return {j: r * self.fit.sigma[j] for j, r in self.fit.residual.items()}
+
+    def change(self, fit: Fit, columns: PerJoint, seen: Array, theta: Array) -> PerJoint:
+        """What adding a candidate changes on the held-out side, the model refitted around it.
+
+        columns: of the candidate on the held-out side; seen: what ``fit`` absorbs of it.
+        """
+        moved = predict(self.held_matrix, -(fit.to_beta @ (seen @ theta)))
+        for j, c in columns.items():
+            moved[j] = moved[j] + c @ theta
+        return moved
+
+    def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:
+        return (
+            self.train.columns(term.effect, term.joints, [term.shape]),
+            self.held.columns(term.effect, term.joints, [term.shape]),
+        )
+
+
+def own_uncertainty(model: TorqueModel) -> Prior:
+    """The model's coefficients as prior knowledge with their own covariance.
+
+    Directions that its data never showed have no variance to speak of in the covariance (they
+    were truncated) and stay where they are.
+    """
+    mean = np.concatenate([model.h, *[t.coefficients for t in model.terms]])
+    scale = np.sqrt(np.maximum(np.diag(model.covariance), 1e-300))
+    scale = np.maximum(scale, 1e-9 * max(float(np.max(scale)), 1e-9))
+    values, vectors = np.linalg.eigh(model.covariance / np.outer(scale, scale))
+    values = np.maximum(values, 1e-8 * float(values[-1]))
+    return Prior(mean, (vectors / np.sqrt(values)).T / scale)

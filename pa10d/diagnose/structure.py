@@ -1,0 +1,204 @@
+"""Structure that no effect of the library explains: does motion predict what is left over?
+
+A generic smooth map of one or two motion variables is fitted to the residual of the fit side,
+beside the model (what the model can absorb is projected out), and asked to predict the held-out
+residual. Noise, however coloured, is not predicted by motion; structure is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from pa10d.diagnose.errors_of import doubt_of
+from pa10d.diagnose.evidence import Doubt, Evidence, judge
+from pa10d.diagnose.side import PerJoint, Side
+from pa10d.diagnose.state import State
+
+Array = NDArray[np.float64]
+
+KNOTS = 8  # hat functions per variable of a map of two
+FINE_KNOTS = 24  # of a map of one
+LEVEL = 0.01
+MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
+THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
+SHARE = 0.06  # of a joint's squared error that a map must remove to be worth a claim
+TRIED_PER_JOINT = 3
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A joint's residual depends on the named variables: share of its squared error, RMS N·m.
+
+    grid: the knots of each variable; values: the map on them, N·m (2-D where two variables)
+    inside: held-out rows within the knots; left: (N·m)², mean squared error there with the map
+    """
+
+    joint: int
+    variables: tuple[str, ...]
+    share: float
+    rms: float
+    p_value: float
+    grid: tuple[Array, ...]
+    values: Array
+    evidence: Evidence
+    inside: NDArray[np.bool_]
+    left: float
+
+    def outdoes(self, residual: PerJoint, factor: float) -> bool:
+        """Does another model leave more than ``factor`` times this map's squared error, on the
+        held-out samples that the map's knots cover?"""
+        other = float(np.mean(residual[self.joint][self.inside] ** 2))
+        return other > factor * self.left
+
+
+def find_structure(state: State, joints: Sequence[int] | None = None) -> list[Structure]:
+    """The best significant map of every joint (or the given ones), strongest first."""
+    motions = motion_variables(state.train), motion_variables(state.held)
+    residual = state.held_residual()
+    n = state.train.n
+    found, doubt = [], doubt_of(state)
+    for joint in range(n) if joints is None else joints:
+        tried = sorted(
+            (_fit_map(state, motions[0], joint, names) for names in questions(joint, n)),
+            key=lambda m: -m.gain,
+        )[:TRIED_PER_JOINT]
+        among = n * TRIED_PER_JOINT
+        judged = (_judge(state, motions[1], residual, m, among, doubt) for m in tried)
+        results = [r for r in judged if r is not None]
+        if results:
+            found.append(max(results, key=lambda r: r.share))
+    return sorted(found, key=lambda r: -r.share)
+
+
+def questions(joint: int, n: int) -> list[tuple[str, ...]]:
+    """Which variables a map of this joint's residual may use (names with joints from 1)."""
+    q = [f"q{j + 1}" for j in range(n)]
+    dq = [f"dq{j + 1}" for j in range(n)]
+    ddq = [f"ddq{j + 1}" for j in range(n)]
+    own_q, own_dq = q[joint], dq[joint]
+    single = [(x,) for x in (*q, *dq, *ddq)]
+    pairs = set(combinations(q, 2))
+    pairs |= {(own_dq, x) for x in q} | {(own_q, x) for x in dq}
+    pairs |= set(combinations(dq, 2))
+    pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MEMORIES}
+    return single + sorted(pairs)
+
+
+def motion_variables(side: Side) -> list[dict[str, Array]]:
+    """Per run: name -> (M,) filtered motion variable at the equation's rate."""
+    out = []
+    for run in side.runs:
+        context, names = run.context, {}
+        step = run.lowpass.factor
+        for kind, values in (("q", context.q), ("dq", context.dq)):
+            for j in range(side.n):
+                names[f"{kind}{j + 1}"] = values[::step, j]
+                for seconds in MEMORIES if kind == "q" else ():
+                    slow = remembered(values[:, j], seconds, context.dt)
+                    names[f"q{j + 1} {seconds:g} s ago"] = slow[::step]
+        smooth = run.lowpass(context.ddq)
+        for j in range(side.n):
+            names[f"ddq{j + 1}"] = smooth[:, j]
+        out.append(names)
+    return out
+
+
+def remembered(q: Array, seconds: float, dt: float) -> Array:
+    """(N,) q as a first-order lag with this time constant remembers it."""
+    share = 1.0 - np.exp(-dt / seconds)
+    start = np.array([(1.0 - share) * q[0]])
+    return np.asarray(lfilter([share], [1.0, share - 1.0], q, zi=start)[0])
+
+
+@dataclass
+class _Map:
+    joint: int
+    names: tuple[str, ...]
+    grid: tuple[Array, ...]
+    values: Array
+    gain: float
+    absorbed: Array
+
+
+def _rows(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
+    return np.concatenate([m[name][k[:, joint]] for m, k in zip(motion, side.keep, strict=True)])
+
+
+def _fit_map(
+    state: State, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
+) -> _Map:
+    fit = state.fit
+    x = [_rows(state.train, motion, name, joint)[::THIN] for name in names]
+    grid = tuple(knots(v, FINE_KNOTS if len(names) == 1 else KNOTS) for v in x)
+    columns = basis_of(x, grid) / fit.sigma[joint]
+    seen = THIN * (fit.basis[joint][::THIN].T @ columns)
+    gram = THIN * (columns.T @ columns)
+    # two pseudo-observations per cell: a cell that was hardly visited says nothing
+    ridge = 2.0 * np.diag(gram).mean() / max(THIN * len(x[0]) / columns.shape[1], 1.0)
+    left = gram - seen.T @ seen + ridge * np.eye(len(gram))
+    rhs = THIN * (columns.T @ fit.residual[joint][::THIN])
+    theta = np.linalg.solve(left, rhs)
+    gain = float(theta @ rhs)
+    effective = float(np.trace(np.linalg.solve(left, gram - seen.T @ seen)))
+    shape = tuple(len(g) for g in grid)
+    return _Map(
+        joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
+        fit.to_beta @ (seen @ theta),
+    )  # fmt: skip
+
+
+def _judge(
+    state: State,
+    motion: list[dict[str, Array]],
+    residual: PerJoint,
+    m: _Map,
+    among: int,
+    doubt: Doubt,
+) -> Structure | None:
+    x = [_rows(state.held, motion, name, m.joint) for name in m.names]
+    inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
+    values = basis_of(x, m.grid) @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
+    values = np.where(inside, values, 0.0)
+    evidence = judge(state.held, residual, {m.joint: values}, doubt)
+    r = residual[m.joint]
+    share = 1.0 - float(np.mean((r - values) ** 2) / np.mean(r**2))
+    p = min(1.0, evidence.p_value * among)
+    if p > LEVEL or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
+        return None
+    rms = float(np.sqrt(np.mean(values**2)))
+    left = float(np.mean((r - values)[inside] ** 2))
+    return Structure(m.joint, m.names, share, rms, p, m.grid, m.values, evidence, inside, left)
+
+
+def knots(values: Array, count: int) -> Array:
+    """Knots between the extremes, half by range and half by where the data are."""
+    low, high = float(values.min()), float(values.max())
+    even = np.linspace(low, high, count)
+    dense = np.quantile(values, np.linspace(0, 1, count))
+    middle = 0.5 * (even + dense)
+    return middle + np.arange(count) * 1e-9 * max(high - low, 1e-9)
+
+
+def basis_of(x: list[Array], grid: tuple[Array, ...]) -> Array:
+    """Products of hat functions on the knots, (rows, product of knot counts)."""
+    out = hats(x[0], grid[0])
+    for values, g in zip(x[1:], grid[1:], strict=True):
+        out = (out[:, :, None] * hats(values, g)[:, None, :]).reshape(len(values), -1)
+    return out
+
+
+def hats(values: Array, grid: Array) -> Array:
+    """Piecewise linear basis (rows, knots); constant beyond the ends."""
+    place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
+    share = np.clip((values - grid[place]) / (grid[place + 1] - grid[place]), 0.0, 1.0)
+    out = np.zeros((len(values), len(grid)))
+    rows = np.arange(len(values))
+    out[rows, place] = 1.0 - share
+    out[rows, place + 1] = share
+    return out

@@ -1,0 +1,18 @@
+"""Rigid bodies: kinematic tree, torque regressor, base parameters, physical feasibility.
+
+Arrays in, arrays out. Nothing here knows of files, processes or devices.
+"""
+
+from pa10d.dynamics.base import BaseParameters, base_parameters
+from pa10d.dynamics.regressor import inverse_dynamics, regressor
+from pa10d.dynamics.robot import Robot, robot_from_profile, robot_from_urdf
+
+__all__ = [
+    "BaseParameters",
+    "Robot",
+    "base_parameters",
+    "inverse_dynamics",
+    "regressor",
+    "robot_from_profile",
+    "robot_from_urdf",
+]

@@ -1,0 +1,275 @@
+"""The kinematic tree of a robot, read from its URDF by Pinocchio and kept as plain arrays."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics.urdf_check import check_urdf
+from pa10d.errors import UserError
+
+if TYPE_CHECKING:
+    from pa10d.profile import Profile
+
+Array = NDArray[np.float64]
+
+STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
+PARAMETER_NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+"""Standard inertial parameters of one link, in this order everywhere: mass (kg), first moments
+(kg·m) and inertia about the origin of the joint's frame (kg·m²), as Pinocchio orders them."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A serial or tree-like arm with n one-degree-of-freedom joints; link j hangs on joint j.
+
+    parent       (n,) index of the joint that carries joint j, -1 for the base
+    order        (n,) indices such that parents come before children
+    rotation     (n, 3, 3) orientation of joint j's frame at q_j = 0 in its parent's frame
+    translation  (n, 3) m, its origin there
+    axis         (n, 3) unit vector in joint j's frame
+    prismatic    (n,) True where q_j is a length
+    gravity      (3,) m/s² in the base frame
+    parameters   (n, 10) standard parameters as the URDF has them, see PARAMETER_NAMES
+    lower … acceleration  (n,) limits, rad, rad/s, N·m, rad/s²; inf where nothing is known
+    """
+
+    name: str
+    joint_names: tuple[str, ...]
+    parent: NDArray[np.int64]
+    order: NDArray[np.int64]
+    rotation: Array
+    translation: Array
+    axis: Array
+    prismatic: NDArray[np.bool_]
+    gravity: Array
+    parameters: Array
+    lower: Array
+    upper: Array
+    velocity: Array
+    effort: Array
+    acceleration: Array
+    urdf: str
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    def with_gravity(self, gravity: Array) -> Robot:
+        """The same arm under another gravity vector (3,) m/s², base frame."""
+        return replace(self, gravity=np.asarray(gravity, dtype=float))
+
+    def carries(self) -> NDArray[np.bool_]:
+        """(n, n): True where joint i carries link j, so where link j can load joint i."""
+        table = np.eye(self.n, dtype=bool)
+        for j in self.order:
+            if self.parent[j] >= 0:
+                table[:, j] |= table[:, self.parent[j]]
+        return table
+
+    def pinocchio(self) -> Any:
+        """A Pinocchio model of exactly these joints in this order is not always possible
+        (Pinocchio sorts joints its own way), so: (model, index), with model's joint i being
+        ours ``index[i]``."""
+        model, names = _reduced_model(self.urdf, self.joint_names)
+        model.gravity.linear = self.gravity
+        return model, np.array([self.joint_names.index(name) for name in names])
+
+
+def robot_from_urdf(
+    urdf: str | Path,
+    joints: list[str] | None = None,
+    gravity: Array = STANDARD_GRAVITY,
+    name: str | None = None,
+) -> Robot:
+    """Read a URDF (a path or the XML itself); meshes are never needed.
+
+    joints: names of the movable joints in the wanted order; all others are locked at zero.
+    Default: all revolute, continuous and prismatic ones, in the order of the file.
+    """
+    text, where = _read(urdf)
+    root = _parse(text, where)
+    movable = [
+        j.get("name", "")
+        for j in root.iter("joint")
+        if j.get("type") in ("revolute", "continuous", "prismatic") and j.find("mimic") is None
+    ]
+    chosen = list(joints) if joints is not None else movable
+    for joint in chosen:
+        if joint not in movable:
+            raise UserError(
+                f"{where}: joint {joint!r} is not a movable joint; "
+                f"expected some of {', '.join(movable) or 'none (the URDF has no movable joint)'}"
+            )
+    if not chosen:
+        raise UserError(f"{where}: no movable joint; expected revolute or prismatic joints")
+    if len(set(chosen)) != len(chosen):
+        raise UserError(f"{where}: joints: a name stands twice in {', '.join(chosen)}")
+    clean = _without_meshes(root)
+    try:
+        model, names = _reduced_model(clean, tuple(chosen))
+    except (ValueError, RuntimeError) as error:
+        first = str(error).strip().splitlines()[0] if str(error).strip() else "unreadable"
+        raise UserError(f"{where}: not a usable URDF: {first}") from error
+    return _from_model(model, names, chosen, clean, gravity, name or root.get("name") or "robot")
+
+
+def robot_from_profile(profile: Profile) -> Robot:
+    """The arm that a profile describes: mounting, tool and limits included."""
+    gravity = STANDARD_GRAVITY if profile.gravity is None else np.array(profile.gravity)
+    if profile.base is not None:
+        gravity = _rpy(*profile.base.rpy).T @ STANDARD_GRAVITY
+    robot = robot_from_urdf(profile.urdf, profile.joints, gravity, profile.name)
+    limits, n = profile.limits, robot.n
+    changes: dict[str, Any] = {}
+    for key, field in (("velocity", "velocity"), ("torque", "effort")):
+        if getattr(limits, key) is not None:
+            changes[field] = _per_joint(profile, key, getattr(limits, key), n)
+    if limits.acceleration is not None:
+        changes["acceleration"] = _per_joint(profile, "acceleration", limits.acceleration, n)
+    if limits.position is not None:
+        bounds = _per_joint(profile, "position", limits.position, n)
+        changes["lower"], changes["upper"] = bounds[:, 0].copy(), bounds[:, 1].copy()
+    if profile.tool is not None:
+        tool = profile.tool
+        changes["parameters"] = robot.parameters.copy()
+        changes["parameters"][-1] += rigid_body(tool.mass, tool.com, tool.inertia)
+    return replace(robot, **changes)
+
+
+def rigid_body(mass: float, com: Any, inertia: Any = (0.0,) * 6) -> Array:
+    """Standard parameters (10,) of a body: mass kg, com (3,) m, inertia about com
+    (Ixx Iyy Izz Ixy Ixz Iyz) kg·m², all in the frame of the link that holds it."""
+    c = np.asarray(com, dtype=float)
+    xx, yy, zz, xy, xz, yz = inertia
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    tensor = tensor + mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return np.array([mass, *(mass * c), *tensor[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
+
+
+def _per_joint(profile: Profile, key: str, values: Any, n: int) -> Array:
+    if len(values) != n:
+        raise UserError(
+            f"{profile.path}: limits.{key}: found {len(values)} values, expected {n} (one a joint)"
+        )
+    return np.array(values, dtype=float)
+
+
+def _read(urdf: str | Path) -> tuple[str, str]:
+    if isinstance(urdf, str) and urdf.lstrip().startswith("<"):
+        return urdf, "URDF"
+    try:
+        return Path(urdf).read_text(encoding="utf-8"), str(urdf)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{urdf}: cannot be read as a URDF; expected an XML text file") from error
+
+
+def _parse(text: str, where: str) -> ET.Element:
+    try:
+        root = ET.fromstring(text)
+    except ET.ParseError as error:
+        raise UserError(f"{where}: not well-formed XML: {error}; expected a URDF") from error
+    check_urdf(root, where)
+    return root
+
+
+def _without_meshes(root: ET.Element) -> str:
+    """Drop what dynamics does not need, and turn continuous joints into revolute ones, for
+    which Pinocchio keeps one coordinate instead of a cosine and a sine."""
+    for link in root.iter("link"):
+        for tag in ("visual", "collision"):
+            for element in link.findall(tag):
+                link.remove(element)
+    for joint in root.iter("joint"):
+        if joint.get("type") == "continuous":
+            joint.set("type", "revolute")
+            limit = joint.find("limit")
+            if limit is None:
+                limit = ET.SubElement(joint, "limit", effort="0", velocity="0")
+            limit.set("lower", "-1e9")
+            limit.set("upper", "1e9")
+    for tag in ("gazebo", "transmission", "material"):
+        for element in root.findall(tag):
+            root.remove(element)
+    return ET.tostring(root, encoding="unicode")
+
+
+def _reduced_model(urdf: str, joints: tuple[str, ...]) -> tuple[Any, list[str]]:
+    import pinocchio as pin
+
+    model = pin.buildModelFromXML(urdf)
+    locked = [model.getJointId(name) for name in list(model.names)[1:] if name not in joints]
+    model = pin.buildReducedModel(model, locked, pin.neutral(model))
+    return model, list(model.names)[1:]
+
+
+def _from_model(
+    model: Any, names: list[str], chosen: list[str], urdf: str, gravity: Array, name: str
+) -> Robot:
+    import pinocchio as pin
+
+    ours = [chosen.index(joint) for joint in names]  # Pinocchio's joint i is our ours[i]
+    n = len(chosen)
+    data = model.createData()
+    q0 = pin.neutral(model)
+    pin.computeJointJacobians(model, data, q0)
+    parent = np.full(n, -1, dtype=np.int64)
+    rotation, translation = np.empty((n, 3, 3)), np.empty((n, 3))
+    axis, prismatic = np.empty((n, 3)), np.empty(n, dtype=bool)
+    parameters = np.empty((n, 10))
+    for i, j in enumerate(ours):
+        placement = model.jointPlacements[i + 1]
+        above = model.parents[i + 1]
+        parent[j] = ours[above - 1] if above > 0 else -1
+        rotation[j], translation[j] = placement.rotation, placement.translation
+        jacobian = pin.getJointJacobian(model, data, i + 1, pin.ReferenceFrame.LOCAL)
+        twist = jacobian.reshape(6, -1)[:, i]  # of a single joint Pinocchio returns a vector
+        prismatic[j] = np.linalg.norm(twist[3:]) < 0.5
+        axis[j] = twist[:3] if prismatic[j] else twist[3:]
+        parameters[j] = model.inertias[i + 1].toDynamicParameters()
+    inverse = np.argsort(ours)
+
+    def limit(values: Any) -> Array:
+        found = np.asarray(values, dtype=float)[inverse]
+        return np.where((found > 0) & (found < 1e8), found, np.inf)
+
+    lower = np.asarray(model.lowerPositionLimit, dtype=float)[inverse]
+    upper = np.asarray(model.upperPositionLimit, dtype=float)[inverse]
+    unlimited = (upper - lower <= 0) | (upper - lower > 1e8)
+    return Robot(
+        name=re.sub(r"\s+", "_", name),
+        joint_names=tuple(chosen),
+        parent=parent,
+        order=np.array(ours, dtype=np.int64),
+        rotation=rotation,
+        translation=translation,
+        axis=axis,
+        prismatic=prismatic,
+        gravity=np.asarray(gravity, dtype=float),
+        parameters=parameters,
+        lower=np.where(unlimited, -np.inf, lower),
+        upper=np.where(unlimited, np.inf, upper),
+        velocity=limit(model.velocityLimit),
+        effort=limit(model.effortLimit),
+        acceleration=np.full(n, np.inf),
+        urdf=urdf,
+    )
+
+
+def _rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """Rotation of the base in the world, fixed axes x, y, z in turn (the URDF convention)."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )

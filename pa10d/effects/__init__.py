@@ -1,0 +1,27 @@
+"""Physical effects beyond the rigid bodies: one small class each, and their registry."""
+
+from pa10d.effects.base import (
+    Coefficient,
+    Effect,
+    Example,
+    Shape,
+    ShapeParameter,
+    Value,
+    smooth_sign,
+)
+from pa10d.effects.context import Context
+from pa10d.effects.registry import TEXTBOOK, all_effects, effect
+
+__all__ = [
+    "TEXTBOOK",
+    "Coefficient",
+    "Context",
+    "Effect",
+    "Example",
+    "Shape",
+    "ShapeParameter",
+    "Value",
+    "all_effects",
+    "effect",
+    "smooth_sign",
+]

@@ -1,0 +1,175 @@
+"""What an effect is: a torque that the rigid bodies do not explain, and all there is to say on it.
+
+An effect's torque is linear in its coefficients and may depend on further *shape* parameters.
+A subclass states its texts and computes its columns; everything else (fitting, judging,
+documenting, storing) is the same for all of them.
+"""
+
+from __future__ import annotations
+
+import inspect
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.effects.context import Context
+
+Array = NDArray[np.float64]
+Shape = Mapping[str, float]
+"""Values of an effect's shape parameters by name."""
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A linear parameter with its physical bounds; a nuisance is fitted but not reported."""
+
+    name: str
+    unit: str
+    lower: float = -np.inf
+    upper: float = np.inf
+    nuisance: bool = False
+
+
+@dataclass(frozen=True)
+class ShapeParameter:
+    """A nonlinear parameter: bounds, and whether its scale is logarithmic or a mere choice."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    scale: Literal["linear", "log", "choice"] = "linear"
+    smoothing: bool = False  # only rounds a corner; may lie at its bound
+
+    def at_edge(self, value: float) -> bool:
+        """At the end of a logarithmic range, where the effect has turned into another one."""
+        if self.scale != "log" or self.smoothing:
+            return False
+        return value < 1.05 * self.lower or value > 0.95 * self.upper
+
+
+@dataclass(frozen=True)
+class Value:
+    """An estimate with its standard error, in the named unit."""
+
+    value: float
+    std_error: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Example:
+    """A typical case, drawn on the effect's page.
+
+    coefficients, shape: of the case, in the units of the class
+    against: the quantity whose plot shows the effect best, see ``pa10d.effects.portrait``
+    motion: what the arm does meanwhile, see ``pa10d.effects.motions``
+    joints: where the effect sits, numbered from 1; the first is the one that is drawn
+    """
+
+    coefficients: tuple[float, ...]
+    against: str
+    shape: Shape = field(default_factory=dict)
+    motion: str = "swing"
+    joints: tuple[int, ...] = (2,)
+
+
+class Effect(ABC):
+    """Base class; one instance serves every joint (it keeps no state).
+
+    The docstring of a subclass says in plain words what the effect is: it opens its page.
+    """
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    equation: ClassVar[str]
+    scope: ClassVar[Literal["joint", "pair", "robot"]] = "joint"
+    question: ClassVar[Literal["textbook", "missing", "changed"]] = "missing"
+    sensing: ClassVar[bool] = False  # acts on the measured side: sensor, not mechanics
+    reaches_other_joints: ClassVar[bool] = False  # columns in every joint's equation
+    uses_model: ClassVar[bool] = False  # columns change with the model's loads and torques
+    coefficients: ClassVar[tuple[Coefficient, ...]]
+    shapes: ClassVar[tuple[ShapeParameter, ...]] = ()
+    signature: ClassVar[str]  # what its residual looks like, to a person
+    confounders: ClassVar[Mapping[str, str]] = {}  # effect id -> why it looks alike
+    experiment: ClassVar[str]  # what separates it, in words
+    experiment_kind: ClassVar[str] = "excitation"  # the experiment kind that shows it best
+    source: ClassVar[str]
+    remedy: ClassVar[str] = ""  # what a technician may do about it
+    example: ClassVar[Example | None] = None  # a typical case, for the picture on its page
+
+    @property
+    def meaning(self) -> str:
+        """What the effect is, in plain words: the class's docstring as one paragraph."""
+        return " ".join((inspect.getdoc(type(self)) or self.title).split())
+
+    @abstractmethod
+    def columns(self, context: Context, joints: Sequence[int], shape: Shape) -> Array:
+        """Torque per unit coefficient at the raw sample rate.
+
+        joints: 0-based; one for scope ``joint``, two for ``pair``, none for ``robot``.
+        Returns (N, k) for the equation of ``joints[0]`` alone, or (N, n, k) where
+        ``reaches_other_joints``; k = number of coefficients. N·m per unit.
+        """
+
+    def starts(self, context: Context, joints: Sequence[int]) -> list[Shape]:
+        """Shapes from which the nonlinear search begins; one empty shape where there is none."""
+        return [{}]
+
+    def relinearised(self, coefficients: Array, shape: Shape) -> dict[str, float]:
+        """The shape at which columns are to be taken next, where they are a secant of a
+        nonlinear law and the coefficients have become known better."""
+        return dict(shape)
+
+    def values(
+        self, coefficients: Array, covariance: Array, shape: Shape, shape_errors: Shape
+    ) -> dict[str, Value]:
+        """Parameters as a person wants them: name -> value, standard error, unit."""
+        out = {
+            c.name: Value(float(v), float(np.sqrt(max(s, 0.0))), c.unit)
+            for c, v, s in zip(self.coefficients, coefficients, np.diag(covariance), strict=True)
+            if not c.nuisance
+        }
+        for s in self.shapes:
+            out[s.name] = Value(float(shape[s.name]), float(shape_errors.get(s.name, 0.0)), s.unit)
+        return out
+
+
+def smooth_sign(velocity: Array, v0: float) -> Array:
+    """sign(v) smoothed over ±v0 and averaged over each sample interval.
+
+    The mean of tanh(v/v0) while v goes linearly from the middle of the interval before to the
+    middle of the one after; without the average a reversal within one sample is lost.
+    velocity: (N,) rad/s. Returns (N,) in [-1, 1].
+    """
+    middle = 0.5 * (velocity[1:] + velocity[:-1])
+    before = np.concatenate([velocity[:1], middle])
+    after = np.concatenate([middle, velocity[-1:]])
+    out = np.sign(before)
+    # beyond 20·v0 the tangent is ±1 to the last digit: only the neighbourhood of reversals costs
+    near = np.flatnonzero((np.abs(before + after) - np.abs(after - before)) < 40.0 * v0)
+    before, after = before[near], after[near]
+    span = after - before
+    small = np.abs(span) < 1e-3 * v0
+    safe = np.where(small, 1.0, span)
+    mean = v0 * (_log_cosh(after / v0) - _log_cosh(before / v0)) / safe
+    out[near] = np.where(small, np.tanh(velocity[near] / v0), mean)
+    return out
+
+
+def _log_cosh(x: Array) -> Array:
+    a = np.abs(x)
+    return a + np.log1p(np.exp(-2.0 * a)) - np.log(2.0)
+
+
+def speed_quantiles(context: Context, joint: int, shares: Sequence[float]) -> list[float]:
+    """Speeds |q̇_j| (rad/s) below which the given shares of the moving samples lie."""
+    speed = np.abs(context.dq[:, joint])
+    moving = speed[speed > 0.01 * max(float(speed.max()), 1e-9)]
+    if len(moving) == 0:
+        return [1.0 for _ in shares]
+    return [float(v) for v in np.quantile(moving, shares)]

@@ -1,0 +1,98 @@
+"""What an effect may look at when it computes its columns: the motion and the model so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from pa10d.dynamics import Robot, inverse_dynamics
+
+Array = NDArray[np.float64]
+
+POSES = 64  # over which a joint's typical inertia is taken
+
+
+@dataclass(frozen=True)
+class Context:
+    """One run's motion at the raw sample rate, and what the model says about it.
+
+    t                (N,) s since the start of the run, equidistant
+    q, dq, ddq       (N, n) rad, rad/s, rad/s², filtered far more lightly than the equation
+    rigid            (n, 10) standard parameters of the rigid bodies (any set with the right base
+                     parameters), without rotor inertia; link-side loads follow from them
+    total            (N, n) N·m, torque of the whole model so far, friction included
+    temperature      (N, n) °C or None
+    """
+
+    robot: Robot
+    t: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    rigid: Array
+    total: Array
+    temperature: Array | None = None
+
+    @property
+    def dt(self) -> float:
+        """Sample period, s."""
+        return float(self.t[1] - self.t[0])
+
+    @cached_property
+    def load(self) -> Array:
+        """(N, n) N·m: torque that the transmission passes to the links."""
+        return self.rigid_torque(self.q, self.dq, self.ddq)
+
+    def rigid_torque(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Link-side torque (N, n) of the model's rigid bodies for another motion."""
+        return inverse_dynamics(self.robot, self.rigid, q, dq, ddq)
+
+    def inertia_seen(self, joint: int) -> Array:
+        """(N,) kg·m²: M_jj(q), the inertia that joint j moves; never below a small part of
+        its own largest value, because a badly excited fit may make it negative."""
+        found = self.sensitivity(joint)[2][:, joint]
+        return np.maximum(found, max(0.02 * float(np.max(np.abs(found))), 1e-6))
+
+    @cached_property
+    def typical_inertia(self) -> Array:
+        """(n,) kg·m²: median of M_jj over poses spread evenly over the joints' ranges, so the same
+        for every run of a robot. Positive, even where a badly excited fit makes M_jj negative."""
+        n, robot = self.robot.n, self.robot
+        low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+        high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+        q = low + (high - low) * qmc.Halton(n, scramble=False).random(POSES)
+        rest = np.zeros_like(q)
+        still = self.rigid_torque(q, rest, rest)
+        found = [
+            (self.rigid_torque(q, rest, rest + e) - still)[:, j] for j, e in enumerate(np.eye(n))
+        ]
+        return np.maximum(np.abs(np.median(found, axis=1)), 1e-6)
+
+    def sensitivity(self, joint: int) -> tuple[Array, Array, Array]:
+        """∂τ/∂q_j, ∂τ/∂q̇_j and ∂τ/∂q̈_j of all joints' link-side torque, (N, n) each.
+
+        τ is linear in q̈ and quadratic in q̇, so those two are exact; for q a central difference.
+        """
+        if joint not in self._sensitivities:
+            unit = np.zeros(self.robot.n)
+            unit[joint] = 1.0
+            step = 1e-4 * unit
+            by_q = self.rigid_torque(self.q + step, self.dq, self.ddq)
+            by_q -= self.rigid_torque(self.q - step, self.dq, self.ddq)
+            by_dq = self.rigid_torque(self.q, self.dq + unit, self.ddq)
+            by_dq -= self.rigid_torque(self.q, self.dq - unit, self.ddq)
+            by_ddq = self.rigid_torque(self.q, self.dq, self.ddq + unit) - self.load
+            self._sensitivities[joint] = (by_q / 2e-4, by_dq / 2.0, by_ddq)
+        return self._sensitivities[joint]
+
+    @cached_property
+    def _sensitivities(self) -> dict[int, tuple[Array, Array, Array]]:
+        return {}
+
+    def with_model(self, rigid: Array, total: Array) -> Context:
+        """The same motion seen by another model."""
+        return replace(self, rigid=rigid, total=total)

@@ -1,0 +1,1 @@
+"""The effects that come with pa10d: one module, one class, one physical effect."""

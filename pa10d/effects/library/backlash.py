@@ -1,0 +1,47 @@
+"""A gap in the transmission."""
+
+import numpy as np
+
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
+from pa10d.effects.twist import twisted_torque
+
+CONTACT_HZ = 25.0  # stiffness of the flanks, as the link's natural frequency on them
+CONTACT_DAMPING = 0.5
+
+
+class Backlash(Effect):
+    """Play in the gear. Where the load changes sides the teeth part, and the link moves freely
+    through the gap until the opposite teeth hit. b is half the gap; a share near 1 confirms that
+    the gap explains the error."""
+
+    id = "backlash"
+    title = "Backlash"
+    equation = "M_jj·δ̈ + teeth(|δ| > b) = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
+    reaches_other_joints = True
+    uses_model = True
+    coefficients = (Coefficient("share", "1", 0.8, 1.25),)
+    shapes = (ShapeParameter("b", "rad", 5e-5, 0.1, "log"),)
+    signature = (
+        "Each time the joint's load changes sides, no torque passes for a moment; then comes a "
+        "knock. In between the error is small."
+    )
+    confounders = {
+        "presliding_hysteresis": "both act over a distance; that one whenever the joint turns "
+        "round, a gap only where the load changes sides",
+        "joint_elasticity": "both let the link lag when the load changes sides",
+    }
+    experiment = "Slow to-and-fro motion through the pose in which gravity changes sides."
+    experiment_kind = "reversals"
+    source = "Nordin & Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
+    remedy = "Adjust the gear's preload; inspect teeth, keys and couplings for wear."
+    example = Example((1.0,), against="load", shape={"b": 0.01}, motion="across_upright")
+
+    def columns(self, context, joints, shape):
+        inertia = context.typical_inertia[joints[0]]
+        stiffness = float(inertia * (2 * np.pi * CONTACT_HZ) ** 2)
+        return twisted_torque(context, joints[0], stiffness, CONTACT_DAMPING, gap=shape["b"])[
+            ..., None
+        ]
+
+    def starts(self, context, joints):
+        return [{"b": b} for b in (3e-4, 1e-3, 2.5e-3, 6e-3, 0.015)]

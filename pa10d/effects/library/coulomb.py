@@ -1,0 +1,38 @@
+"""Coulomb friction."""
+
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+
+
+class Coulomb(Effect):
+    """Dry friction of gears, seals and bearings: a constant torque against the motion, turning
+    round with the direction. Close to standstill it is not a jump but a steep slope over the
+    speed v0, which is found from the data as well."""
+
+    id = "coulomb"
+    title = "Coulomb friction"
+    equation = "τ = Fc·tanh(q̇/v0)"
+    question = "textbook"
+    coefficients = (Coefficient("Fc", "N·m", lower=0.0),)
+    shapes = (ShapeParameter("v0", "rad/s", 1e-4, 0.3, "log", smoothing=True),)
+    signature = (
+        "The error jumps when the joint turns round: as far above zero in one direction as below "
+        "it in the other, at any speed."
+    )
+    confounders = {
+        "torque_offset": "a joint that moves mostly one way cannot tell them apart",
+        "load_friction": "while the load stays the same, friction from load is a constant too",
+    }
+    experiment = "The same path in both directions."
+    experiment_kind = "velocity_sweep"
+    source = "Armstrong-Hélouvry, Dupont, Canudas de Wit (1994)"
+    remedy = (
+        "Part of every model. Where it has risen, look at grease, seals and brake; where it has "
+        "fallen, the joint may be warmer, or worn."
+    )
+    example = Example((9.0,), against="dq", shape={"v0": 0.01})
+
+    def columns(self, context, joints, shape):
+        return smooth_sign(context.dq[:, joints[0]], shape["v0"])[:, None]
+
+    def starts(self, context, joints):
+        return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1)]

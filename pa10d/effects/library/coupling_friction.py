@@ -1,0 +1,49 @@
+"""Friction on the sum or difference of two joints' speeds."""
+
+import numpy as np
+
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+
+
+class CouplingFriction(Effect):
+    """Two joints share a gear, a belt or a differential. What rubs there turns with the sum of
+    their speeds (ratio 1) or the difference (ratio -1), so that one joint feels friction when
+    the other moves. F is its constant part, D the part that grows with speed."""
+
+    id = "coupling_friction"
+    title = "Coupled friction"
+    equation = "τ_i = F·sign(v) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
+    scope = "pair"
+    reaches_other_joints = True
+    coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad"))
+    shapes = (ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),)
+    signature = (
+        "One joint shows friction that follows the other's speed, even while it stands or moves "
+        "evenly itself."
+    )
+    confounders = {
+        "coupling_inertia": "both tie two joints together; one follows the other's speed, one its "
+        "acceleration"
+    }
+    experiment = "Move one joint of the pair at a time."
+    experiment_kind = "single_joint"
+    source = (
+        "Guedelha, Traversaro & Pucci, Identification of motor parameters on coupled joints (2019)"
+    )
+    remedy = (
+        "Such drives have it: keep it in the model. Where it has grown, look at belt tension and "
+        "the shared gear's lubrication."
+    )
+    example = Example((4.0, 1.0), against="other_dq", shape={"ratio": 1.0}, joints=(5, 6))
+
+    def columns(self, context, joints, shape):
+        i, j = joints
+        v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
+        both = np.column_stack([smooth_sign(v, 0.01), v])
+        out = np.zeros((*context.q.shape, 2))
+        out[:, i] = both
+        out[:, j] = shape["ratio"] * both
+        return out
+
+    def starts(self, context, joints):
+        return [{"ratio": 1.0}, {"ratio": -1.0}]

@@ -1,0 +1,55 @@
+"""A series spring between rotor and link."""
+
+import numpy as np
+
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
+from pa10d.effects.twist import twisted_torque
+
+
+class JointElasticity(Effect):
+    """The gear gives under load like a stiff spring. The link lags behind the motor, where the
+    angle is measured, and can swing against it at a frequency of its own. K is the spring's
+    stiffness, zeta its damping (1 would let it creep back without swinging); a share near 1
+    confirms that the lag explains the error."""
+
+    id = "joint_elasticity"
+    title = "Joint elasticity"
+    equation = "M_jj·δ̈ + C·δ̇ + K·δ = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
+    reaches_other_joints = True
+    uses_model = True
+    coefficients = (Coefficient("share", "1", 0.8, 1.25),)
+    shapes = (
+        ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
+        ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
+    )
+    signature = (
+        "The error grows with acceleration and its changes, and is largest near one frequency in "
+        "hertz, whatever the speed; neighbouring joints feel it, too."
+    )
+    confounders = {
+        "torque_delay": "both grow with changes of acceleration; a delay has no frequency of its "
+        "own",
+        "torque_ripple": "both swing; ripple keeps its number per turn, a resonance its frequency "
+        "in hertz",
+        "backlash": "both let the link lag when the load changes sides",
+    }
+    experiment = "A chirp: to and fro with slowly rising frequency, through the resonance."
+    experiment_kind = "chirp"
+    source = "Spong, Modeling and control of elastic joint robots (1987)"
+    remedy = (
+        "Check the flexspline (the thin cup of a harmonic drive), couplings and all bolts; keep "
+        "motion and controller slower than the resonance."
+    )
+    example = Example(
+        (1.0,), against="frequency", shape={"K": 2000.0, "zeta": 0.06}, motion="chirp"
+    )
+
+    def columns(self, context, joints, shape):
+        return twisted_torque(context, joints[0], shape["K"], shape["zeta"], gap=0.0)[..., None]
+
+    def starts(self, context, joints):
+        inertia = float(np.median(context.inertia_seen(joints[0])))
+        return [
+            {"K": float(np.clip(inertia * (2 * np.pi * f) ** 2, 5.0, 1e7)), "zeta": 0.05}
+            for f in (2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 20.0)
+        ]

@@ -1,0 +1,34 @@
+"""Reflected inertia of a motor's rotor."""
+
+from pa10d.effects.base import Coefficient, Effect, Example
+
+
+class RotorInertia(Effect):
+    """The motor's rotor resists being sped up or slowed down, as a flywheel does. Seen from the
+    joint it counts with the square of the gear ratio, so that a small rotor can weigh as much as
+    a link."""
+
+    id = "rotor_inertia"
+    title = "Rotor inertia"
+    equation = "τ = Ia·q̈"
+    question = "textbook"
+    coefficients = (Coefficient("Ia", "kg·m²", lower=0.0),)
+    signature = "The error is proportional to the joint's own acceleration, alike in every pose."
+    confounders = {
+        "coupling_inertia": "both grow with acceleration in every pose; this one follows the "
+        "joint's own, the other a neighbour's"
+    }
+    experiment = (
+        "Accelerate the joint alone, in two poses in which it moves light and heavy links: "
+        "the links' share changes, the rotor's does not."
+    )
+    experiment_kind = "single_joint"
+    source = "Khalil & Dombre, Modeling, Identification and Control of Robots (2002), ch. 9"
+    remedy = (
+        "Nothing to repair: part of every model. A value far from the motor's data sheet hints at "
+        "a wrong gear ratio."
+    )
+    example = Example((3.0,), against="ddq")
+
+    def columns(self, context, joints, shape):
+        return context.ddq[:, joints[0], None]

@@ -1,0 +1,63 @@
+"""Stribeck friction."""
+
+import numpy as np
+
+from pa10d.effects.base import (
+    Coefficient,
+    Effect,
+    Example,
+    ShapeParameter,
+    smooth_sign,
+    speed_quantiles,
+)
+
+SHARP = 0.01  # rad/s: a wide bump reverses no more softly than a narrow one
+
+
+class Stribeck(Effect):
+    """At very low speed the film of lubricant is thin and the surfaces touch, so friction is
+    higher; as the joint gets faster the film carries, and friction falls to its usual level.
+    Named after Richard Stribeck, who measured it in bearings. Fs is the extra friction at the
+    lowest speeds, vs the speed over which it fades."""
+
+    id = "stribeck"
+    title = "Stribeck friction"
+    equation = "τ = Fs·exp(-(|q̇|/vs)^δ)·sign(q̇)"
+    coefficients = (Coefficient("Fs", "N·m", lower=0.0),)
+    shapes = (
+        ShapeParameter("vs", "rad/s", 2e-3, 1.0, "log"),
+        ShapeParameter("delta", "1", 0.5, 2.0, "linear"),
+    )
+    signature = (
+        "More friction at low speed, in both directions: a bump on either side of zero speed that "
+        "is gone above two to three times vs."
+    )
+    confounders = {
+        "presliding_hysteresis": "both act just after the joint has turned round; this one "
+        "follows the speed, the other the distance travelled",
+        "nonlinear_viscous": "a bump as wide as all speeds measured bends the whole curve, as a "
+        "power of the speed does",
+    }
+    experiment = (
+        "Slow constant speeds in both directions, from a fraction of vs to several times vs."
+    )
+    experiment_kind = "velocity_sweep"
+    source = "Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), sec. 2.1"
+    remedy = (
+        "Check kind and age of the lubricant. Keep the effect in the model where the arm has to "
+        "move slowly and evenly."
+    )
+    example = Example((6.0,), against="dq", shape={"vs": 0.06, "delta": 1.0})
+
+    def columns(self, context, joints, shape):
+        v = context.dq[:, joints[0]]
+        bump = np.exp(-((np.abs(v) / shape["vs"]) ** shape["delta"]))
+        return (bump * smooth_sign(v, min(0.05 * shape["vs"], SHARP)))[:, None]
+
+    def starts(self, context, joints):
+        # well inside the speeds visited: a bump as wide as the data is another effect
+        top = speed_quantiles(context, joints[0], [0.95])[0]
+        speeds = [top * share for share in (0.02, 0.05, 0.1, 0.2, 0.35)]
+        return [
+            {"vs": float(np.clip(v, 2e-3, 1.0)), "delta": d} for v in speeds for d in (1.0, 2.0)
+        ]

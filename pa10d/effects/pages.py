@@ -1,0 +1,135 @@
+"""The documentation page of an effect, made from its class and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from pa10d.effects.base import Effect
+from pa10d.effects.portrait import Portrait
+
+SCOPES = {
+    "joint": "one joint",
+    "pair": "a pair of joints",
+    "robot": "the robot as a whole",
+}
+QUESTIONS = {
+    "textbook": "in every model from the start",
+    "missing": "answers *what is missing?* (the model is fitted again beside it)",
+    "changed": "answers *what changed?* (against a model identified earlier, `--frozen`)",
+}
+
+
+def page(kind: Effect, titles: Mapping[str, str], picture: Portrait | None) -> str:
+    """Markdown of one effect. titles: id -> title of all effects that may be named; picture:
+    what ``<id>.svg`` beside the page shows, if there is one."""
+    return "\n\n".join(
+        [
+            f"# {kind.title}",
+            f"`{kind.id}` · sits on {SCOPES[kind.scope]} · {QUESTIONS[kind.question]}",
+            kind.meaning,
+            "## Equation",
+            f"```\n{kind.equation}\n```",
+            _notes(kind),
+            _parameters(kind),
+            "## What it looks like",
+            *([_picture(kind, picture)] if picture else []),
+            kind.signature,
+            *_confounders(kind, titles),
+            "## What tells it apart",
+            kind.experiment,
+            f"Experiment: `pa10d experiment {kind.experiment_kind}`",
+            *(["## What to do about it", kind.remedy] if kind.remedy else []),
+            "## Source",
+            f"{kind.source}\n",
+        ]
+    )
+
+
+def index(kinds: Iterable[Effect]) -> str:
+    """Markdown of the list of all effects."""
+    rows = [
+        f"| [{kind.title}]({kind.id}.md) | `{kind.id}` | {SCOPES[kind.scope]} | {kind.signature} |"
+        for kind in kinds
+    ]
+    return "\n".join(
+        [
+            "# Effects",
+            "",
+            "What a torque model may contain beside its rigid bodies. These pages are made from",
+            "the classes in `pa10d/effects/library` by `scripts/make_effect_pages.py`; to add an",
+            "effect of your own, see [add-an-effect.md](../add-an-effect.md).",
+            "",
+            "| effect | id | sits on | what the error looks like |",
+            "|---|---|---|---|",
+            *rows,
+            "",
+        ]
+    )
+
+
+def _notes(kind: Effect) -> str:
+    notes = ["τ is the torque that the effect adds, in N·m at the joint side."]
+    if kind.sensing:
+        notes.append("It acts on the reading of the sensor, not on the arm.")
+    if kind.reaches_other_joints:
+        notes.append("It shows in the equations of several joints.")
+    if kind.uses_model:
+        notes.append("τ_load and τ_model are torques of the model so far, not measured ones.")
+    return " ".join(notes)
+
+
+def _parameters(kind: Effect) -> str:
+    rows = [
+        (c.name, c.unit, c.lower, c.upper, "fitted, not reported" if c.nuisance else "linear")
+        for c in kind.coefficients
+    ]
+    how = {"log": "searched, by ratio", "linear": "searched", "choice": "tried: both values"}
+    rows += [(s.name, s.unit, s.lower, s.upper, how[s.scale]) for s in kind.shapes]
+    return "\n".join(
+        [
+            "| parameter | unit | from | to | found how |",
+            "|---|---|---|---|---|",
+            *(
+                f"| `{name}` | {unit} | {_bound(low)} | {_bound(high)} | {found} |"
+                for name, unit, low, high, found in rows
+            ),
+        ]
+    )
+
+
+def _bound(value: float) -> str:
+    return f"{value:g}" if np.isfinite(value) else "no limit"
+
+
+def _picture(kind: Effect, picture: Portrait) -> str:
+    return f"![{kind.title}: signature]({kind.id}.svg)\n\n*{caption(kind, picture)}*"
+
+
+def caption(kind: Effect, picture: Portrait) -> str:
+    """What the picture shows, with the values it was drawn for."""
+    example = kind.example
+    assert example is not None
+    covariance = np.zeros((len(example.coefficients),) * 2)
+    reported = kind.values(np.array(example.coefficients), covariance, example.shape, {})
+    told = [
+        f"{name} = {value.value:.3g}" + ("" if value.unit == "1" else f" {value.unit}")
+        for name, value in reported.items()
+    ]
+    where = "the torque" if kind.scope == "robot" else "the effect"
+    text = f"The PA10: {picture.text}; {where} on {picture.joint}, with {', '.join(told)}."
+    if not np.array_equal(picture.left, picture.torque):
+        text += " Thin: the effect itself. Bold: what is left of it, and so seen in the error, "
+        text += "after the joint's Coulomb and viscous friction are fitted again."
+    return text
+
+
+def _confounders(kind: Effect, titles: Mapping[str, str]) -> list[str]:
+    if not kind.confounders:
+        return []
+    lines = [
+        f"- [{titles.get(other, other)}]({other}.md): {why}."
+        for other, why in kind.confounders.items()
+    ]
+    return ["## Easily confused with", "\n".join(lines)]

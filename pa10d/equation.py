@@ -1,0 +1,157 @@
+"""Both sides of τ = Y·h + Σ effects for one run, filtered alike and decimated.
+
+Motion is filtered lightly at the raw rate; from it come all columns (regressor, sign functions,
+memory effects), and columns and torque then pass the same zero-phase low-pass. Filtering the
+ingredients instead of the columns would bend every product and every sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import Robot, regressor
+from pa10d.effects import Context
+from pa10d.motion import VelocitySource, motion, velocity_source
+from pa10d.recording import Recording
+from pa10d.signals import Lowpass, delayed
+from pa10d.standstill import RESTING, standstill
+
+Array = NDArray[np.float64]
+
+MOTION_SHARE = 0.25  # of the sampling rate at most: beyond, a digital Butterworth rings at its end
+MOTION_SETTLES = 8.0  # periods of the motion's cut-off after which twice-differentiated ends have
+# decayed to 1e-6 (at the highest share of the rate) or 1e-8
+OVERSAMPLING = 4.0  # samples kept per period of the cut-off: the filter is down to 0.4 % there
+MOTION_CUTOFF = 120.0  # Hz at most for the motion itself: a sign must see the reversal sharply
+
+
+@dataclass(frozen=True)
+class RunEquation:
+    """One run, ready for fits.
+
+    context  motion at the raw rate (model part empty until a model is known)
+    lowpass  raw -> decimated
+    tau      (M, n) filtered torque
+    keep     (M, n) False where joint i stands still, if only to turn round (friction is
+             indeterminate there), or the sample is too near an end of the run
+    moving   (M, n) as keep, but reversals without a rest count: what tells how sharp they are
+    inside   (M,) False only near the ends
+    shift    s, by which the torque was moved to match the motion
+    """
+
+    name: str
+    context: Context
+    lowpass: Lowpass
+    tau: Array
+    keep: NDArray[np.bool_]
+    raw_tau: Array
+    shift: float = 0.0
+    moving: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
+    inside: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+
+    @property
+    def rate(self) -> float:
+        """Decimated samples per second."""
+        return self.lowpass.rate / self.lowpass.factor
+
+    @cached_property
+    def t(self) -> Array:
+        """(M,) s since the start of the run."""
+        return self.context.t[:: self.lowpass.factor]
+
+    def rigid_columns(self, kept: NDArray[np.int64]) -> Array:
+        """(M, n, b) filtered regressor columns of the kept standard parameters."""
+        robot = self.context.robot
+        seen = robot.carries()[:, kept // 10]
+        out = np.zeros((self.lowpass.kept, robot.n, len(kept)))
+        for j, columns in enumerate(self.rigid_rows(kept, seen)):
+            out[:, j, seen[j]] = columns
+        return out
+
+    def rigid_rows(
+        self, kept: NDArray[np.int64], seen: NDArray[np.bool_], raw: Array | None = None
+    ) -> list[Array]:
+        """Per joint (M, k_j): the filtered columns of ``kept`` that its equation has at all.
+
+        seen (n, b): which ones those are (a link's parameters only load joints that carry it);
+        raw: what ``raw_rigid`` gave, where it is at hand.
+        """
+        raw = self.raw_rigid(kept) if raw is None else raw
+        rows = raw.reshape(-1, raw.shape[2])
+        filtered = self.lowpass.of_rows(rows, np.flatnonzero(seen))
+        return np.split(filtered, np.cumsum(seen.sum(axis=1))[:-1], axis=1)
+
+    def raw_rigid(self, kept: NDArray[np.int64]) -> Array:
+        """(n, b, N) unfiltered regressor columns, samples last: the order the filter wants."""
+        c = self.context
+        samples, n = c.q.shape
+        raw = np.zeros((n, len(kept), samples))
+        regressor(c.robot, c.q, c.dq, c.ddq, kept, out=raw.transpose(2, 0, 1))
+        return raw
+
+
+def prepare(
+    recording: Recording,
+    robot: Robot,
+    cutoff: float,
+    shift: float = 0.0,
+    edge: float | None = None,
+    fast: Array | None = None,
+    source: VelocitySource | None = None,
+) -> RunEquation:
+    """Make one run ready: differentiate, filter, mask.
+
+    cutoff: Hz of the equation; shift: s by which the torque channel is late against position;
+    edge: s cut off at both ends (default: what the filters need to settle);
+    fast: (n,) rad/s, what counts as fast for each joint (default: from this recording);
+    source: which velocities to trust (default: from this recording).
+    """
+    rate = recording.rate
+    light = Lowpass(len(recording.t), rate, motion_band(rate, cutoff))
+    q, dq, ddq = motion(recording, light, source or velocity_source(recording, cutoff))
+    factor = decimation(rate, cutoff)
+    blind = int(np.ceil(MOTION_SETTLES / light.cutoff * rate))
+    lowpass = Lowpass(len(recording.t), rate, cutoff, factor, blind=blind)
+    tau = recording.tau if shift == 0.0 else delayed(recording.tau, -shift, rate)
+    ends = int(np.ceil((edge if edge is not None else edge_time(rate, cutoff)) * rate / factor))
+    inside = np.zeros(lowpass.kept, dtype=bool)
+    inside[ends : max(ends, lowpass.kept - ends)] = True
+    keep = inside[:, None] & ~standstill(dq, rate, lowpass, fast)
+    moving = inside[:, None] & ~standstill(dq, rate, lowpass, fast, RESTING)
+    context = Context(
+        robot=robot,
+        t=recording.t - recording.t[0],
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        rigid=np.zeros((robot.n, 10)),
+        total=np.zeros_like(q),
+        temperature=recording.temperature,
+    )
+    return RunEquation(
+        recording.name, context, lowpass, lowpass(tau), keep, tau, shift, moving, inside
+    )
+
+
+def decimation(rate: float, cutoff: float) -> int:
+    """How many raw samples make one of the equation's; a rate worked out from stamps may be a
+    rounding error below the true one."""
+    return max(1, int(rate / (OVERSAMPLING * cutoff) * (1 + 1e-6)))
+
+
+def motion_band(rate: float, cutoff: float) -> float:
+    """Hz: low-pass of the motion itself, where an equation is cut off at ``cutoff``."""
+    return min(max(MOTION_CUTOFF, 2.0 * cutoff), MOTION_SHARE * rate)
+
+
+def edge_time(rate: float, cutoff: float) -> float:
+    """s at each end that still know how the signal was continued beyond it.
+
+    The slowest pole of a 4th-order Butterworth decays with 2π·f·sin(π/8): after 3 periods of the
+    equation's cut-off to 1e-3; the motion's are MOTION_SETTLES.
+    """
+    return 3.0 / cutoff + MOTION_SETTLES / motion_band(rate, cutoff)

@@ -1,0 +1,1 @@
+"""Running experiments: pre-check, motion for the loop, analysis, recommendation."""

@@ -1,0 +1,73 @@
+"""A plan as the loop follows it: the way from where the arm stands, the plan, a moment of rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.live_model import LiveModel, remainder
+from pa10d.dynamics import Robot
+from pa10d.model import TorqueModel
+from pa10d.trajectory.check import Violation, check
+from pa10d.trajectory.limits import limits_of
+from pa10d.trajectory.motions import Samples
+from pa10d.trajectory.plan import Plan, move
+from pa10d.trajectory.poses import Surroundings
+from pa10d.trajectory.ways import free_way
+
+Array = NDArray[np.float64]
+Rows = tuple[Array, Array, Array]
+
+SETTLE = 0.5  # s at rest before and after the plan
+
+
+@dataclass(frozen=True)
+class Whole:
+    """samples at the loop's rate; rows first … last-1 are the plan itself, which is recorded."""
+
+    samples: Samples
+    first: int
+    last: int
+    violations: tuple[Violation, ...]
+
+
+def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float) -> Whole:
+    """From ``start`` (n,) rad at rest to the end of the plan, and what is wrong with it.
+
+    The way is one on which the arm meets nothing.
+    """
+    around, pause = Surroundings.of(robot), round(SETTLE * rate)
+    lead = _standing(start, pause)
+    here = start
+    for point in free_way(around, start, plan.start):
+        motion = move(here, point, around.limits)
+        t = np.arange(1.0, np.ceil(motion.duration * rate) + 1) / rate
+        lead = _after(lead, motion.at(np.minimum(t, motion.duration)))
+        lead = _after(lead, _standing(point, pause))
+        here = point
+    body = plan.sample(rate)[1:]
+    rows = _after(_after(lead, body), _standing(plan.segments[-1].motion.end, pause))
+    samples = Samples(np.arange(float(len(rows[0]))) / rate, *rows)
+    violations = check(samples, robot, limits_of(robot), measured=start)
+    return Whole(samples, len(lead[0]), len(lead[0]) + len(body[0]), tuple(violations))
+
+
+def rows_of(whole: Whole, model: TorqueModel | None, live: LiveModel | None) -> Array:
+    """(N, 4n) rows of q, dq, ddq and the torque that the loop's own model does not know."""
+    t, q, dq, ddq = whole.samples
+    extra = np.zeros_like(q)
+    if model is not None and live is not None:
+        extra = remainder(model, live, q, dq, ddq, float(t[1] - t[0]))
+    return np.hstack([q, dq, ddq, extra])
+
+
+def _standing(q: Array, count: int) -> Rows:
+    rows = np.repeat(np.asarray(q)[None], count, axis=0)
+    return rows, np.zeros_like(rows), np.zeros_like(rows)
+
+
+def _after(first: Rows, then: Rows) -> Rows:
+    q, dq, ddq = (np.concatenate(pair) for pair in zip(first, then, strict=True))
+    return q, dq, ddq

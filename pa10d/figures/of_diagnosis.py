@@ -1,0 +1,142 @@
+"""All figures of one diagnosis, by name: what the report and the page both show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.figures.decimate import thinned
+from pa10d.figures.errors import binned
+from pa10d.figures.evidence import before_after, evidence
+from pa10d.figures.held_out import HeldOut
+from pa10d.figures.plotly import MODEL, Figure, axis, dots, layout, line, packed
+from pa10d.figures.staircase import Step, staircase
+from pa10d.figures.structure_map import structure_map
+from pa10d.figures.traces import over_frequency, over_order, over_time
+from pa10d.figures.views import View, near, view_of
+
+Array = NDArray[np.float64]
+
+OWN_SHARE = 0.3  # of its squared error that the effect's own joint must lose to be the one shown
+POINTS = 1500
+OVER_TIME = "over time"
+FEWEST = 50  # samples worth a plot
+FIRST_OVER_TIME = ("presliding_hysteresis",)  # a memory is read from its course
+BY_FREQUENCY = ("joint_elasticity", "torque_delay")
+BY_ORDER = ("torque_ripple",)
+
+
+def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
+    """``staircase``; per finding ``findings``: ``joint`` (from 1) that is shown, ``evidence`` (name
+    -> figure, the best first) and ``before_after``; ``unexplained``: one map per entry."""
+    names = found.model.robot.joint_names
+    return {
+        "staircase": staircase(steps_of(found), names, known_floor(found)),
+        "findings": [
+            {
+                "joint": shown_joint(found, k) + 1,
+                "evidence": evidence_figures(found, seen, k),
+                "before_after": before_after(
+                    names, found.findings[k].rms_before, found.findings[k].rms_after,
+                    known_floor(found),
+                ),
+            }
+            for k in range(len(found.findings))
+        ],
+        "unexplained": [structure_map(s, seen) for s in found.unexplained],
+    }  # fmt: skip
+
+
+def steps_of(found: Diagnosis) -> list[Step]:
+    """The versions with their errors on the same held-out data; short names for an axis."""
+    words = ["as given" if found.frozen else "as given, refitted"]
+    words += [f"+ {finding.term.label}" for finding in found.findings]
+    return [
+        Step(f"step {k}" if k else "start", word, version.held_out["held out"])
+        for k, (word, version) in enumerate(zip(words, found.versions, strict=True))
+    ]
+
+
+def known_floor(found: Diagnosis) -> Array | None:
+    """(n,) N·m, or None where it is not known for every joint."""
+    return found.noise_floor if bool(np.all(np.isfinite(found.noise_floor))) else None
+
+
+def shown_joint(found: Diagnosis, k: int) -> int:
+    """0-based: the effect's own joint, unless its torque shows on another one."""
+    finding = found.findings[k]
+    gone = finding.rms_before**2 - finding.rms_after**2
+    share = gone / np.maximum(finding.rms_before**2, 1e-300)
+    if finding.term.joints:
+        own = max(finding.term.joints, key=lambda j: share[j])
+        if share[own] > OWN_SHARE:
+            return own
+    return int(np.argmax(gone))
+
+
+def evidence_figures(found: Diagnosis, seen: HeldOut, k: int) -> dict[str, Figure]:
+    """Name -> figure, the most telling one first."""
+    term, joint = found.findings[k].term, shown_joint(found, k)
+    before, after = seen.seen[k], seen.seen[k + 1]
+    level = float(found.noise_floor[joint])
+    floor = level if np.isfinite(level) else None
+    out: dict[str, Figure] = {}
+    view = view_of(term)
+    if view is not None:
+        out |= _against(found, seen, k, view, floor)
+    if term.effect_id in FIRST_OVER_TIME:
+        out = {OVER_TIME: {}, **out}
+    out[OVER_TIME] = over_time(before, after, joint, floor)
+    if term.effect_id in BY_FREQUENCY:
+        out["over frequency"] = over_frequency(before, after, joint, found.cutoff)
+    if term.effect_id in BY_ORDER:
+        orders = over_order(before, after, joint)
+        out |= {} if orders is None else {"over cycles per revolution": orders}
+    return out
+
+
+def _against(
+    found: Diagnosis, seen: HeldOut, k: int, view: View, floor: float | None
+) -> dict[str, Figure]:
+    term, joint = found.findings[k].term, shown_joint(found, k)
+    runs = seen.seen[k + 1]
+    prismatic = found.model.robot.prismatic
+    own = term.joints[0] if term.joints else joint
+    other = term.joints[-1] if term.joints else joint
+    label = view.label.format(
+        own=own + 1, other=other + 1, angle="m" if prismatic[other] else "rad",
+        unit="N" if prismatic[own] else "N·m",
+    )  # fmt: skip
+    unit = "N" if prismatic[joint] else "N·m"
+    x = seen.counted([view.x(run, term, joint) for run in runs], joint)
+    turn = seen.counted([view.direction(run, joint) for run in runs], joint)
+    torque = [run.equation.lowpass(term.torque(run.seen)[:, joint]) for run in runs]
+    shows = seen.counted([view.shows(run, term, joint) for run in runs], joint)
+    chosen = near(term, x) & (turn != 0) & shows
+    if chosen.sum() < FEWEST:
+        return {}
+    x, turn = x[chosen], turn[chosen]
+    towards = " (along the motion)" if view.along else ""
+    drawn = evidence(
+        x, label, turn * seen.error(k, joint)[chosen], turn * seen.error(k + 1, joint)[chosen],
+        turn * seen.change(k + 1, joint)[chosen], floor=floor, unit=unit,
+    )  # fmt: skip
+    if drawn["data"][2]["mode"] == "markers":  # no curve: then a mean says nothing
+        del drawn["data"][1]
+    drawn["layout"]["legend"]["itemsizing"] = "constant"
+    drawn["layout"]["yaxis"]["title"]["text"] = f"joint {joint + 1}, {unit}{towards}"
+    law = _law(x, label, turn * seen.counted(torque, joint)[chosen], f"torque, {unit}{towards}")
+    return {"residual and effect": drawn, "the effect's law": law}
+
+
+def _law(x: Array, label: str, torque: Array, title: str) -> Figure:
+    """The whole torque of the effect, that part included which other terms had imitated."""
+    chosen = thinned(len(x), POINTS)
+    middle, rows = binned(x, torque, 90)
+    data = [dots("samples", x[chosen], torque[chosen], MODEL)]
+    if len(rows):
+        data.append(line("mean", rows[:, 1], MODEL, x=packed(middle), width=3))
+    return {"data": data, "layout": layout(330, xaxis=axis(label), yaxis=axis(title))}

@@ -1,0 +1,28 @@
+// Draws figures (Plotly JSON without colours for paper, text and grid) in the page's own colours.
+const pa10dPlots = (() => {
+  const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const template = () => {
+    const axis = { gridcolor: css("--grid"), linecolor: css("--line"), tickcolor: css("--line"),
+                   zerolinecolor: css("--line"), spikecolor: css("--muted"), ticks: "outside",
+                   ticklen: 4, showline: true };
+    return { layout: {
+      paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+      font: { color: css("--text"), family: css("--font"), size: 12 },
+      hoverlabel: { bgcolor: css("--card"), bordercolor: css("--line"),
+                    font: { color: css("--text") } },
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: css("--line"), activecolor: css("--accent") },
+      xaxis: axis, yaxis: axis } };
+  };
+  const config = { responsive: true, displaylogo: false, displayModeBar: "hover",
+                   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const drawn = new Map();
+  const draw = (box, figure) => {
+    drawn.set(box, figure);
+    const layout = { ...figure.layout, template: template(), autosize: true };
+    return Plotly.react(box, figure.data, layout, config);
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    for (const [box, figure] of drawn) draw(box, figure);
+  });
+  return { draw };
+})();

@@ -1,0 +1,57 @@
+"""Error of every version of a model: does it go down, and how far is it from the noise?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.figures.plotly import JOINTS, NOISE, Figure, Trace, axis, layout, mark
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs."""
+
+    name: str
+    change: str
+    rms: Array
+
+
+def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None = None) -> Figure:
+    """One line per joint from version to version; with a noise floor (n,) N·m as multiples of
+    it, so that all joints share one scale whose bottom is 1."""
+    names = [step.name for step in steps]
+    rms = np.array([step.rms for step in steps])
+    shown = rms if floor is None else rms / np.maximum(floor, 1e-300)
+    changes = [step.change for step in steps]
+    traces: list[Trace] = [
+        {
+            "type": "scatter", "mode": "lines+markers", "name": f"{j + 1} {name}",
+            "x": names, "y": [float(v) for v in shown[:, j]],
+            "customdata": [
+                [float(value), change] for value, change in zip(rms[:, j], changes, strict=True)
+            ],
+            "hovertemplate": "%{x}: %{customdata[1]}<br>%{customdata[0]:.4g} N·m"
+            + ("" if floor is None else ", %{y:.2f} × noise"),
+            "line": {"shape": "hvh", "width": 2, "color": JOINTS[j % len(JOINTS)]},
+            "marker": {"size": 7},
+        }
+        for j, name in enumerate(joints)
+    ]  # fmt: skip
+    figure = layout(
+        330,
+        xaxis=axis("", type="category", ticktext=[_tick(step) for step in steps], tickvals=names),
+        yaxis=axis("RMS, N·m" if floor is None else "RMS ÷ noise floor", type="log", dtick="D2"),
+        shapes=[] if floor is None else [mark(("x", "y"), y=1.0, color=NOISE)],
+    )
+    figure["margin"] |= {"b": 70}
+    return {"data": traces, "layout": figure}
+
+
+def _tick(step: Step) -> str:
+    return f"{step.name}<br><i>{step.change}</i>"

@@ -1,0 +1,67 @@
+"""What a person should know in front of each plot: how to read it, and what to do next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Two short texts for one kind of plot; the long version is docs/reading-the-plots.md."""
+
+    read: str
+    then: str
+
+
+TEXTS = {
+    "overview": Reading(
+        "Each bar is a joint's error divided by the noise that its sensors leave in the same band. "
+        "1 (dashed) is a perfect model; 2 means that as much again is unexplained.",
+        "Look at the tallest joints first. Below 1.2 there is little left to find; a bar below 1 "
+        "means that the noise floor is estimated too high, not that the model is too good.",
+    ),
+    "time": Reading(
+        "Above, the measured torque with the model's over it; below, their difference. Both are "
+        "low-passed alike. Green: two standard deviations of the noise. Grey: not judged, because "
+        "the joint stands still (friction at rest is indeterminate) or the filter has not settled.",
+        "Spikes at reversals point to friction, a slow offset to gravity, a payload or a sensor "
+        "bias, growth with time to warming up, bursts at one speed to a resonance. Choose another "
+        "run to see whether it repeats.",
+    ),
+    "maps": Reading(
+        "The same residual against position, velocity, load and time. A flat orange line within "
+        "the green band is what noise looks like; any shape of it is torque that the model "
+        "misses. Red: ranges in which the squared error piles up.",
+        "A step or bump at zero velocity is friction, a slope against position a spring or "
+        "gravity, a fan that opens with load friction under load or a wrong torque constant, a "
+        "kink beyond one angle a contact. Run 'pa10d diagnose' to have it named and tested.",
+    ),
+    "spectra": Reading(
+        "Left, the residual in cycles per revolution of the joint: cogging, gear mesh and bearings "
+        "make a line there at every speed. Right, in hertz: resonances and electrical noise make "
+        "a line there. The green dashes are the level that noise does not pass (left) and the "
+        "cut-off of the fit (right).",
+        "A line on the left: multiply by the gear ratio to see which part turns so often, and try "
+        "'--effect torque_ripple'. A hump on the right only: try a chirp and "
+        "'--effect joint_elasticity', or lower the cut-off.",
+    ),
+    "memory": Reading(
+        "How much the residual resembles itself a moment later. White noise stays within the green "
+        "band but for one point in twenty; a slow decay means that something slow is unexplained, "
+        "or that the noise itself is coloured.",
+        "If the maps above are flat although this one is not, the rest is coloured noise, and "
+        "a better model will not remove it. If they are not flat, look for the effect first.",
+    ),
+    "staircase": Reading(
+        "Each step is a version of the model, each line a joint, judged on the same runs. Down is "
+        "better; 1 (dashed) is the noise floor.",
+        "A step that does not go down bought nothing: go back to its parent. A line that goes up "
+        "at one joint while others fall is a wrong explanation.",
+    ),
+    "evidence": Reading(
+        "Left, the residual without the effect and, over it, the torque that the effect adds. "
+        "Right, what is left with it. All samples are from runs that the fit has not seen.",
+        "Believe it if the orange follows the blue everywhere and the right side is flat. If only "
+        "part of it follows, another effect may fit better: see what it is confused with.",
+    ),
+}

@@ -1,0 +1,7 @@
+"""Recordings in, torque model out: weighted least squares with honest errors."""
+
+from pa10d.identify.condition import condition_number
+from pa10d.identify.procedure import identify
+from pa10d.identify.summary import summary
+
+__all__ = ["condition_number", "identify", "summary"]

@@ -1,0 +1,175 @@
+"""What a control engineer should know about a fit, and which motion would mend it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
+from pa10d.identify.excitation import Excitation
+from pa10d.identify.feasibility import FeasibleModel
+from pa10d.identify.fit import Fit
+from pa10d.identify.layout import Layout
+from pa10d.identify.smoothing import Smoothing
+from pa10d.identify.timing import Shift
+
+Array = NDArray[np.float64]
+
+SMALL_RANGE = 0.05  # rad (m): a joint that moves less tells nothing of gravity or inertia
+FEW_REVERSALS = 2
+UNCERTAIN = 0.3  # standard error over value
+COSTLY = 0.02  # share of RMS that feasibility may add unmentioned
+NEGLIGIBLE = 1e-4  # of the torque: an error that nobody minds
+NAMED = 6  # parameters named in one sentence
+
+
+def warnings_of(
+    layout: Layout,
+    fit: Fit,
+    feasible: FeasibleModel,
+    smoothing: Smoothing,
+    shift: Shift,
+    seen: Excitation,
+) -> list[str]:
+    """Sentences, the gravest first."""
+    return [
+        *_unmoved(layout.robot, seen),
+        *_lost(layout, fit, seen),
+        *_bounds(layout, fit, feasible),
+        *_uncertain(layout, fit, seen),
+        *_friction_sign(layout.robot, smoothing, seen),
+        *_timing(shift),
+    ]
+
+
+def _unmoved(robot: Robot, seen: Excitation) -> Iterator[str]:
+    for j in range(robot.n):
+        if seen.range[j] < SMALL_RANGE:
+            yield (
+                f"{_joint(robot, j)} hardly moves ({seen.range[j]:.2g} {_unit(robot, j)}): its "
+                f"friction and inertia are not excited; move it over its range, both ways"
+            )
+        elif seen.reversals[j] < FEW_REVERSALS:
+            yield (
+                f"{_joint(robot, j)} turns round {seen.reversals[j]} times: friction and gravity "
+                f"look alike; repeat the motion in the other direction"
+            )
+
+
+def _lost(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
+    names, owners = layout.names(), layout.owners()
+    for direction in fit.solution.lost.T:
+        order = np.argsort(-np.abs(direction))
+        main = [k for k in order[:NAMED] if abs(direction[k]) > 0.3 * abs(direction[order[0]])]
+        terms = " ".join(f"{direction[k]:+.2f}·{names[k]}" for k in main)
+        yield (
+            f"rank lost: the motion does not show {terms} (columns scaled to equal size); "
+            f"{_motion_for([names[k] for k in main], [owners[k] for k in main], layout, seen)}"
+        )
+
+
+def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
+    robot, beta, start = layout.robot, fit.solution.beta, len(layout.base)
+    if not feasible.found:
+        yield "no feasible standard parameters were found: the data contradict every possible arm"
+        return
+    sizes = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 0.0))
+    for k, name in enumerate(layout.names()[start:], start=start):
+        bound = feasible.coefficients[k - start]
+        if beta[k] < 0 <= bound and abs(bound) < 1e-6 * (abs(beta[k]) + sizes[k]):
+            yield (
+                f"{name} is {beta[k]:.3g} in the free fit and 0, its bound, in the feasible one: "
+                "it takes over something that the model lacks"
+            )
+    cost = feasible.rms / np.maximum(fit.rms, 1e-300) - 1.0
+    costly = np.flatnonzero((cost > COSTLY) & (feasible.rms > NEGLIGIBLE * fit.torque))
+    edge = np.flatnonzero(feasible.edge)
+    if len(edge) and len(costly):  # else the data are content with bodies that lie well inside
+        links = ", ".join(str(j + 1) for j in edge)
+        yield (
+            f"link {links}: the feasible mass distribution is at the edge of what a body can have; "
+            "its inertia is not to be read as a measurement"
+        )
+    for j in costly:
+        yield (
+            f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
+            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): an effect is missing"
+        )
+
+
+def _uncertain(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
+    beta = fit.solution.beta
+    error = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 0.0))
+    names, owners = layout.names(), layout.owners()
+    poor = np.flatnonzero(error > UNCERTAIN * np.abs(beta))
+    if not len(poor):
+        return
+    # those that leave the most torque in doubt first
+    order = poor[np.argsort(-(error * fit.solution.scale)[poor])][:NAMED]
+    shown = ", ".join(f"{names[k]} {beta[k]:.2g} ± {error[k]:.1g}" for k in order)
+    more = f" and {len(poor) - len(order)} more" if len(poor) > len(order) else ""
+    yield (
+        f"{len(poor)} of {len(beta)} parameters have a standard error above 30 %: {shown}{more}; "
+        f"{_motion_for([names[k] for k in order], [owners[k] for k in order], layout, seen)}"
+    )
+
+
+def _friction_sign(robot: Robot, smoothing: Smoothing, seen: Excitation) -> Iterator[str]:
+    vague = [int(j) for j in np.flatnonzero(~smoothing.found) if seen.range[j] >= SMALL_RANGE]
+    if vague:
+        yield (
+            f"how sharply friction reverses on {_joints(vague)} is not visible "
+            f"({smoothing.v0[vague[0]]:g} rad/s assumed); slow reversals would show it"
+        )
+
+
+def _timing(shift: Shift) -> Iterator[str]:
+    if shift.seconds:
+        word = "late" if shift.seconds > 0 else "early"
+        yield (
+            f"torque is {abs(shift.seconds) * 1e3:.2f} ± {shift.std_error * 1e3:.2f} ms {word} "
+            "against position on the whole robot; the fit and the model account for it"
+        )
+
+
+def _motion_for(
+    names: Sequence[str], owners: Sequence[tuple[int, ...]], layout: Layout, seen: Excitation
+) -> str:
+    """Which motion shows these parameters."""
+    robot = layout.robot
+    carried = robot.carries()
+    inertial, gravity, friction = set(), set(), set()
+    for name, own in zip(names, owners, strict=True):
+        joints = {int(i) for j in own for i in np.flatnonzero(carried[:, j])} or set(own)
+        if ": F" in name:
+            friction |= set(own)
+        elif name.startswith(PARAMETER_NAMES[4:]) or name.endswith("Ia"):
+            inertial |= set(own) | ({max(joints)} if joints else set())
+        else:
+            gravity |= joints
+    advice = []
+    if inertial:
+        hard = ", ".join(f"{seen.acceleration[j]:.2g}" for j in sorted(inertial))
+        advice.append(
+            f"accelerate {_joints(sorted(inertial))} harder, in several poses (seen {hard} rad/s²)"
+        )
+    if gravity:
+        advice.append(f"visit more poses of {_joints(sorted(gravity))}")
+    if friction:
+        advice.append(f"move {_joints(sorted(friction))} at several constant speeds, both ways")
+    return "; ".join(advice)
+
+
+def _joint(robot: Robot, j: int) -> str:
+    return f"joint {j + 1} ({robot.joint_names[j]})"
+
+
+def _joints(indices: Sequence[int]) -> str:
+    word = "joint" if len(indices) == 1 else "joints"
+    return f"{word} {', '.join(str(j + 1) for j in indices)}"
+
+
+def _unit(robot: Robot, j: int) -> str:
+    return "m" if robot.prismatic[j] else "rad"

@@ -1,0 +1,135 @@
+"""Weighted least squares of a whole layout, with honest errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.blocks import Pieces
+from pa10d.identify.layout import Layout
+from pa10d.identify.rows import Rows, all_rows, is_coulomb, rows_of, triangles_of
+from pa10d.identify.smoothing import Smoothing
+from pa10d.identify.solution import Indices, Solution, estimate_weights, solve
+from pa10d.identify.triangle import Triangle
+from pa10d.identify.uncertainty import Uncertainty, covariance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Solution for the layout's unknowns and their uncertainty.
+
+    rms, torque (n,) N·m of the filtered residual and torque over the fitted samples; v0_errors (n,)
+    rad/s;
+    factors[j]: triangular factor of [columns, torque] of joint j
+    """
+
+    solution: Solution
+    uncertainty: Uncertainty
+    rms: Array
+    torque: Array
+    v0_errors: Array
+    factors: tuple[Triangle, ...]
+
+    def rms_of(self, beta: Array, indices: Indices) -> Array:
+        """(n,) N·m: RMS that other values of the unknowns would leave."""
+        return rms_of(self.factors, indices, beta)
+
+
+def plain_fit(pieces: Pieces, layout: Layout) -> Array:
+    """(p,) the weighted solution alone, from an even selection of the data."""
+    moving, rest = _triangles(rows_of(piece, layout) for piece in pieces.some())
+    sigma = estimate_weights(moving, rest, layout.of_joint, layout.size)
+    return solve(moving, layout.of_joint, layout.size, sigma).beta
+
+
+def weighted_fit(
+    pieces: Pieces,
+    layout: Layout,
+    smoothing: Smoothing,
+    weights: Sequence[Array] | None = None,
+) -> Fit:
+    """Fit everything in the layout; each v0 that was found counts as one more unknown when the
+    errors are worked out, because it makes the others less certain.
+
+    weights: per piece (M, n), by which rows are multiplied beside 1/σ of their joint
+    """
+
+    def stretches(bent: NDArray[np.bool_] | None = None) -> Iterator[Rows]:
+        whole = all_rows(pieces, layout, bent)
+        if weights is None:
+            return whole
+        return (rows.times(w) for rows, w in zip(whole, weights, strict=True))
+
+    inner, size = layout.of_joint, layout.size
+    found = np.flatnonzero(smoothing.found)
+    outer = [
+        np.append(index, size + np.searchsorted(found, j)) if smoothing.found[j] else index
+        for j, index in enumerate(inner)
+    ]
+    moving, rest = _triangles(stretches(smoothing.found))
+    plain = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(moving, inner, strict=True))
+    still = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(rest, inner, strict=True))
+    sigma = estimate_weights(plain, still, inner, size)
+    solution = solve(plain, inner, size, sigma)
+    wide = solve(moving, outer, size + len(found), sigma)
+    residuals, keeps = [], []
+    for rows in stretches():
+        residuals.append(rows.residual(inner, solution.beta))
+        keeps.append(rows.keep)
+    uncertainty = covariance(
+        lambda: stretches(smoothing.found),
+        outer,
+        wide,
+        residuals,
+        keeps,
+        _degrees(moving, outer, wide),
+        pieces.rate,
+    )
+    errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)
+    rms = rms_of(plain, inner, solution.beta)
+    torque = rms_of(plain, inner, np.zeros(size))
+    return Fit(solution, uncertainty.first(size), rms, torque, errors, plain)
+
+
+def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:
+    """(n,) N·m RMS of each joint's residual."""
+    squares = [f.squares(np.append(-beta[i], 1.0)) for f, i in zip(factors, indices, strict=True)]
+    return np.sqrt(np.array(squares) / np.maximum([f.rows for f in factors], 1))
+
+
+def _triangles(stretches: Iterable[Rows]) -> tuple[list[Triangle], list[Triangle]]:
+    moving: list[Triangle] = []
+    rest: list[Triangle] = []
+    for rows in stretches:
+        triangles_of([rows], into=moving)
+        triangles_of([rows], rest=True, into=rest)
+    return moving, rest
+
+
+def _degrees(factors: Sequence[Triangle], indices: Indices, solution: Solution) -> Array:
+    """(n,) share of the unknowns that each joint's equation had to pay for (its leverage)."""
+    shares = [
+        np.sum((f.r[:, :-1] @ solution.right[i]) ** 2) / s**2
+        for f, i, s in zip(factors, indices, solution.sigma, strict=True)
+    ]
+    return np.array(shares)
+
+
+def _v0_errors(
+    layout: Layout, smoothing: Smoothing, beta: Array, whole: NDArray[np.float64]
+) -> Array:
+    """(n,) rad/s; the unknowns after the layout's own are Fc·d(sign)/d(ln v0)."""
+    found = np.flatnonzero(smoothing.found)
+    errors = np.full(layout.robot.n, np.inf)
+    for i, slot in enumerate(layout.slots):
+        j = slot.joints[0] if slot.joints else -1
+        if is_coulomb(slot, j) and smoothing.found[j]:
+            k = layout.size + int(np.searchsorted(found, j))
+            force = max(abs(float(beta[layout.where(i).start])), 1e-12)
+            errors[j] = smoothing.v0[j] * np.sqrt(whole[k, k]) / force
+    return errors

@@ -1,0 +1,72 @@
+"""A finished fit as a torque model, with what else is worth knowing of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pa10d.identify.cutoff import Cutoff
+from pa10d.identify.feasibility import FeasibleModel
+from pa10d.identify.fit import Fit
+from pa10d.identify.layout import Layout
+from pa10d.identify.timing import Shift
+from pa10d.model import Term, TorqueModel
+from pa10d.recording import Recording
+
+
+def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:
+    """Who chose the cut-off, and from what."""
+    if why is None:
+        return {"hertz": cutoff, "chosen_by": "user"}
+    return {
+        "hertz": cutoff,
+        "chosen_by": why.limited_by,
+        "signal_hz": [float(f) for f in why.signal],
+        "encoder_hz": [float(f) for f in why.encoder],
+    }
+
+
+def feasible_note(layout: Layout, feasible: FeasibleModel) -> dict[str, Any]:
+    """The friction that goes with the feasible standard parameters, and what they cost."""
+    names = layout.names()[len(layout.base) :]
+    return {
+        "rms": [float(v) for v in feasible.rms],
+        "coefficients": dict(zip(names, map(float, feasible.coefficients), strict=True)),
+    }
+
+
+def model_of(
+    name: str,
+    layout: Layout,
+    fit: Fit,
+    feasible: FeasibleModel,
+    cutoff: float,
+    shift: Shift,
+    recordings: Sequence[Recording],
+    notes: dict[str, Any],
+) -> TorqueModel:
+    """The model of a finished fit."""
+    beta = fit.solution.beta
+    terms = []
+    for i, slot in enumerate(layout.slots):
+        errors = {}
+        if slot.effect_id == "coulomb":
+            errors = {"v0": float(fit.v0_errors[slot.joints[0]])}
+        terms.append(
+            Term(slot.effect_id, slot.joints, beta[layout.where(i)], dict(slot.shape), errors)
+        )
+    return TorqueModel(
+        name=name,
+        robot=layout.robot,
+        base=layout.base,
+        h=beta[: len(layout.base)],
+        terms=tuple(terms),
+        covariance=fit.uncertainty.covariance,
+        noise=fit.rms,
+        cutoff=cutoff,
+        shift=shift.seconds,
+        standard=feasible.standard if feasible.found else None,
+        feasible=feasible.found,
+        runs=tuple(r.name for r in recordings),
+        notes=notes,
+    )

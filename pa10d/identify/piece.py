@@ -1,0 +1,63 @@
+"""A stretch of one run that fits into memory, with its filtered columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.effects import Context
+from pa10d.equation import RunEquation
+from pa10d.identify.layout import Slot
+from pa10d.signals import delayed
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Piece:
+    """A stretch of one run: filtered torque (M, n), which samples count (M, n) without reversals
+    and with them and (M,) at all, rigid columns per joint (M, b_j), and the motion behind them for
+    further columns."""
+
+    equation: RunEquation
+    keep: NDArray[np.bool_]
+    moving: NDArray[np.bool_]
+    inside: NDArray[np.bool_]
+    rigid: list[Array]
+    fast: Array  # (n,) rad/s
+    _columns: dict[tuple[object, ...], Array] = field(default_factory=dict)
+
+    @property
+    def tau(self) -> Array:
+        """(M, n) N·m."""
+        return self.equation.tau
+
+    @property
+    def context(self) -> Context:
+        """Motion at the raw rate."""
+        return self.equation.context
+
+    def shifted(self, seconds: float) -> Piece:
+        """The same stretch with its torque taken ``seconds`` later than it is now."""
+        if seconds == 0.0:
+            return self
+        run = self.equation
+        raw = delayed(run.raw_tau, -seconds, run.lowpass.rate)
+        moved = replace(run, tau=run.lowpass(raw), raw_tau=raw, shift=run.shift + seconds)
+        return replace(self, equation=moved)
+
+    def filtered(self, slots: Sequence[Slot], joint: int) -> Array:
+        """(M, Σk) filtered columns of effects in one joint's equation; they are remembered."""
+        if not slots:
+            return np.empty((len(self.tau), 0))
+        keys = [(s.effect_id, s.joints, joint, *s.shape.items()) for s in slots]
+        new = {k: s for k, s in zip(keys, slots, strict=True) if k not in self._columns}
+        if new:
+            raw = [s.rows(self.context, joint).T for s in new.values()]
+            found = self.equation.lowpass(np.concatenate(raw).T)
+            ends = np.cumsum([len(r) for r in raw])[:-1]
+            self._columns.update(zip(new, np.split(found, ends, axis=1), strict=True))
+        return np.concatenate([self._columns[k] for k in keys], axis=1)

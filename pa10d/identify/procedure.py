@@ -1,0 +1,141 @@
+"""From recordings to the textbook torque model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pa10d.dynamics import Robot
+from pa10d.errors import Cancelled
+from pa10d.identify.advice import warnings_of
+from pa10d.identify.blocks import Pieces, middle
+from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
+from pa10d.identify.excitation import excitation
+from pa10d.identify.feasibility import find_feasible
+from pa10d.identify.fit import plain_fit, weighted_fit
+from pa10d.identify.layout import Layout, textbook
+from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
+from pa10d.identify.refusals import check, check_length, check_motion
+from pa10d.identify.robust import robust_fit
+from pa10d.identify.shapes import with_starting_shapes
+from pa10d.identify.smoothing import find_smoothing, with_smoothing
+from pa10d.identify.timing import find_shift
+from pa10d.model import Term, TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+
+
+def identify(
+    recordings: Sequence[Recording],
+    robot: Robot,
+    *,
+    name: str,
+    cutoff: float | None = None,
+    with_effects: Sequence[str] = (),
+    robust: bool = False,
+    progress: Callable[[float, str], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> TorqueModel:
+    """The textbook model (rigid bodies, rotor inertia, Coulomb and viscous friction) of a robot.
+
+    cutoff: Hz of the zero-phase low-pass on both sides of the equation; default from the data
+    with_effects: ids of further effects, on every joint
+    robust: let samples far off the model count less (knocks, collisions, glitches)
+    progress: called with (share done, what is being done)
+    cancel: asked now and then; True raises ``Cancelled``
+    """
+
+    def say(share: float, what: str) -> None:
+        if progress is not None:
+            progress(share, what)
+
+    def tick() -> None:
+        if cancel is not None and cancel():
+            raise Cancelled("identification was cancelled")
+
+    check(recordings, robot)
+    # the matrices are many and small: threads of the linear algebra would mostly wait
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _identify(recordings, robot, name, cutoff, with_effects, robust, say, tick)
+
+
+def _identify(
+    recordings: Sequence[Recording],
+    robot: Robot,
+    name: str,
+    cutoff: float | None,
+    with_effects: Sequence[str],
+    robust: bool,
+    say: Callable[[float, str], None],
+    tick: Callable[[], None],
+) -> TorqueModel:
+    say(0.0, "base parameters")
+    layout = textbook(robot, with_effects)
+    why: Cutoff | None = None
+    if cutoff is None:
+        say(0.05, "cut-off")
+        why = _cut_off(recordings, robot, textbook(robot) if with_effects else layout, tick)
+        cutoff = why.hertz
+    check_length(recordings, cutoff)
+    pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick)
+    seen = check_motion(excitation(pieces), recordings)
+    layout = with_starting_shapes(layout, pieces)
+    say(0.2, "smoothing speed of the friction sign")
+    smoothing = find_smoothing(pieces, layout)
+    layout = with_smoothing(layout, smoothing)
+    say(0.4, "timing of torque against position")
+    shift = find_shift(pieces, layout)
+    if shift.seconds != 0.0:
+        pieces.shift_by(shift.seconds)
+        smoothing = find_smoothing(pieces, layout)
+        layout = with_smoothing(layout, smoothing)
+    say(0.6, "least squares")
+    fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing)
+    say(0.9, "feasible parameters")
+    feasible = find_feasible(fit, layout)
+    warnings = warnings_of(layout, fit, feasible, smoothing, shift, seen)
+    notes = {
+        "condition_number": pieces.condition_number(),
+        "warnings": warnings,
+        "cutoff": cutoff_note(cutoff, why),
+        "shift": {"estimate_s": shift.estimate, "std_error_s": float(shift.std_error)},
+        "feasible": feasible_note(layout, feasible),
+        "weights": [float(s) for s in fit.solution.sigma],
+        "correlation_s": [float(s) for s in fit.uncertainty.correlation],
+        "rank": fit.solution.rank,
+        "robust": robust,
+    }
+    say(1.0, "done")
+    return model_of(name, layout, fit, feasible, cutoff, shift, recordings, notes)
+
+
+def _cut_off(
+    recordings: Sequence[Recording], robot: Robot, layout: Layout, tick: Callable[[], None]
+) -> Cutoff:
+    """From a first fit with a wide band to no more data than the question needs."""
+    parts = [middle(r) for r in recordings]
+    check_length(parts, probe_cutoff(parts))
+    pieces = Pieces(parts, robot, layout, probe_cutoff(parts), 0.0, tick)
+    check_motion(excitation(pieces), parts)
+    smoothing = find_smoothing(pieces, layout)
+    wide = with_smoothing(layout, smoothing)
+    beta = plain_fit(pieces, wide)
+    terms = tuple(
+        Term(s.effect_id, s.joints, beta[wide.where(i)], dict(s.shape))
+        for i, s in enumerate(wide.slots)
+    )
+    model = TorqueModel(
+        name="probe",
+        robot=robot,
+        base=layout.base,
+        h=beta[: len(layout.base)],
+        terms=terms,
+        covariance=np.zeros((0, 0)),
+        noise=np.zeros(robot.n),
+        cutoff=pieces.cutoff,
+    )
+    return choose_cutoff(model, parts)

@@ -1,0 +1,165 @@
+"""The speed v0 over which each joint's Coulomb sign is smoothed, found from the data.
+
+Wrong by a factor of two it leaves several times the noise at every reversal. For each joint the
+squared error of its own equation, all other unknowns of that equation fitted, is followed over a
+logarithmic grid of v0. Where the model lacks more than noise, its residual is correlated over
+many samples and a few reversals prove little: between the best v0 and the usual one the value
+nearest to the usual is taken that is not clearly worse, correlated samples counting as one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.blocks import Pieces
+from pa10d.identify.layout import START_V0, Layout, Slot
+from pa10d.identify.piece import Piece
+from pa10d.identify.rows import Rows, is_coulomb, triangles_of
+from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.identify.triangle import Triangle, left_over, min_norm
+
+Array = NDArray[np.float64]
+
+COARSE = START_V0 * np.geomspace(0.05, 20.0, 11)
+USUAL = int(np.argmin(np.abs(np.log(COARSE / START_V0))))
+FINE = np.array([0.5, 0.7, 0.85, 1.0, 1.18, 1.43, 2.0])  # around the best of them
+FINEST = np.array([0.96, 1.0, 1.04])
+BLUNTER, SHARPER = 16.0, 6.0  # drop of the squared error, in units of one independent sample, that
+# proves a v0 above or below the usual one: a blunt sign imitates other effects, a sharp one nothing
+WIDEST = 0.03  # of the fast speed: a sign smoothed over more is no Coulomb friction but a curve
+LONGEST = 2.0  # s over which a residual may be correlated
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """v0 (n,) rad/s; found (n,) False where the data cannot tell it from the usual value (few
+    reversals, little friction)."""
+
+    v0: Array
+    found: NDArray[np.bool_]
+
+
+def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
+    """v0 of every joint's ``coulomb`` slot."""
+    n = layout.robot.n
+    grids = [COARSE] * n
+    fits = _fits(pieces, layout, grids)
+    losses = [_loss(f, len(COARSE)) for f in fits]
+    unit = _unit_of_evidence(pieces, layout, fits, losses)
+    widest = np.clip(WIDEST * pieces.fast, COARSE[0], COARSE[-1])
+    chosen = [
+        _nearest_as_good(loss / u, int(np.searchsorted(COARSE, w, side="right")))
+        for loss, u, w in zip(losses, unit, widest, strict=True)
+    ]
+    found = np.array(
+        [loss.max() - loss.min() > BLUNTER * u for loss, u in zip(losses, unit, strict=True)]
+    )
+    best = np.array([COARSE[k] for k in chosen])
+    at_optimum = [_is_lowest(loss, k) for k, loss in zip(chosen, losses, strict=True)]
+    for factors in (FINE, FINEST):
+        grids = [
+            np.unique(np.clip(b * factors, COARSE[0], w)) if fine else np.array([b])
+            for b, w, fine in zip(best, widest, at_optimum, strict=True)
+        ]
+        fits = _fits(pieces, layout, grids)
+        best = np.array([_minimum(g, _loss(f, len(g))) for g, f in zip(grids, fits, strict=True)])
+    pieces.forget_columns()
+    return Smoothing(np.where(found, best, START_V0), found)
+
+
+def with_smoothing(layout: Layout, smoothing: Smoothing) -> Layout:
+    """The layout with these v0 in its Coulomb slots."""
+    shapes = {
+        i: {"v0": float(smoothing.v0[s.joints[0]])}
+        for i, s in enumerate(layout.slots)
+        if s.effect_id == "coulomb"
+    }
+    return layout.with_shapes(shapes)
+
+
+def _trial_rows(pieces: Pieces, layout: Layout, grids: Sequence[Array]) -> Iterator[Rows]:
+    """Rows with, per joint, all other columns first and then one Coulomb column per v0."""
+    n = layout.robot.n
+    others = [[s for s in layout.slots if s.touches(j) and not is_coulomb(s, j)] for j in range(n)]
+    own = [next(s for s in layout.slots if is_coulomb(s, j)) for j in range(n)]
+    trials = [[replace(own[j], shape={"v0": float(v)}) for v in grids[j]] for j in range(n)]
+
+    def columns(piece: Piece, joint: int, slots: Sequence[Slot]) -> Array:
+        return np.column_stack([piece.rigid[joint], piece.filtered(slots, joint)])
+
+    for piece in pieces.some():
+        found = [columns(piece, j, others[j] + trials[j]) for j in range(n)]
+        yield Rows(found, piece.tau, piece.moving, ~piece.moving)
+
+
+def _fits(pieces: Pieces, layout: Layout, grids: Sequence[Array]) -> list[Triangle]:
+    """Per joint: the factor of [all other columns, one column per v0, torque]."""
+    return triangles_of(_trial_rows(pieces, layout, grids))
+
+
+def _unit_of_evidence(
+    pieces: Pieces, layout: Layout, fits: Sequence[Triangle], losses: Sequence[Array]
+) -> Array:
+    """(n,) squared error that one independent sample has on average at the best v0."""
+    best = [int(np.argmin(loss)) for loss in losses]
+    beta = []
+    for k, fit in zip(best, fits, strict=True):
+        given = fit.width - 1 - len(COARSE)
+        known = np.delete(fit.r, np.s_[given:-1], axis=1)
+        beta.append(min_norm(known, fit.r[:, given + k]))
+    stretches: list[list[tuple[Array, NDArray[np.bool_]]]] = [[] for _ in best]
+    for part in _trial_rows(pieces, layout, [COARSE[k : k + 1] for k in best]):
+        for j, solved in enumerate(beta):
+            error = part.tau[:, j] - part.columns[j] @ solved
+            stretches[j].append((error, part.keep[:, j]))
+    out = np.empty(len(best))
+    for j, k in enumerate(best):
+        longest = max(4, min(int(LONGEST * pieces.rate), len(stretches[j][0][0]) // 4))
+        gamma, count = autocovariance(stretches[j], longest)
+        tapered = flat_top(gamma, correlation_length(gamma, count))
+        inflation = 1.0 + 2.0 * float(tapered[1:].sum()) / max(float(gamma[0]), 1e-300)
+        torque = float(losses[j].max())
+        noise = max(float(losses[j][k]), 1e-20 * torque) / max(fits[j].rows, 1)
+        out[j] = max(inflation, 1.0) * max(noise, 1e-300)
+    return out
+
+
+def _nearest_as_good(loss: Array, count: int) -> int:
+    """Index, among the first ``count`` of the coarse grid, of the v0 nearest to the usual one that
+    is not clearly worse than the best of them."""
+    best = int(np.argmin(loss[:count]))
+    usual = min(USUAL, count - 1)
+    step, clear = (1, BLUNTER) if best >= usual else (-1, SHARPER)
+    for k in range(usual, best, step):
+        if loss[k] - loss[best] < clear:
+            return k
+    return best
+
+
+def _is_lowest(loss: Array, k: int) -> bool:
+    """Whether no neighbour on the grid is better, so that a finer search around k makes sense."""
+    return bool(loss[k] <= loss[max(0, k - 1) : k + 2].min())
+
+
+def _loss(fit: Triangle, count: int) -> Array:
+    """(grid,) squared error for each of ``count`` v0."""
+    left = left_over(fit.r, fit.width - 1 - count)
+    columns, torque = left[:, :-1], left[:, -1]
+    power = np.maximum(np.sum(columns**2, axis=0), 1e-300)
+    return np.asarray(float(torque @ torque) - (columns.T @ torque) ** 2 / power)
+
+
+def _minimum(grid: Array, loss: Array) -> float:
+    """v0 at the vertex of the parabola through the best grid value and its neighbours."""
+    k = int(np.argmin(loss))
+    if not 0 < k < len(grid) - 1:
+        return float(grid[k])
+    x = np.log(grid[k - 1 : k + 2] / grid[k])
+    curve = np.polyfit(x, loss[k - 1 : k + 2] - loss[k], 2)
+    if curve[0] <= 0:
+        return float(grid[k])
+    return float(grid[k] * np.exp(np.clip(-0.5 * curve[1] / curve[0], x[0], x[2])))

@@ -1,0 +1,99 @@
+"""One shift in time between torque and position for the whole robot.
+
+A torque that is read later than the angle, held over a sample, or low-passed by its sensor
+arrives late; so does an angle that passes a slower bus. Beside all other unknowns each joint gets a
+delay of its own, by the first-order change -s·τ̇, away from reversals (what friction does there
+would pose as a delay); the robot's shift is their median, weighted by what each joint knows, so
+that one joint with a delay of its own does not move it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.blocks import Pieces
+from pa10d.identify.layout import Layout
+from pa10d.identify.piece import Piece
+from pa10d.identify.rows import Rows, rows_of, triangles_of
+from pa10d.identify.solution import estimate_weights, solve
+from pa10d.identify.triangle import Triangle
+
+Array = NDArray[np.float64]
+
+ROUNDS = 4
+SETTLED = 2e-5  # s: a change below this ends the iteration
+SLOW = 0.03  # of the fast speed: friction may be anything below
+CORRELATED = 6.0  # decimated samples that are worth one independent one, residuals being coloured
+SIGNIFICANT = 4.0  # standard errors
+FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
+
+
+@dataclass(frozen=True)
+class Shift:
+    """seconds: positive where torque is late, 0 where nothing significant was found.
+
+    estimate, std_error: what the joints say together; joints (n,) what each says, s
+    """
+
+    seconds: float
+    estimate: float
+    std_error: float
+    joints: Array
+
+
+def find_shift(pieces: Pieces, layout: Layout) -> Shift:
+    """Iterate, because a shift of several samples is not a first-order change."""
+    total = 0.0
+    shift = Shift(0.0, 0.0, np.inf, np.zeros(layout.robot.n))
+    for _ in range(ROUNDS):
+        shifted = [piece.shifted(total) for piece in pieces.some()]
+        shift = _shift_left(triangles_of(_with_slope(p, layout) for p in shifted), layout)
+        total += shift.estimate
+        nothing = total == shift.estimate and abs(total) < SIGNIFICANT * shift.std_error
+        if nothing or abs(total) > FARTHEST or abs(shift.estimate) < SETTLED:
+            break
+    significant = SIGNIFICANT * shift.std_error < abs(total) < FARTHEST
+    return Shift(total if significant else 0.0, total, shift.std_error, total + shift.joints)
+
+
+def _with_slope(piece: Piece, layout: Layout) -> Rows:
+    rows = rows_of(piece, layout)
+    slope = -piece.equation.lowpass(piece.equation.raw_tau, 1)
+    columns = [np.column_stack([c, slope[:, j]]) for j, c in enumerate(rows.columns)]
+    return Rows(columns, rows.tau, piece.keep & _steady(piece), rows.rest)
+
+
+def _steady(piece: Piece) -> NDArray[np.bool_]:
+    """(M, n) False where a joint turns round within the filter's memory."""
+    dq = piece.context.dq
+    direction = np.where(np.abs(dq) > SLOW * piece.fast, np.sign(dq), 0.0)
+    return np.asarray(np.abs(piece.equation.lowpass(direction)) > 0.99)
+
+
+def _shift_left(triangles: list[Triangle], layout: Layout) -> Shift:
+    n, size = len(triangles), layout.size
+    indices = [np.append(i, size + j) for j, i in enumerate(layout.of_joint)]
+    none = [Triangle(t.width) for t in triangles]
+    sigma = estimate_weights(triangles, none, indices, size + n)
+    solution = solve(triangles, indices, size + n, sigma)
+    own = solution.beta[size:]
+    variance = CORRELATED * np.sum(solution.right[size:] ** 2, axis=1)
+    known = (own != 0) & (variance > 0)
+    if not known.any():
+        return Shift(0.0, 0.0, np.inf, own)
+    knows = np.where(known, 1.0 / np.where(known, variance, 1.0), 0.0)
+    weight = np.minimum(knows, 3.0 * np.median(knows[known]))  # no joint decides alone
+    middle = _weighted_median(own, weight)
+    spread = 1.4826 * _weighted_median(np.abs(own - middle), weight)
+    count = float(np.sum(weight)) ** 2 / float(np.sum(weight**2))
+    error = max(1.0 / np.sqrt(float(np.sum(knows))), spread / np.sqrt(count))
+    return Shift(middle, middle, error, own)
+
+
+def _weighted_median(values: Array, weight: Array) -> float:
+    order = np.argsort(values)
+    share = np.cumsum(weight[order]) - 0.5 * weight[order]
+    return float(np.interp(0.5 * np.sum(weight), share, values[order]))

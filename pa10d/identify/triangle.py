@@ -1,0 +1,68 @@
+"""Tall matrices reduced to their triangular factor, piece by piece (TSQR).
+
+A Gram matrix would square the condition number and with it lose half of the digits; the
+triangular factor of an orthogonal reduction loses none, and needs no more memory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Triangle:
+    """R of the rows seen so far: ‖R·x‖ = ‖rows·x‖ for every x; their number and column sums."""
+
+    width: int
+
+    def __post_init__(self) -> None:
+        self.r = np.zeros((0, self.width))
+        self.sums = np.zeros(self.width)
+        self.rows = 0
+
+    def add(self, rows: Array) -> None:
+        """Take in more rows (m, width)."""
+        if not len(rows):
+            return
+        self.rows += len(rows)
+        self.sums += rows.sum(axis=0)
+        stacked = np.concatenate([self.r, rows])
+        if len(stacked) <= self.width:
+            self.r = stacked
+            return
+        factor = scipy.linalg.qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0]
+        self.r = np.array(factor[: self.width])
+
+    def without(self, columns: slice) -> Triangle:
+        """The same rows with some columns left out."""
+        kept = Triangle(len(np.delete(self.sums, columns)))
+        kept.r, kept.rows = np.delete(self.r, columns, axis=1), self.rows
+        kept.sums = np.delete(self.sums, columns)
+        return kept
+
+    def squares(self, x: Array) -> float:
+        """Sum of squares of rows · x."""
+        return float(np.sum((self.r @ x) ** 2))
+
+
+def left_over(r: Array, given: int) -> Array:
+    """Triangular factor of the columns after ``given`` ones, as those leave them over.
+
+    r: (≥ width, width) upper triangular; its lower right corner is that factor.
+    """
+    return r[given:, given:]
+
+
+def min_norm(r: Array, extra: Array) -> Array:
+    """Coefficients (k+1,) of [columns, extra column] for the torque, from r = [R, z] of [columns,
+    torque] and the extra column's share ``extra`` in the same rotated rows."""
+    matrix = np.column_stack([r[:, :-1], extra])
+    scale = np.linalg.norm(matrix, axis=0)
+    scale[scale == 0] = 1.0
+    return np.asarray(scipy.linalg.lstsq(matrix / scale, r[:, -1], cond=1e-9)[0] / scale)

@@ -1,0 +1,96 @@
+"""Covariance of the estimates for errors that are correlated in time and between joints.
+
+The residual is neither white (filter, controller, unmodelled torque) nor equally strong in every
+pose. Two estimates of the scores' covariance Σ_t Σ_s x_t·E[e_t e_s]·x_sᵀ stand beside each other:
+one takes each joint's residual as stationary with the autocovariance it shows (sharp, but blind
+to errors that grow in certain poses or that joints share), one sums scores over blocks of time
+(robust, but rough). The first gives the covariance; where the second is larger by more than its
+own roughness, standard errors are raised to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.rows import Rows
+from pa10d.identify.solution import Solution
+from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
+
+Array = NDArray[np.float64]
+
+LONGEST = 2.0  # s over which a residual may be correlated at most
+BLOCK = 1.0  # s, shortest block of scores
+FEWEST_BLOCKS = 24
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """covariance (p, p) of the unknowns; correlation (n,) s, over which residuals are correlated;
+    inflation (p,) factors by which blocks of time raised the standard errors."""
+
+    covariance: Array
+    correlation: Array
+    inflation: Array
+
+    def first(self, size: int) -> Uncertainty:
+        """The same for the first ``size`` unknowns."""
+        return Uncertainty(self.covariance[:size, :size], self.correlation, self.inflation[:size])
+
+
+def covariance(
+    stretches: Callable[[], Iterator[Rows]],
+    indices: Sequence[NDArray[np.int64]],
+    solution: Solution,
+    residuals: Sequence[Array],
+    keeps: Sequence[NDArray[np.bool_]],
+    degrees: Array,
+    rate: float,
+) -> Uncertainty:
+    """Sandwich covariance of a weighted solution.
+
+    stretches: yields the rows again, in the order of ``residuals`` [(M, n) N·m] and ``keeps``
+    degrees: (n,) unknowns that each joint's equation had to pay for; rate: decimated, Hz
+    """
+    n, size = len(indices), len(solution.beta)
+    longest = int(np.clip(LONGEST * rate, 4, max(4, max(len(r) for r in residuals) // 4)))
+    tapered, length = [], np.zeros(n)
+    for j in range(n):
+        gamma, count = autocovariance(
+            [(r[:, j], k[:, j]) for r, k in zip(residuals, keeps, strict=True)], longest
+        )
+        reach = correlation_length(gamma, count)
+        independent = max(count / _spread(gamma, reach), 2.0)
+        paid = independent / max(independent - degrees[j], 0.5 * independent)
+        tapered.append(flat_top(gamma, reach)[: 2 * reach + 1] * paid / solution.sigma[j] ** 4)
+        length[j] = reach / rate
+    samples = sum(len(r) for r in residuals)
+    block = max(1, min(int(max(BLOCK, 2 * length.max()) * rate), samples // FEWEST_BLOCKS))
+    meat, blockwise, blocks = np.zeros((size, size)), np.zeros((size, size)), 0
+    for rows, residual in zip(stretches(), residuals, strict=True):
+        scores = np.zeros((-(-len(residual) // block), size))
+        starts = np.arange(0, len(residual), block)
+        for j, index in enumerate(indices):
+            columns = np.where(rows.keep[:, j, None], rows.columns[j], 0.0)
+            meat[np.ix_(index, index)] += coloured_gram(columns, tapered[j])
+            weighted = columns * (residual[:, j, None] / solution.sigma[j] ** 2)
+            scores[:, index] += np.add.reduceat(weighted, starts, axis=0)
+        blockwise += scores.T @ scores
+        blocks += len(scores)
+    inverse = solution.right @ solution.right.T
+    smooth = inverse @ meat @ inverse
+    rough = np.diag(inverse @ blockwise @ inverse) * blocks / max(blocks - 1, 1)
+    ratio = np.sqrt(rough / np.maximum(np.diag(smooth), 1e-300))
+    inflation = np.where(ratio > 1.0 + 2.0 / np.sqrt(2.0 * blocks), ratio, 1.0)
+    return Uncertainty(smooth * np.outer(inflation, inflation), length, inflation)
+
+
+def _spread(gamma: Array, reach: int) -> float:
+    """Samples that together are worth one independent one, for judging the variance."""
+    if gamma[0] <= 0:
+        return 1.0
+    rho = flat_top(gamma, reach)[1:] / gamma[0]
+    return 1.0 + 2.0 * float(np.sum(rho**2))

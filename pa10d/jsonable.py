@@ -1,0 +1,26 @@
+"""Values of ours as strict JSON knows them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import PurePath
+from typing import Any
+
+
+def plain(value: Any) -> Any:
+    """Arrays as lists, dataclasses as objects, what is not finite as null."""
+    if isinstance(value, float) or (hasattr(value, "dtype") and value.ndim == 0):
+        value = value.item() if hasattr(value, "item") else value
+        return value if not isinstance(value, float) or math.isfinite(value) else None
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(item) for item in value]
+    if isinstance(value, PurePath):
+        return str(value)
+    return value

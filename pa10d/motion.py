@@ -1,0 +1,85 @@
+"""Position, velocity and acceleration of a run, lightly filtered, from the better of two sources.
+
+Differentiating the angle is right for a clean log. Where stamps are the logger's rather than the
+robot's, an angle is wrong by speed × jitter, and two derivatives make of a millisecond a torque;
+a velocity that the robot itself reported is wrong by acceleration × jitter only. It is taken,
+joint by joint, where it agrees with the angle, the two differ enough to matter, and it is the
+quieter one above the band of the equation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.recording import Recording
+from pa10d.signals import Lowpass, delayed
+
+Array = NDArray[np.float64]
+
+MATTERS = 0.01  # of the acceleration: differences between the sources below this are ignored
+AGREES = 0.1  # of the velocity, after the lag is taken out
+GAIN = 0.03  # by which slopes may differ: a velocity in other units is none
+QUIETER = 0.7  # ratio of what lies above the equation's band
+FARTHEST = 0.05  # s of lag, beyond which the two are not the same quantity
+
+
+@dataclass(frozen=True)
+class VelocitySource:
+    """reported (n,): True where the reported velocity is used; lag: s by which it is late."""
+
+    reported: NDArray[np.bool_]
+    lag: float = 0.0
+
+
+def motion(
+    recording: Recording, light: Lowpass, source: VelocitySource
+) -> tuple[Array, Array, Array]:
+    """q, q̇, q̈ (N, n) behind the light low-pass."""
+    q, dq, ddq = light.derivatives(recording.q)
+    if source.reported.any() and recording.dq is not None:
+        chosen = source.reported
+        there = delayed(recording.dq[:, chosen], -source.lag, recording.rate)
+        dq[:, chosen], ddq[:, chosen] = light.rates(there)
+    return q, dq, ddq
+
+
+def velocity_source(recording: Recording, cutoff: float) -> VelocitySource:
+    """Which velocities to trust for an equation that is cut off at ``cutoff`` Hz."""
+    n = recording.joints
+    if recording.dq is None or not np.isfinite(recording.dq).all():
+        return VelocitySource(np.zeros(n, dtype=bool))
+    band = Lowpass(len(recording.t), recording.rate, cutoff)
+    wide = Lowpass(len(recording.t), recording.rate, min(4.0 * cutoff, 0.4 * recording.rate))
+    _, own, own_slope = band.derivatives(recording.q)
+    inner = slice(band.settle, -band.settle)
+    reported, reported_slope = band.rates(recording.dq)
+    lag = _lag(reported[inner] - own[inner], own_slope[inner])
+    if abs(lag) > FARTHEST:
+        return VelocitySource(np.zeros(n, dtype=bool))
+    moved = delayed(recording.dq, -lag, recording.rate)
+    reported, reported_slope = band.rates(moved)
+    speed, pace = _rms(own[inner]), _rms(own_slope[inner])
+    alike = _rms(reported[inner] - own[inner]) < AGREES * speed
+    slope = np.sum(reported[inner] * own[inner], axis=0) / np.maximum(
+        np.sum(own[inner] ** 2, axis=0), 1e-300
+    )
+    matters = _rms(reported_slope[inner] - own_slope[inner]) > MATTERS * pace
+    above_own = wide(recording.q, 1)[inner] - own[inner]
+    above_reported = wide(moved)[inner] - reported[inner]
+    quieter = _rms(above_reported) < QUIETER * _rms(above_own)
+    return VelocitySource(alike & (np.abs(slope - 1) < GAIN) & matters & quieter, lag)
+
+
+def _lag(difference: Array, acceleration: Array) -> float:
+    """Seconds by which a velocity is late: what difference and acceleration have in common,
+    joints weighted alike."""
+    size = np.maximum(_rms(acceleration), 1e-300)
+    shared = -np.sum(difference / size * (acceleration / size), axis=0)
+    return float(np.median(shared / np.sum((acceleration / size) ** 2, axis=0)))
+
+
+def _rms(x: Array) -> Array:
+    return np.asarray(np.sqrt(np.mean(x**2, axis=0)))

@@ -1,0 +1,25 @@
+"""A recording cut into what its plan's segments were for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pa10d.recording import Recording
+from pa10d.trajectory.plan import Plan
+
+
+def steady_parts(recording: Recording, plan: Plan, begin: float = 0.0) -> dict[str, Recording]:
+    """label -> the part of a segment that an analysis looks at, without run-up and run-out.
+
+    begin: s on the recording's clock at which the plan began. Labels that repeat get a number.
+    """
+    found: dict[str, Recording] = {}
+    for span in plan.spans:
+        first, last = np.searchsorted(recording.t, [begin + span.begin, begin + span.end])
+        if last - first < 2:
+            continue
+        label, number = span.label, 2
+        while label in found:
+            label, number = f"{span.label} ({number})", number + 1
+        found[label] = recording.part(int(first), int(last), f": {label}")
+    return found

@@ -1,0 +1,247 @@
+"""Profiles: one YAML file describes one robot.
+
+A profile is validated when it is loaded. Every wrong or missing value is one line:
+file, line, key, what was found, what is expected. Unknown keys are refused.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from pa10d.errors import UserError
+from pa10d.fieldtypes import (
+    Counted,
+    Factory,
+    Inertia,
+    Nonzero,
+    NotNegative,
+    Number,
+    Positive,
+    Range,
+    Text,
+    Vector3,
+)
+from pa10d.yamlfile import Location, YamlFile, read_yaml, several, validate
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Base(_Strict):
+    """How the arm is mounted: world gravity is (0, 0, -9.81) and the base is turned by rpy."""
+
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Tool(_Strict):
+    """A known body rigidly attached to the last link (its frame: the last joint's frame)."""
+
+    mass: Positive
+    com: Vector3 = (0.0, 0.0, 0.0)
+    inertia: Inertia = (0.0,) * 6  # about the centre of mass: Ixx Iyy Izz Ixy Ixz Iyz
+
+
+class Limits(_Strict):
+    """Per joint; whatever is absent comes from the URDF (acceleration has no place there)."""
+
+    position: list[Range] | None = None  # rad, lower and upper
+    velocity: list[Positive] | None = None  # rad/s
+    acceleration: list[Positive] | None = None  # rad/s²
+    torque: list[Positive] | None = None  # N·m at the joint side
+
+
+class Drive(_Strict):
+    """One CiA 402 amplifier and how its numbers become joint-side SI units."""
+
+    node: Annotated[int, Field(strict=True, ge=1, le=127)]
+    counts_per_rev: Positive  # encoder counts per *joint* revolution
+    rated_torque: Positive  # N·m at the motor: the unit of 0x6076, per mille in 0x6071/0x6077
+    gear_ratio: Positive = 1.0
+    sign: Literal[1, -1] = 1
+    zero_offset: Number = 0.0  # rad: q = sign · counts · 2π/counts_per_rev - zero_offset
+    brake: Annotated[bool, Field(strict=True)] = True
+    eds: Text | None = None  # relative to the profile; default: the package's own EDS
+    vendor_id: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:1
+    product_code: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:2
+    heartbeat_ms: Annotated[int, Field(strict=True, ge=10, le=60000)] = 100
+
+
+class Can(_Strict):
+    """The bus, as python-can opens it."""
+
+    interface: Text = "virtualbus"
+    channel: Text = "pa10d"
+    bitrate: Annotated[int, Field(strict=True, ge=10_000, le=1_000_000)] = 1_000_000
+    sdo_reserve: Annotated[float, Field(strict=True, ge=0, lt=0.5)] = 0.02  # share of the wire
+
+
+class Gains(_Strict):
+    """PID gains per joint, N·m/rad, N·m/(rad·s), N·m·s/rad; absent: from the stated rule."""
+
+    kp: list[Positive] | None = None
+    ki: list[NotNegative] | None = None
+    kd: list[NotNegative] | None = None
+
+
+class Control(_Strict):
+    """The fixed-rate loop."""
+
+    rate: Annotated[float, Field(strict=True, gt=0, le=2000)] = 500.0  # Hz
+    controller: Literal["pid", "computed_torque"] = "pid"
+    bandwidth_hz: Positive = 4.0  # closed-loop natural frequency of the gain rule
+    gains: Gains = Gains()
+
+
+class Safety(_Strict):
+    """What the one exit for torque enforces, besides the limits."""
+
+    following_error: list[Positive] | None = None  # rad
+    torque_rate: list[Positive] | None = None  # N·m/s
+    stale_cycles: Annotated[int, Field(strict=True, ge=1)] = 3  # cycles without a fresh PDO
+
+
+class Simulation(_Strict):
+    """What stands behind the virtual drives."""
+
+    plant: Factory = "backends.virtual.plant:build"
+    options: dict[str, Any] = {}
+    clock: Literal["simulated", "real"] = "real"
+    seed: Annotated[int, Field(strict=True, ge=0)] = 0
+
+
+class Profile(_Strict):
+    """One robot. ``path`` and ``urdf`` are absolute once loaded."""
+
+    path: Path = Field(json_schema_extra={"internal": True})  # set by load_profile
+    name: Text
+    urdf: Path
+    joints: list[Text] | None = None
+    base: Base | None = None
+    gravity: Vector3 | None = None
+    tool: Tool | None = None
+    limits: Limits = Limits()
+    drives: list[Drive] | None = None
+    torque_constants: list[Nonzero] | None = None  # N·m (joint side) per A
+    backend: Text = "canopen_cia402"
+    can: Can = Can()
+    control: Control = Control()
+    safety: Safety = Safety()
+    simulation: Simulation | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Profile:
+        problems = [*self._gravity_twice(), *self._lengths(), *self._repeated()]
+        if problems:
+            raise several(problems)
+        return self
+
+    def per_joint(self) -> dict[Location, list[Any]]:
+        """Every list that has one entry per joint, by its place in the file."""
+        places: dict[Location, list[Any] | None] = {
+            ("joints",): self.joints,
+            ("drives",): self.drives,
+            ("torque_constants",): self.torque_constants,
+        }
+        sections: dict[Location, BaseModel] = {
+            ("limits",): self.limits,
+            ("control", "gains"): self.control.gains,
+            ("safety",): self.safety,
+        }
+        for place, section in sections.items():
+            for key, value in section:
+                places[(*place, key)] = value if isinstance(value, list) else None
+        return {place: value for place, value in places.items() if value is not None}
+
+    def _gravity_twice(self) -> list[tuple[Location, Any, str]]:
+        if self.base is None or self.gravity is None:
+            return []
+        return [(("gravity",), self.gravity, "either 'base' or 'gravity', not both")]
+
+    def _lengths(self) -> list[tuple[Location, Any, str]]:
+        """All per-joint lists are as long as the first one (the joints, where they are named)."""
+        lists = self.per_joint()
+        if not lists:
+            return []
+        first, n = next((place, len(value)) for place, value in lists.items())
+        wanted = f"{Counted(n)}, one per joint as in '{'.'.join(map(str, first))}'"
+        found = [
+            (place, Counted(len(value)), wanted)
+            for place, value in lists.items()
+            if len(value) != n
+        ]
+        return found if n else [*found, (first, Counted(0), "at least one entry")]
+
+    def _repeated(self) -> list[tuple[Location, Any, str]]:
+        names = self.joints or []
+        nodes = [drive.node for drive in self.drives or []]
+        return [
+            (("joints", k), name, "joint names that differ")
+            for k, name in enumerate(names)
+            if name in names[:k]
+        ] + [
+            (("drives", k, "node"), node, f"node ids that differ (drive {nodes.index(node) + 1})")
+            for k, node in enumerate(nodes)
+            if node in nodes[:k]
+        ]
+
+
+def profile_folders() -> list[Path]:
+    """Where profiles are looked for by name: the installed package, or the source tree."""
+    here = Path(__file__).resolve().parent
+    return [p for p in (here / "profiles", here.parent / "profiles") if p.is_dir()]
+
+
+def find_profile(name: str | os.PathLike[str]) -> Path:
+    """The file behind a path or a bare name such as ``pa10-sim``."""
+    path = Path(name)
+    if path.is_file():
+        return path.resolve()
+    for folder in profile_folders():
+        candidate = folder / f"{name}.yaml"
+        if candidate.is_file():
+            return candidate
+    known = sorted({p.stem for folder in profile_folders() for p in folder.glob("*.yaml")})
+    raise UserError(f"{name}: no such profile; expected a YAML file or one of {', '.join(known)}")
+
+
+def load_profile(name: str | os.PathLike[str]) -> Profile:
+    """Read and validate a profile; every problem is one line of the raised UserError.
+
+    A URDF file alone is taken as the profile that only names it.
+    """
+    path = find_profile(name)
+    if path.suffix == ".urdf":
+        return Profile(path=path, name=path.stem, urdf=path)
+    file = read_yaml(path)
+    urdf = file.data.get("urdf")
+    if "path" in file.data:
+        raise UserError(file.problem(("path",), "an unknown key", "'urdf' for the robot's file"))
+    if not isinstance(urdf, str) or not urdf:
+        found = "nothing" if urdf is None else repr(urdf)
+        raise UserError(file.problem(("urdf",), found, "the path of a URDF file"))
+    data = {"name": path.stem, **file.data, "path": path, "urdf": (path.parent / urdf).resolve()}
+    profile = validate(Profile, file, data)
+    missing = [*_missing_urdf(file, profile, urdf), *_missing_eds(file, profile)]
+    if missing:
+        raise UserError("\n".join(missing))
+    return profile
+
+
+def _missing_urdf(file: YamlFile, profile: Profile, written: str) -> list[str]:
+    if profile.urdf.is_file():
+        return []
+    wanted = f"an existing file (looked for {profile.urdf})"
+    return [file.problem(("urdf",), repr(written), wanted)]
+
+
+def _missing_eds(file: YamlFile, profile: Profile) -> list[str]:
+    return [
+        file.problem(("drives", k, "eds"), repr(drive.eds), "an existing file")
+        for k, drive in enumerate(profile.drives or [])
+        if drive.eds is not None and not (profile.path.parent / drive.eds).is_file()
+    ]

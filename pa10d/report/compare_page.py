@@ -1,0 +1,179 @@
+"""The report of a comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d import __version__, figures
+from pa10d.compare import Comparison, RunScores
+from pa10d.compare.regions import Region
+from pa10d.figures.staircase import Step
+from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
+from pa10d.report.page import page
+
+Array = NDArray[np.float64]
+
+OPEN = 3  # joints, worst first, whose sections are open at the start
+WHITE = 0.01  # p below which what is left is not white
+
+
+def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
+    """One HTML file; steps: earlier versions and this one, judged on the same runs."""
+    model, pooled = comparison.model, comparison.pooled
+    runs = ", ".join(run.name for run in comparison.runs)
+    blocks = [
+        _summary(comparison),
+        _failures(comparison),
+        *([_history(comparison, steps)] if len(steps) > 1 else []),
+        _figures(comparison),
+        *joint_sections(comparison),
+    ]
+    return page(
+        f"{model.name}: where does it fail?",
+        f"{model.robot.name}, {model.robot.n} joints · runs {runs} · both sides low-passed at "
+        f"{model.cutoff:g} Hz · worst joint {_worst(pooled.scores.rms, pooled.noise_floor) + 1}",
+        blocks,
+        f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
+    )
+
+
+def joint_sections(comparison: Comparison) -> list[Section]:
+    """One section per joint; the worst ones are open."""
+    ratio = comparison.pooled.scores.rms / np.maximum(comparison.pooled.noise_floor, 1e-300)
+    first = set(np.argsort(-ratio)[:OPEN].tolist())
+    return [joint_section(comparison, j, j not in first) for j in range(comparison.model.robot.n)]
+
+
+def joint_section(comparison: Comparison, j: int, folded: bool | None = None) -> Section:
+    """Everything about one joint (0-based)."""
+    pooled, robot, texts = comparison.pooled, comparison.model.robot, figures.TEXTS
+    floor, unit = float(pooled.noise_floor[j]), figures.units(comparison)[j]
+    mine = [place for place in pooled.where if place.joint == j]
+    drawn = figures.joint_figures(comparison, j)
+    order, white = comparison.orders[j], comparison.whiteness[j]
+    p = "p < 0.001" if white.p_value < 1e-3 else f"p = {white.p_value:.2g}"
+    blocks: list[Block] = [
+        Lines(
+            [("", place.sentence) for place in mine],
+            "No range of any quantity carries significantly more error than its share.",
+        ),
+        Plot("Measured, modelled, and what is between them", drawn["time"], texts["time"]),
+        Plot("The residual against what it may depend on", drawn["maps"], texts["maps"]),
+        Plot("In cycles per revolution, and in hertz", drawn["spectra"], texts["spectra"],
+             _line_advice(j, order.lines if order else (), unit)),
+        Plot("Its memory", drawn["memory"], texts["memory"],
+             f"Within the band: {white.samples} samples worth {white.effective:.0f} independent "
+             f"ones; {'not white' if white.p_value < WHITE else 'white'} ({p})."),
+    ]  # fmt: skip
+    name = f"Joint {j + 1}"
+    rms = pooled.scores.rms[j]
+    mark = f"{robot.joint_names[j]} · RMS {rms:.3g} {unit}, {rms / max(floor, 1e-300):.1f} × noise"
+    return Section(name, blocks, mark, folded)
+
+
+def _summary(comparison: Comparison) -> Section:
+    pooled, robot = comparison.pooled, comparison.model.robot
+    ratio = pooled.scores.rms / np.maximum(pooled.noise_floor, 1e-300)
+    worst = _worst(pooled.scores.rms, pooled.noise_floor)
+    place, share = "nowhere", "no region stands out"
+    if pooled.where:
+        top = pooled.where[0]
+        place = f"joint {top.joint + 1}, {top.variable}"
+        verb = "carries" if isinstance(top.what, Region) else "explains"
+        share = f"{verb} {top.what.share:.0%} of its squared error".replace("%", " %")
+    seconds = sum(float(run.seen.t[-1]) for run in comparison.residuals)
+    cards = Cards(
+        [
+            ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
+             f"{ratio[worst]:.1f} times the noise floor"),
+            ("joints near the noise", f"{int(np.sum(ratio < 1.2))} of {robot.n}",
+             "below 1.2 × noise"),
+            ("stands out", place, share),
+            ("judged on", f"{seconds:.0f} s", f"{len(comparison.runs)} runs"),
+        ]
+    )  # fmt: skip
+    warnings = [Lines([("Note:", warning) for warning in comparison.warnings])]
+    plot = Plot(
+        "Error of each joint, in units of its noise",
+        figures.overview(
+            robot.joint_names, pooled.scores.rms, pooled.noise_floor, figures.units(comparison)
+        ),
+        figures.TEXTS["overview"],
+    )
+    return Section("At a glance", [cards, *(warnings if comparison.warnings else []), plot])
+
+
+def _failures(comparison: Comparison) -> Section:
+    ranked = Lines(
+        [("", place.sentence) for place in comparison.pooled.where],
+        "No region and no dependence stands out: what is left looks like noise, or is spread "
+        "evenly over everything that was looked at.",
+    )
+    return Section("Where it fails", [ranked])
+
+
+def _history(comparison: Comparison, steps: Sequence[Step]) -> Section:
+    joints = comparison.model.robot.joint_names
+    figure = figures.staircase(steps, joints, comparison.pooled.noise_floor)
+    plot = Plot("Every version on these runs", figure, figures.TEXTS["staircase"])
+    return Section("History", [plot])
+
+
+def _figures(comparison: Comparison) -> Section:
+    names = comparison.model.robot.joint_names
+    note = Text(
+        "RMS, largest and noise floor in N·m (N for sliding joints), after the low-pass; RMS raw: "
+        "unfiltered torque; NRMSE: RMS over the range of the measured torque.", muted=True,
+    )  # fmt: skip
+    blocks: list[Block] = [
+        figures_table(comparison.pooled, names),
+        Text(_floor_source(comparison.pooled.floor.methods), muted=True),
+        note,
+    ]
+    if len(comparison.runs) > 1:
+        blocks += [
+            Section(run.name, [figures_table(run, names)], folded=True, listed=False)
+            for run in comparison.runs
+        ]
+    return Section("Figures", blocks)
+
+
+def _floor_source(methods: Sequence[str]) -> str:
+    """``Noise floor from repeated motion (joints 1, 2), high frequencies (joint 3).``"""
+    said = []
+    for method in dict.fromkeys(methods):
+        joints = [str(j + 1) for j, other in enumerate(methods) if other == method]
+        said.append(f"{method} (joint{'s' if len(joints) > 1 else ''} {', '.join(joints)})")
+    return f"Noise floor from {', '.join(said)}."
+
+
+def figures_table(entry: RunScores, joints: Sequence[str]) -> Table:
+    """The figures of one run, or of all of them."""
+    found, floor = entry.scores, np.maximum(entry.noise_floor, 1e-300)
+    head = ["joint", "RMS", "noise floor", "RMS ÷ noise", "RMS raw", "largest", "NRMSE", "R²"]
+    rows = [
+        [
+            f"{j + 1} {name}", f"{found.rms[j]:.4g}", f"{floor[j]:.4g}",
+            f"{found.rms[j] / floor[j]:.2f}", f"{found.rms_raw[j]:.4g}",
+            f"{found.max[j]:.4g}", f"{found.nrmse[j]:.2%}", f"{found.r2[j]:.5f}",
+        ]
+        for j, name in enumerate(joints)
+    ]  # fmt: skip
+    return Table(head, rows)
+
+
+def _line_advice(j: int, lines: Sequence[tuple[float, float]], unit: str) -> str:
+    if not lines:
+        return ""
+    order, size = lines[0]
+    return (
+        f"A line at {order:.4g} cycles per revolution, {size:.3g} {unit}: test it with "
+        f"'pa10d diagnose MODEL --fit RUN… --effect torque_ripple --joint {j + 1}'."
+    )
+
+
+def _worst(rms: Array, floor: Array) -> int:
+    return int(np.argmax(rms / np.maximum(floor, 1e-300)))

@@ -1,0 +1,132 @@
+"""The report of a diagnosis: from the plot to the decision, for a person who asks why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from pa10d import __version__
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.figures.diagnosis_texts import CURVE, MAP, STAIRCASE
+from pa10d.figures.held_out import HeldOut
+from pa10d.figures.of_diagnosis import diagnosis_figures
+from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
+from pa10d.report.facts import Facts, Verdict
+from pa10d.report.finding_section import Asked, finding_section
+from pa10d.report.page import page
+from pa10d.report.verdict import headline, structure_words
+
+
+def diagnosis_page(
+    found: Diagnosis, seen: HeldOut, asked: Asked, first: tuple[Block, ...] = ()
+) -> str:
+    """One HTML file that opens offline; first: blocks before everything else."""
+    drawn = diagnosis_figures(found, seen)
+    blocks: list[Block] = [
+        *first,
+        _glance(found),
+        *(finding_section(found, k, drawn["findings"][k], asked)
+          for k in range(len(found.findings))),
+        *([_staircase(drawn)] if found.findings else []),
+        *([_unexplained(found, drawn)] if found.unexplained else []),
+        _figures(found),
+        _judged(found, asked),
+    ]  # fmt: skip
+    question = "what has changed?" if found.frozen else "what is missing?"
+    robot = found.model.robot
+    return page(
+        f"{asked.model}: {question}",
+        f"{robot.name}, {robot.n} joints · judged on {found.judged_on}",
+        blocks,
+        f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
+    )
+
+
+def _glance(found: Diagnosis) -> Section:
+    last = found.versions[-1].held_out["held out"]
+    ratio = last / np.maximum(found.noise_floor, 1e-300)
+    near = int(np.sum(ratio < 1.2)) if np.all(np.isfinite(ratio)) else None
+    places = len(found.unexplained)
+    cards = [
+        ("effects found", str(len(found.findings)),
+         ", ".join(f.term.label for f in found.findings) or "none is significant"),
+        ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
+         "depends on the motion" if places else "significant"),
+        ("joints near the noise", "–" if near is None else f"{near} of {len(last)}",
+         "below 1.2 × noise, after all that was found"),
+    ]  # fmt: skip
+    warnings = [("Note:", warning) for warning in found.warnings]
+    blocks: list[Block] = [Verdict(headline(found), found.verdict), Cards(cards)]
+    return Section("Verdict", [*blocks, Lines(warnings)] if warnings else blocks)
+
+
+def _staircase(drawn: Mapping[str, Any]) -> Section:
+    plot = Plot("Error of every joint, step by step", drawn["staircase"], STAIRCASE)
+    return Section("How far it brings you", [plot])
+
+
+def _unexplained(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
+    intro = Text(
+        "Motion predicts this part of the error on data not fitted, so it is no noise; but no "
+        "effect of the library looks like it. The map shows where it is."
+    )
+    blocks: list[Block] = [intro]
+    for s, figure in zip(found.unexplained, drawn["unexplained"], strict=True):
+        title = f"Joint {s.joint + 1}: {s.rms:.3g} N·m that no effect explains"
+        reading = MAP if len(s.variables) == 2 else CURVE
+        blocks.append(Plot(title, figure, reading, structure_words(s) + "."))
+    return Section("What no effect explains", blocks)
+
+
+def _figures(found: Diagnosis) -> Section:
+    units = ["N" if p else "N·m" for p in found.model.robot.prismatic]
+    labels = [f"+ {f.term.label}" for f in found.findings]
+    head = ["joint", "as given" if found.frozen else "as given, refitted", *labels, "noise floor",
+            "left ÷ noise", "unit"]  # fmt: skip
+    rows = []
+    for j, name in enumerate(found.model.robot.joint_names):
+        steps = [float(v.held_out["held out"][j]) for v in found.versions]
+        floor = float(found.noise_floor[j])
+        known = np.isfinite(floor) and floor > 0
+        rows.append([
+            f"{j + 1} {name}", *(f"{v:.4g}" for v in steps), f"{floor:.4g}" if known else "unknown",
+            f"{steps[-1] / floor:.2f}" if known else "–", units[j],
+        ])  # fmt: skip
+    note = Text(
+        f"RMS error on held-out data; measured and modelled torque both low-passed at "
+        f"{found.cutoff:g} Hz. Noise floor: what a perfect model would leave, from the noise just "
+        "above that band; noise that is stronger at low frequencies leaves more.",
+        muted=True,
+    )
+    return Section("Figures", [Table(head, rows), note])
+
+
+def _judged(found: Diagnosis, asked: Asked) -> Section:
+    fitted = ", ".join(dict.fromkeys(asked.fit))
+    how = (
+        "The model may move only as far as its own uncertainty allows; nothing is refitted."
+        if found.frozen
+        else "For every candidate the whole model is refitted with it, so that it gets credit only "
+        "for what the model's own parameters could not have explained."
+    )
+    return Section(
+        "What was judged on which data",
+        [
+            Facts(
+                [
+                    ("Fitted to", fitted),
+                    ("Judged on", found.judged_on),
+                    ("How", how),
+                    (
+                        "When is an effect named?",
+                        "When it predicts the error of data not fitted, by more than noise of the "
+                        "same colour could, counted over all effects and joints that were tried "
+                        "(1 % false alarms per search), and makes no joint significantly worse.",
+                    ),
+                    ("Low-pass", f"{found.cutoff:g} Hz, zero-phase, on both sides alike"),
+                ]
+            )
+        ],
+    )

@@ -1,0 +1,102 @@
+"""A diagnosis in a sentence or two, for somebody who has not asked for figures yet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pa10d.diagnose.outcome import Diagnosis, Finding
+from pa10d.diagnose.structure import Structure
+from pa10d.figures.of_diagnosis import shown_joint
+from pa10d.figures.structure_map import variable_words
+
+NEAR = 1.15  # times the noise floor: as good as its own error
+
+
+def headline(found: Diagnosis) -> str:
+    """The verdict, how far the error falls with what was found, and what doubt is left."""
+    parts = [answer(found)]
+    if found.findings:
+        parts += [gain_words(found), doubt_words(found)]
+    return " ".join(part for part in parts if part)
+
+
+def doubt_words(found: Diagnosis) -> str:
+    """Whether this data can tell what was found from everything else; empty where it can."""
+    if not any(f.confounded_with for f in found.findings):
+        return ""
+    text = "This data alone cannot tell it from every other explanation"
+    if any(f.next_experiment for f in found.findings):
+        return f"{text}; there is an experiment that would."
+    return f"{text}."
+
+
+def answer(found: Diagnosis) -> str:
+    """The verdict alone."""
+    if found.verdict == "none":
+        first = "Nothing has changed" if found.frozen else "Nothing is missing"
+        return f"{first}: what the model leaves over on new data is measurement noise."
+    if found.verdict == "unknown":
+        return (
+            "Something is missing that no effect of the library explains: "
+            f"{listed([structure_words(s) for s in found.unexplained])}."
+        )
+    named = listed([finding_words(f) for f in found.findings])
+    verb = "What changed" if found.frozen else "Missing in the model"
+    text = f"{verb}: {named}."
+    if found.unexplained:
+        text += " Something besides is left that no effect of the library explains."
+    return text
+
+
+def finding_words(finding: Finding) -> str:
+    """``Stribeck friction in joint 4``."""
+    return f"{finding.term.effect.title}{place(finding)}"
+
+
+def place(finding: Finding) -> str:
+    """`` in joint 4``, `` between joints 5 and 6``, or nothing where it is of the whole arm."""
+    joints = [str(j + 1) for j in finding.term.joints]
+    if not joints:
+        return ""
+    return (
+        f" in joint {joints[0]}" if len(joints) == 1 else f" between joints {' and '.join(joints)}"
+    )
+
+
+def gain_words(found: Diagnosis) -> str:
+    """How far the error falls on data not fitted, at the joint where it falls most."""
+    first, last = found.findings[0].rms_before, found.findings[-1].rms_after
+    j = shown_joint(found, 0)
+    floor = float(found.noise_floor[j])
+    text = f"With {'it' if len(found.findings) == 1 else 'them'} the error of joint {j + 1} falls "
+    text += f"from {first[j]:.3g} to {last[j]:.3g} N·m on data that the fit has not seen"
+    if np.isfinite(floor) and floor > 0:
+        ratio = last[j] / floor
+        text += ", down to the noise" if ratio < NEAR else f", {ratio:.1f} times the noise"
+    return text + "."
+
+
+def removed(finding: Finding, joint: int) -> float:
+    """Share of the joint's squared error (0-based) that the effect takes away."""
+    before, after = float(finding.rms_before[joint]), float(finding.rms_after[joint])
+    return 1.0 - (after / max(before, 1e-300)) ** 2
+
+
+def structure_words(s: Structure) -> str:
+    """``38 % of joint 2's squared error depends on position of joint 2 and …``."""
+    named = " and the ".join(variable_words(name) for name in s.variables)
+    return f"{percent(s.share)} of joint {s.joint + 1}'s squared error depends on the {named}"
+
+
+def percent(share: float) -> str:
+    """Nothing is ever gone to 100 %."""
+    return "more than 99 %" if share > 0.99 else f"{100 * share:.0f} %"
+
+
+def listed(words: Sequence[str]) -> str:
+    """``a, b and c``."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,162 @@
+"""Diagnoses of stored models on stored runs; adding effects; improving until nothing is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.procedure import add, diagnose
+from pa10d.errors import UserError
+from pa10d.model import TorqueModel
+from pa10d.services.library import Library
+from pa10d.services.models import read_runs, write_file
+from pa10d.store.models import ModelInfo
+
+if TYPE_CHECKING:
+    from pa10d.report.blocks import Block
+
+Progress = Callable[[float, str], None]
+Cancel = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class Improved:
+    """The stored versions, the given model's successor first, and the diagnosis behind them."""
+
+    infos: tuple[ModelInfo, ...]
+    diagnosis: Diagnosis
+
+    def document(self) -> dict[str, Any]:
+        """As JSON: the diagnosis, and which models were stored."""
+        made = [
+            {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
+            for i, m in zip(self.infos, self.diagnosis.versions[1:], strict=True)
+        ]
+        for entry in made:
+            entry["held_out"] = [float(v) for v in entry["held_out"]]
+        last = self.infos[-1] if self.infos else None
+        return {
+            "id": last.id if last else None,
+            "name": last.name if last else None,
+            "versions": made,
+            **self.diagnosis.document(),
+        }
+
+
+def diagnose_runs(
+    library: Library,
+    model: str,
+    fit: Sequence[str],
+    validate: Sequence[str] = (),
+    *,
+    frozen: bool = False,
+    effect: str | None = None,
+    joints: Sequence[int] = (),
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+) -> Diagnosis:
+    """Diagnose a stored model on stored runs. joints: numbered from 1."""
+    if joints and effect is None:
+        raise UserError("--joint: given without --effect; expected the effect to test there")
+    loaded = library.models.load(library.models.find(model))
+    only = None if effect is None else (effect, [j - 1 for j in joints])
+    return diagnose(
+        loaded,
+        read_runs(library, fit)[1],
+        read_runs(library, validate)[1] if validate else (),
+        frozen=frozen,
+        only=only,
+        progress=progress,
+        cancel=cancel,
+    )
+
+
+def add_effect(
+    library: Library,
+    model: str,
+    effect: str,
+    joints: Sequence[int],
+    fit: Sequence[str],
+    *,
+    name: str,
+    replace_model: bool = False,
+    progress: Progress | None = None,
+) -> tuple[ModelInfo, TorqueModel, list[str]]:
+    """Store a new version with an effect fitted in; the old one stays."""
+    if not replace_model:
+        library.models.refuse_taken(name)
+    info = library.models.find(model)
+    loaded = library.models.load(info)
+    made, warnings = add(
+        loaded, effect, [j - 1 for j in joints], read_runs(library, fit)[1], name=name,
+        progress=progress,
+    )  # fmt: skip
+    return library.models.save(made, replace=replace_model), made, warnings
+
+
+def improve_model(
+    library: Library,
+    model: str,
+    fit: Sequence[str],
+    validate: Sequence[str] = (),
+    *,
+    name: str,
+    replace_model: bool = False,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+) -> Improved:
+    """Diagnose and add until nothing significant is left; every step is a stored version.
+
+    The last version has the given name, the ones before it NAME.1, NAME.2 …
+    """
+    if not replace_model:
+        library.models.refuse_taken(name)
+    found = diagnose_runs(library, model, fit, validate, progress=progress, cancel=cancel)
+    infos = store_versions(library, model, found, name=name, replace_model=replace_model)
+    return Improved(infos, found)
+
+
+def store_versions(
+    library: Library, model: str, found: Diagnosis, *, name: str, replace_model: bool = False
+) -> tuple[ModelInfo, ...]:
+    """Every step of a diagnosis as a stored version, each the parent of the next; the last one has
+    the given name, the ones before it NAME.1, NAME.2 …"""
+    parent = library.models.find(model).name
+    steps = found.versions[1:]
+    infos = []
+    for number, version in enumerate(steps, 1):
+        own = name if number == len(steps) else f"{name}.{number}"
+        version = replace(version, name=own, parent=parent)
+        infos.append(library.models.save(version, replace=replace_model))
+        parent = own
+    return tuple(infos)
+
+
+def write_diagnosis_report(
+    library: Library,
+    found: Diagnosis,
+    path: Path,
+    *,
+    model: str,
+    fit: Sequence[str],
+    validate: Sequence[str] = (),
+    first: tuple[Block, ...] = (),
+) -> Path:
+    """The diagnosis as one HTML file that opens offline; model, fit, validate: as it had them;
+    first: blocks before everything else."""
+    from pa10d.figures.held_out import held_out
+    from pa10d.report.diagnosis_page import diagnosis_page
+    from pa10d.report.finding_section import Asked
+
+    infos, fitted = read_runs(library, fit)
+    judged_infos, judged = read_runs(library, validate) if validate else ([], [])
+    asked = Asked(
+        library.models.find(model).name,
+        [info.name for info in infos],
+        [info.name for info in judged_infos],
+        infos[0].profile or "PROFILE",
+    )
+    return write_file(path, diagnosis_page(found, held_out(found, fitted, judged), asked, first))

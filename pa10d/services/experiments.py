@@ -1,0 +1,96 @@
+"""Experiments: their kinds, a plan, its motion with the pre-check, and what came out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pa10d.control.limits import arm_limits
+from pa10d.control.live_model import live_model
+from pa10d.dynamics import inverse_dynamics
+from pa10d.experiments.analysis import recommendation, tracking_of
+from pa10d.experiments.boundary import boundaries
+from pa10d.experiments.checks import checks_of
+from pa10d.experiments.motion import rows_of, whole_motion
+from pa10d.services.library import open_library
+from pa10d.services.robots import load_robot
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.limits import limits_of
+from pa10d.trajectory.plan import Plan
+from pa10d.trajectory.poses import Surroundings
+
+PLAN, ROWS = "plan.json", "rows.npy"
+
+
+def make_plan(
+    profile: str, kind: str, parameters: Mapping[str, Any], folder: str
+) -> dict[str, Any]:
+    """Plan an experiment into a folder → what there is to know of it."""
+    robot = load_robot(profile)[1]
+    asked = read_request({"kind": kind, "parameters": parameters})
+    plan = asked.build(Surroundings.of(robot))
+    text = json.dumps({"parameters": dict(parameters), **plan.to_dict()})
+    (Path(folder) / PLAN).write_text(text, encoding="utf-8")
+    return {
+        "kind": plan.kind,
+        "joints": list(plan.joints),
+        "duration": plan.duration,
+        "notes": list(plan.notes),
+        "spans": [vars(span) for span in plan.spans],
+        "parameters": dict(parameters),
+    }
+
+
+def prepare_motion(
+    data: str, profile: str, folder: str, start: list[float], model: str | None
+) -> dict[str, Any]:
+    """The planned motion from where the arm stands, as rows for the loop, with its pre-check."""
+    found, robot = load_robot(profile)
+    place = Path(folder)
+    text = (place / PLAN).read_text(encoding="utf-8")
+    plan, limits = Plan.from_dict(json.loads(text)), limits_of(robot)
+    arm_limits(found, robot)  # says which limit is missing
+    whole = whole_motion(plan, np.array(start), robot, found.control.rate)
+    _, q, dq, ddq = whole.samples
+    torque = inverse_dynamics(robot, robot.parameters, q, dq, ddq)
+    stored = None if model is None else open_library(data).models.load(model)
+    live = None if stored is None else live_model(stored)
+    rows = rows_of(whole, stored, live)
+    np.save(place / ROWS, rows)
+    return {
+        "checks": [check.document() for check in checks_of(whole, torque, limits)],
+        "start": list(start),
+        "live": None if live is None else live.document(),
+        "motions": [
+            {
+                "file": str(place / ROWS),
+                "rows": len(rows),
+                "first": whole.first,
+                "last": whole.last,
+                "seconds": len(rows) / found.control.rate,
+                "plan_file": str(place / PLAN),
+            }
+        ],
+    }
+
+
+def analyse(data: str, profile: str, kind: str, runs: list[str]) -> dict[str, Any]:
+    """What the runs of an experiment show by themselves, and what to do next."""
+    found, robot = load_robot(profile)
+    library = open_library(data)
+    infos = [library.runs.find(run) for run in runs]
+    stored = [library.runs.read(info) for info in infos]
+    names, tracking = [info.name for info in infos], [tracking_of(run) for run in stored]
+    advice = recommendation(kind, names, tracking, arm_limits(found, robot))
+    analysis = {name: seen.document() for name, seen in zip(names, tracking, strict=True)}
+    if kind == "boundary_velocity":
+        for name, run in zip(names, stored, strict=True):
+            told = json.loads(run.metadata["pa10d.plan"]["plan"])
+            linear, missing = boundaries(run.recording(name)[0], Plan.from_dict(told), robot)
+            analysis[name]["boundary_velocity"] = [b.document() for b in linear]
+            advice = [*(b.sentence for b in linear), *missing, *advice]
+    return {"analysis": analysis, "recommendation": advice}

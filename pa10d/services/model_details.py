@@ -1,0 +1,41 @@
+"""A model's parameters as a person and a program want them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pa10d.dynamics.base import parameter_name
+from pa10d.model import TorqueModel
+from pa10d.store.model_text import parameter_unit
+
+
+def model_details(model: TorqueModel) -> dict[str, Any]:
+    """``parameters``: base parameters and effects, each with value, standard error, unit and
+    meaning; ``standard``: feasible standard parameters per joint, or null."""
+    sentences = model.base.sentences()
+    parameters = [
+        {
+            "name": parameter_name(int(k)),
+            "value": float(model.h[i]),
+            "std_error": float(model.std_errors[i]),
+            "unit": parameter_unit(parameter_name(int(k))),
+            "meaning": sentences[i],
+        }
+        for i, k in enumerate(model.base.kept)
+    ]
+    for i, term in enumerate(model.terms):
+        parameters += [
+            {
+                "name": f"{term.label}: {name}",
+                "value": value.value,
+                "std_error": value.std_error,
+                "unit": value.unit,
+                "meaning": term.effect.equation,
+            }
+            for name, value in model.term_values(i).items()
+        ]
+    standard = None
+    if model.standard is not None:
+        names = model.robot.joint_names
+        standard = {name: list(row) for name, row in zip(names, model.standard, strict=True)}
+    return {"parameters": parameters, "standard": standard, "shift_s": model.shift}

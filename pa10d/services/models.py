@@ -1,0 +1,167 @@
+"""Models: identify, compare, show, trace back, take elsewhere."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pa10d.compare import (
+    Comparison,
+    compare,
+    document,
+    noise_floor,
+    run_residual,
+    scores,
+)
+from pa10d.errors import UserError
+from pa10d.figures.staircase import Step
+from pa10d.model import TorqueModel
+from pa10d.recording import Recording
+from pa10d.services.library import Library
+from pa10d.services.robots import load_robot
+from pa10d.store import RunInfo
+from pa10d.store.folders import write_text
+from pa10d.store.models import ModelInfo
+
+Progress = Callable[[float, str], None]
+FORMATS = ("urdf", "python")
+
+
+@dataclass(frozen=True)
+class Identified:
+    """A new model and what INTERFACES says of it."""
+
+    info: ModelInfo
+    model: TorqueModel
+    summary: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A comparison of stored things; staircase: RMS per joint of the model and its ancestors on
+    the same runs, the first ancestor first."""
+
+    info: ModelInfo
+    runs: tuple[RunInfo, ...]
+    comparison: Comparison
+    staircase: tuple[Step, ...]
+
+    def document(self) -> dict[str, Any]:
+        """As JSON."""
+        found = document(self.comparison)
+        for run, entry in zip(self.runs, found["runs"], strict=True):
+            entry["id"] = run.id
+        history = [
+            {"model": step.name, "change": step.change, "rms": list(map(float, step.rms))}
+            for step in self.staircase
+        ]
+        return {"id": self.info.id, "name": self.info.name, **found, "history": history}
+
+
+def identify_runs(
+    library: Library,
+    runs: Sequence[str],
+    profile: str | os.PathLike[str],
+    *,
+    name: str,
+    cutoff: float | None = None,
+    with_effects: Sequence[str] = (),
+    replace: bool = False,
+    progress: Progress | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Identified:
+    """Fit the textbook model to stored runs and store it; nothing is stored where that fails."""
+    from pa10d.identify import identify, summary
+
+    if not replace:
+        library.models.refuse_taken(name)
+    robot = load_robot(profile)[1]
+    _, recordings = read_runs(library, runs)
+    model = identify(
+        recordings,
+        robot,
+        name=name,
+        cutoff=cutoff,
+        with_effects=tuple(with_effects),
+        progress=progress,
+        cancel=cancel,
+    )
+    model = with_noise_floor(model, recordings)
+    info = library.models.save(model, replace=replace)
+    return Identified(info, model, {"id": info.id, "name": info.name, **summary(model)})
+
+
+def compare_runs(
+    library: Library,
+    model: str,
+    runs: Sequence[str],
+    *,
+    ancestors: bool = False,
+    progress: Progress = lambda share, what: None,
+) -> Compared:
+    """Judge a stored model on stored runs; ``ancestors``: and those it was made from."""
+    info = library.models.find(model)
+    infos, recordings = read_runs(library, runs)
+    loaded = library.models.load(info)
+    comparison = compare(loaded, recordings, progress)
+    steps = [Step(info.name, info.change, comparison.pooled.scores.rms)]
+    if ancestors:
+        progress(0.9, "earlier versions")
+        steps = [*_earlier(library, info, recordings), *steps]
+    return Compared(info, tuple(infos), comparison, tuple(steps))
+
+
+def with_noise_floor(model: TorqueModel, recordings: Sequence[Recording]) -> TorqueModel:
+    """The model with the noise floor of these recordings among its notes, unless it has one."""
+    if "noise_floor" in model.notes:
+        return model
+    floor = noise_floor([run_residual(model, recording) for recording in recordings])
+    return dataclasses.replace(model, notes={**model.notes, "noise_floor": floor.values.tolist()})
+
+
+def read_runs(library: Library, runs: Sequence[str]) -> tuple[list[RunInfo], list[Recording]]:
+    """Stored runs by name or id; the same run given twice counts once."""
+    infos = list({info.id: info for info in map(library.runs.find, runs)}.values())
+    return infos, [library.runs.recording(info) for info in infos]
+
+
+def write_report(compared: Compared, path: Path) -> Path:
+    """The comparison as one HTML file that opens offline."""
+    from pa10d.report import compare_page
+
+    return write_file(path, compare_page(compared.comparison, compared.staircase))
+
+
+def export_model(library: Library, model: str, kind: str) -> tuple[ModelInfo, str, list[str]]:
+    """A stored model as the text of a URDF or a Python module, and what it cannot carry."""
+    from pa10d.export import python_module, urdf_with_inertia
+
+    info = library.models.find(model)
+    loaded = library.models.load(info)
+    if kind not in FORMATS:
+        raise UserError(f"format {kind!r}: expected one of {', '.join(FORMATS)}")
+    about = f"{info.name} ({info.id}), {info.software}"
+    text, lost = (urdf_with_inertia if kind == "urdf" else python_module)(loaded, about)
+    return info, text, lost
+
+
+def write_file(path: Path, text: str) -> Path:
+    """Write it whole, or say why not."""
+    try:
+        write_text(path, text)
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; expected a file that can be written") from error
+    return path
+
+
+def _earlier(library: Library, info: ModelInfo, recordings: Sequence[Recording]) -> list[Step]:
+    out = []
+    for older in library.models.history(info)[:-1]:
+        model = library.models.load(older)
+        seen = [run_residual(model, recording) for recording in recordings]
+        out.append(Step(older.name, older.change, scores(seen).rms))
+    return out

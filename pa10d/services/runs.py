@@ -1,0 +1,90 @@
+"""Runs: bring them in, look at them, check them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pa10d.checks import Finding, beyond_limits, check_recording
+from pa10d.dynamics.robot import Robot
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+from pa10d.recording import Recording
+from pa10d.store import Channels, RunInfo, RunStore, Samples
+from pa10d.store.csv_import import CsvRecording, read_csv
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A new run, and what is to be known of it."""
+
+    info: RunInfo
+    header_warnings: list[str]
+    findings: list[Finding]  # empty unless asked for
+
+
+def import_run(
+    store: RunStore,
+    file: Path,
+    profile: Profile,
+    robot: Robot,
+    *,
+    name: str | None = None,
+    mapping: Sequence[str] = (),
+    replace: bool = False,
+    check: bool = False,
+) -> Imported:
+    """Store a CSV recording as a run; nothing is stored where the file is broken."""
+    if not file.is_file():
+        raise UserError(f"{file}: no such file; expected a recording (.csv, .csv.gz)")
+    found = read_csv(file, robot.n, robot.name, profile.torque_constants, mapping)
+    recording = _recording(found, name or file.name)
+    limits = [f"{file}: {finding.sentence}" for finding in beyond_limits(recording, robot)]
+    with store.building(
+        name,
+        _stem(file),
+        _channels(found.samples, robot),
+        profile,
+        source=file.name,
+        warnings=(*found.header_warnings, *found.timing_warnings, *limits),
+        replace=replace,
+        time_zero_ns=found.time_zero_ns,
+    ) as writer:
+        writer.append(found.samples)
+    findings = check_recording(recording, found.timing, robot) if check else []
+    return Imported(writer.info, found.header_warnings, findings)
+
+
+def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
+    """The checks of an import, for a run that is stored."""
+    info = store.find(run)
+    recording, timing = store.read(info).recording(info.name)
+    if recording.joints != robot.n:
+        raise UserError(
+            f"run {info.name!r}: found {recording.joints} joints, expected the {robot.n} of "
+            f"{robot.name}"
+        )
+    return check_recording(recording, timing, robot)
+
+
+def _stem(file: Path) -> str:
+    name = file.name
+    for ending in (".gz", ".csv"):
+        name = name[: -len(ending)] if name.lower().endswith(ending) else name
+    return name.strip().lstrip(".-") or "run"
+
+
+def _recording(found: CsvRecording, name: str) -> Recording:
+    samples = found.samples
+    return Recording(name, found.timing.grid, samples.q, samples.tau, samples.dq)
+
+
+def _channels(samples: Samples, robot: Robot) -> Channels:
+    return Channels(
+        joints=robot.joint_names,
+        velocity=samples.dq is not None,
+        temperature=samples.temperature is not None,
+        current=samples.current is not None,
+        extra=tuple(samples.extra),
+    )

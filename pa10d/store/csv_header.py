@@ -1,0 +1,168 @@
+"""The header of a CSV recording: which column is what."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from pa10d.errors import UserError
+
+FIELD = re.compile(r"(time)|(q|dq|tau|i|temp)([1-9]\d*)")
+_ALIASES = {"t", "stamp", "timestamp", "time_s", "time[s]", "time [s]", "seconds", "sec"}
+
+
+@dataclass
+class Columns:
+    """Column numbers from 0. A list has one entry per joint."""
+
+    names: tuple[str, ...]
+    time: int
+    q: list[int]
+    tau: list[int | None]  # None: from the motor current
+    dq: list[int] | None = None
+    current: list[int | None] | None = None  # None within: not measured, and not needed
+    temperature: list[int] | None = None
+    extra: dict[str, int] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def required(self) -> list[int]:
+        """Columns in which every cell must be a finite number."""
+        lists: list[Sequence[int | None]] = [
+            self.q,
+            self.tau,
+            self.dq or [],
+            self.temperature or [],
+            self.current or [],
+        ]
+        return [self.time, *(k for some in lists for k in some if k is not None)]
+
+
+def read_mapping(pairs: Sequence[str]) -> dict[str, str]:
+    """``COL=FIELD`` options as column -> field."""
+    mapping: dict[str, str] = {}
+    for pair in pairs:
+        column, sign, name = pair.rpartition("=")
+        if not sign or not column or not FIELD.fullmatch(name):
+            raise UserError(
+                f"--map {pair}: expected COLUMN=FIELD, FIELD being time, q1, tau1, dq1, i1, temp1 …"
+            )
+        if column in mapping or name in mapping.values():
+            raise UserError(
+                f"--map {pair}: found a second time, expected each column and field once"
+            )
+        mapping[column] = name
+    return mapping
+
+
+class Header:
+    """The names of a file's first line, with the user's mapping applied."""
+
+    def __init__(self, where: str, names: Sequence[str], mapping: dict[str, str]) -> None:
+        """``where``: file and line, as messages begin."""
+        self.where = where
+        self.names = tuple(name.strip() for name in names)
+        self._check_it_is_one()
+        for column in mapping:
+            if column not in self.names:
+                raise UserError(
+                    f"{where}: no column {column!r}, expected by --map; found {self._found()}"
+                )
+        self._place: dict[str, int] = {}
+        for k, name in enumerate(self.names):
+            meaning = mapping.get(name, name)
+            if meaning in self._place and meaning:
+                first = self._place[meaning] + 1
+                raise UserError(
+                    f"{where}: columns {first} and {k + 1} are both {meaning!r}; expected one"
+                )
+            self._place[meaning] = k
+
+    def columns(self, n: int, constants: bool, robot: str) -> Columns:
+        """The columns for a robot with n joints; ``constants``: currents can become torques."""
+        joints = range(1, n + 1)
+        place = self._place
+        missing = [name for name in ("time", *(f"q{j}" for j in joints)) if name not in place]
+        tau = [place.get(f"tau{j}") for j in joints]
+        for j, column in zip(joints, tau, strict=True):
+            if column is None and not (constants and f"i{j}" in place):
+                missing.append(f"tau{j}")
+        if missing:
+            raise UserError(self._missing(missing, n, robot))
+        columns = Columns(
+            self.names, place["time"], [place[f"q{j}"] for j in joints], tau,
+            dq=self._of_every_joint("dq", n), temperature=self._of_every_joint("temp", n),
+        )  # fmt: skip
+        current = [place.get(f"i{j}") for j in joints]
+        if None in tau or None not in current:
+            columns.current = current
+        self._keep_the_rest(columns, n, robot)
+        return columns
+
+    def _of_every_joint(self, prefix: str, n: int) -> list[int] | None:
+        found = [
+            self._place[f"{prefix}{j}"] for j in range(1, n + 1) if f"{prefix}{j}" in self._place
+        ]
+        return found if len(found) == n else None
+
+    def _keep_the_rest(self, columns: Columns, n: int, robot: str) -> None:
+        used = {*columns.required()}
+        for name, k in self._place.items():
+            if k in used:
+                continue
+            if not name:
+                columns.warnings.append(f"{self.where}: column {k + 1} has no name: left out")
+                continue
+            match = FIELD.fullmatch(name)
+            if match and match[3] and int(match[3]) > n:
+                columns.warnings.append(
+                    f"{self.where}: {name} is beyond the {n} joints of {robot}: "
+                    "kept as an extra channel"
+                )
+            elif match and match[2]:
+                columns.warnings.append(
+                    f"{self.where}: {name} without {match[2]} of every joint: "
+                    "kept as an extra channel"
+                )
+            columns.extra[name] = k
+
+    def _check_it_is_one(self) -> None:
+        if len(self.names) == 1:
+            for sign, called in ((";", "semicolons"), ("\t", "tabs"), ("|", "bars")):
+                if sign in self.names[0]:
+                    raise UserError(
+                        f"{self.where}: columns are parted by {called}; expected commas"
+                    )
+        if self.names and all(_is_number(name) for name in self.names):
+            raise UserError(
+                f"{self.where}: found numbers, expected a header time,q1,…,tau1,… above them"
+            )
+
+    def _missing(self, missing: list[str], n: int, robot: str) -> str:
+        have = {name.lower() for name in self.names}
+        wanted = f"time, q1..q{n}, tau1..tau{n} for the {n} joints of {robot}"
+        hint = ""
+        lowered = {name.lower(): name for name in self.names}
+        for name in missing:
+            near = lowered.get(name) or (
+                next((lowered[a] for a in _ALIASES if a in lowered), "") if name == "time" else ""
+            )
+            if near:
+                hint = f"; perhaps --map {near}={name}"
+                break
+        if not hint and missing[0].startswith("tau") and f"i{missing[0][3:]}" in have:
+            hint = "; motor currents need 'torque_constants' in the profile"
+        some = ", ".join(missing[:8]) + (" …" if len(missing) > 8 else "")
+        return f"{self.where}: no column {some}; found {self._found()}; expected {wanted}{hint}"
+
+    def _found(self) -> str:
+        text = ", ".join(self.names)
+        return text if len(text) <= 120 else text[:117] + "..."
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,210 @@
+"""Reads a recording from CSV: time,q1..qn,tau1..taun and whatever else was written beside them.
+
+Arrow parses; where it finds fault, the file is read again line by line to say where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pa10d.errors import UserError
+from pa10d.sampling import Timing
+from pa10d.store.channels import Array, Samples
+from pa10d.store.csv_header import Columns, Header, read_mapping
+from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, rows
+from pa10d.store.equal_steps import equal_steps
+
+FEWEST = 100  # samples; below that nothing can be filtered, let alone fitted
+
+
+@dataclass(frozen=True)
+class CsvRecording:
+    """A file's samples at equal steps; its time 0 is the stamp ``time_zero_ns``."""
+
+    samples: Samples
+    time_zero_ns: int
+    timing: Timing
+    header_warnings: list[str]
+    timing_warnings: list[str]
+
+
+def read_csv(
+    path: Path,
+    n: int,
+    robot: str,
+    torque_constants: Sequence[float] | None = None,
+    mapping: Sequence[str] = (),
+) -> CsvRecording:
+    """A recording of a robot with n joints; UserError names file, line and column.
+
+    torque_constants: (n,) N·m per A, used for joints that have a motor current but no torque.
+    mapping: ``COLUMN=FIELD`` options.
+    """
+    fields = read_mapping(mapping)
+    header = Header(f"{path}:1", _first_line(path), fields)
+    columns = header.columns(n, torque_constants is not None, robot)
+    table, warnings = _Table(path, columns), list(columns.warnings)
+    t = table.take(columns.time)
+    if len(t) < FEWEST:
+        raise UserError(_too_few(path, len(t), "samples"))
+    _refuse_backwards(path, t)
+    distinct = 1 + int((np.diff(t) > 0).sum())
+    if distinct < FEWEST:
+        raise UserError(_too_few(path, distinct, "different stamps"))
+    samples = _samples(table, columns, t, torque_constants)
+    if table.left_out:
+        warnings.append(f"{path}: no numbers in {', '.join(table.left_out)}: left out")
+    del table
+    timing, samples = equal_steps(t, samples)
+    said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
+    zero = -min(0, int(samples.stamps[0]))
+    samples.stamps[:] += zero
+    return CsvRecording(samples, zero, timing, warnings, said)
+
+
+def timing_sentences(timing: Timing) -> list[str]:
+    """What a user should know of how the stamps became equal steps."""
+    said = []
+    if timing.duplicates:
+        said.append(f"{timing.duplicates} samples share a stamp with the one before: averaged")
+    if timing.resampled:
+        said.append(
+            f"irregular stamps (steps off by up to {timing.jitter * 1e3:.3g} ms): "
+            f"resampled at {timing.rate:.6g} Hz"
+        )
+    if timing.rounding is not None:
+        said.append(
+            f"stamps rounded to {timing.rounding * 1e3:g} ms: "
+            f"taken as equal steps at {timing.rate:.6g} Hz"
+        )
+    if timing.gaps:
+        begin, longest = max(timing.gaps, key=lambda gap: gap[1])
+        many = f"{len(timing.gaps)} gaps" if len(timing.gaps) > 1 else "a gap"
+        said.append(
+            f"{many} without samples, the longest {longest:.3g} s at {begin:.3f} s: filled by "
+            "straight lines and marked in the extra channel 'gap'"
+        )
+    return said
+
+
+class _Table:
+    """The parsed file; columns are handed out once, so that memory is freed as they go."""
+
+    def __init__(self, path: Path, columns: Columns) -> None:
+        self.path, self._columns = path, columns
+        self.left_out: list[str] = []
+        self._table = _parse(path, columns)
+
+    def take(self, column: int) -> Array:
+        """A column in which every cell is a finite number."""
+        values = self._table[f"c{column}"]
+        array: Array = values.to_numpy().astype(np.float64, copy=False)
+        if values.null_count or not np.isfinite(array).all():
+            raise UserError(_fault(self.path, self._columns, "a cell that is no finite number"))
+        return array
+
+    def block(self, columns: Sequence[int]) -> Array:
+        """(N, n), one column per joint."""
+        out = np.empty((len(self._table), len(columns)))
+        for j, column in enumerate(columns):
+            out[:, j] = self.take(column)
+        return out
+
+    def extra(self) -> dict[str, Array]:
+        """The columns that the recording does not need, as far as they hold numbers."""
+        import pyarrow as pa
+
+        kept = {}
+        for name, column in self._columns.extra.items():
+            values = self._table[f"c{column}"]
+            kind = values.type
+            if pa.types.is_boolean(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind):
+                kept[name] = values.cast(pa.float64()).to_numpy().astype(np.float64, copy=False)
+            else:
+                self.left_out.append(name)
+        return kept
+
+
+def _parse(path: Path, columns: Columns) -> Any:
+    import pyarrow as pa
+    from pyarrow import csv
+
+    required = columns.required()
+    wanted = sorted({*required, *columns.extra.values()})
+    names = [f"c{k}" for k in range(len(columns.names))]
+    stream = pa.input_stream(str(path), compression="gzip" if is_gzip(path) else None)
+    try:
+        with stream:
+            return csv.read_csv(
+                stream,
+                csv.ReadOptions(column_names=names, skip_rows=1, block_size=1 << 22),
+                convert_options=csv.ConvertOptions(
+                    column_types={f"c{k}": pa.float64() for k in required},
+                    include_columns=[f"c{k}" for k in wanted],
+                    check_utf8=False,
+                ),
+            )
+    except (pa.ArrowInvalid, OSError) as error:
+        raise UserError(_fault(path, columns, str(error).splitlines()[0])) from error
+
+
+def _fault(path: Path, columns: Columns, otherwise: str) -> str:
+    try:
+        found = first_fault(path, columns.names, columns.required())
+    except UserError as error:
+        return str(error)
+    if found is None and not line_of_row(path, 0):
+        return _too_few(path, 0, "samples")
+    return found or f"{path}: {otherwise}; expected comma-separated numbers"
+
+
+def _too_few(path: Path, count: int, what: str) -> str:
+    return f"{path}: found {count} {what}, expected at least {FEWEST}"
+
+
+def _first_line(path: Path) -> list[str]:
+    try:
+        first = next(rows(path), None)
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; expected a CSV file") from error
+    if first is None:
+        raise UserError(f"{path}: an empty file; expected a header time,q1,…,tau1,… and samples")
+    if first[0] != 1:
+        raise UserError(f"{path}:1: an empty line; expected a header time,q1,…,tau1,…")
+    return first[1]
+
+
+def _refuse_backwards(path: Path, t: Array) -> None:
+    back = np.flatnonzero(np.diff(t) < 0)
+    if len(back):
+        row = int(back[0]) + 1
+        raise UserError(
+            f"{path}:{line_of_row(path, row)}: column time: found {t[row]:.9g} after "
+            f"{t[row - 1]:.9g}, expected stamps that rise"
+        )
+
+
+def _samples(
+    table: _Table, columns: Columns, t: Array, constants: Sequence[float] | None
+) -> Samples:
+    tau = np.empty((len(t), len(columns.q)))
+    for j, column in enumerate(columns.tau):
+        if column is not None:
+            tau[:, j] = table.take(column)
+        elif constants is not None and (amperes := (columns.current or [])[j]) is not None:
+            tau[:, j] = constants[j] * table.take(amperes)
+    current = [column for column in columns.current or [] if column is not None]
+    return Samples(
+        stamps=np.empty(0, np.int64),
+        q=table.block(columns.q),
+        tau=tau,
+        dq=None if columns.dq is None else table.block(columns.dq),
+        temperature=None if columns.temperature is None else table.block(columns.temperature),
+        current=table.block(current) if len(current) == len(columns.q) else None,
+        extra=table.extra(),
+    )

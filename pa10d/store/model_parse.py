@@ -1,0 +1,214 @@
+"""A model file read back: everything that may be wrong with it is one line."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import BaseParameters, Robot, robot_from_urdf
+from pa10d.dynamics.base import parameter_name
+from pa10d.effects import all_effects
+from pa10d.errors import UserError
+from pa10d.model import Term, TorqueModel
+from pa10d.store.model_info import ModelInfo
+from pa10d.store.model_schema import EffectEntry, ModelFile
+from pa10d.yamlfile import YamlFile, read_yaml, validate
+
+Array = NDArray[np.float64]
+
+
+def read_model(path: Path) -> tuple[TorqueModel, ModelInfo]:
+    """The model in a file and what is known of it; UserError names file, line and key."""
+    try:
+        file = read_yaml(path)
+        entry = validate(ModelFile, file, file.data)
+        return _Parser(file, entry).model(), info_of(entry)
+    except UserError as error:
+        lines = str(error).splitlines()
+        first, *others = sorted(lines, key=lambda line: "an unknown key" not in line)
+        raise UserError(first + (f" (and {len(others)} more)" if others else "")) from error
+
+
+def info_of(entry: ModelFile) -> ModelInfo:
+    """Without looking at the parameters."""
+    return ModelInfo(
+        id=entry.id,
+        name=entry.name,
+        created=entry.created,
+        robot=entry.robot.name,
+        joints=tuple(entry.robot.joints),
+        change=entry.change,
+        effects=tuple(_label(e) for e in entry.effects),
+        runs=tuple(entry.fit.runs),
+        cutoff_hz=entry.fit.cutoff_hz,
+        feasible=entry.fit.feasible,
+        rms=tuple(entry.fit.rms),
+        held_out={run: tuple(values) for run, values in entry.held_out.items()},
+        noise_floor=None if entry.noise_floor is None else tuple(entry.noise_floor),
+        parent=entry.parent,
+        parent_name=entry.parent_name,
+        software=entry.software,
+    )
+
+
+class _Parser:
+    """Turns the entries of a valid file into arrays, and says where they do not fit together."""
+
+    def __init__(self, file: YamlFile, entry: ModelFile) -> None:
+        self._file = file
+        self._entry = entry
+        self._n = len(entry.robot.joints)
+
+    def model(self) -> TorqueModel:
+        entry, fit = self._entry, self._entry.fit
+        robot = self._robot()
+        base = self._base()
+        terms = tuple(self._term(k, e) for k, e in enumerate(entry.effects))
+        size = len(base) + sum(len(term.coefficients) for term in terms)
+        floor = {} if entry.noise_floor is None else {"noise_floor": entry.noise_floor}
+        return TorqueModel(
+            name=entry.name,
+            robot=robot,
+            base=base,
+            h=np.array([parameter.value for parameter in entry.base_parameters]),
+            terms=terms,
+            covariance=self._covariance(size),
+            noise=self._per_joint(("fit", "rms"), fit.rms),
+            cutoff=fit.cutoff_hz,
+            shift=fit.shift_s,
+            standard=self._standard(),
+            feasible=fit.feasible,
+            parent=entry.parent,
+            change=entry.change,
+            runs=tuple(fit.runs),
+            held_out={
+                run: self._per_joint(("held_out", run), values)
+                for run, values in entry.held_out.items()
+            },
+            notes=entry.notes | floor,
+        )
+
+    def _robot(self) -> Robot:
+        entry = self._entry.robot
+        try:
+            robot = robot_from_urdf(
+                self._entry.urdf, entry.joints, np.array(entry.gravity), entry.name
+            )
+        except UserError as error:
+            raise UserError(f"{self._file.path}: urdf: {error}") from error
+        limits: dict[str, Any] = {
+            key: self._per_joint(("robot", "limits", key), values) for key, values in entry.limits
+        }
+        if entry.tool is not None:
+            tool = self._sized(("robot", "tool"), entry.tool, 10, "standard parameters")
+            limits["parameters"] = robot.parameters.copy()
+            limits["parameters"][-1] += tool
+        if self._entry.noise_floor is not None:
+            self._per_joint(("noise_floor",), self._entry.noise_floor)
+        return replace(robot, **limits)
+
+    def _base(self) -> BaseParameters:
+        index = {parameter_name(k): k for k in range(10 * self._n)}
+        entries = self._entry.base_parameters
+        kept = [
+            self._known(("base_parameters", i, "name"), entry.name, index, "standard parameter")
+            for i, entry in enumerate(entries)
+        ]
+        for i, k in enumerate(kept):
+            if k in kept[:i]:
+                self._fail(("base_parameters", i, "name"), entries[i].name, "each name once")
+        dropped = np.setdiff1d(np.arange(10 * self._n), kept)
+        relations = np.zeros((len(kept), len(dropped)))
+        for i, entry in enumerate(entries):
+            for name, factor in entry.plus.items():
+                where = ("base_parameters", i, "plus", name)
+                k = self._known(where, name, index, "standard parameter")
+                if k in kept:
+                    self._fail(where, name, "a parameter that is none of the base itself")
+                relations[i, np.searchsorted(dropped, k)] = factor
+        low, high = self._entry.structure
+        return BaseParameters(np.array(kept, dtype=np.int64), dropped, relations, (low, high))
+
+    def _term(self, k: int, entry: EffectEntry) -> Term:
+        where: tuple[int | str, ...] = ("effects", k)
+        known = all_effects()
+        if entry.effect not in known:
+            self._fail((*where, "effect"), entry.effect, f"one of {', '.join(sorted(known))}")
+        kind = known[entry.effect]
+        wanted = {"joint": 1, "pair": 2, "robot": 0}[kind.scope]
+        if len(entry.joints) != wanted or any(j > self._n for j in entry.joints):
+            self._fail((*where, "joints"), entry.joints, f"{wanted} of joints 1 to {self._n}")
+        for key, found, names in (
+            ("coefficients", entry.coefficients, [c.name for c in kind.coefficients]),
+            ("shape", entry.shape, [s.name for s in kind.shapes]),
+        ):
+            if sorted(found) != sorted(names):
+                text = ", ".join(found) or "nothing"
+                self._fail((*where, key), text, ", ".join(names) or "nothing")
+        errors = {name: e.std_error for name, e in entry.shape.items()}
+        return Term(
+            entry.effect,
+            tuple(j - 1 for j in entry.joints),
+            np.array([entry.coefficients[c.name].value for c in kind.coefficients]),
+            {s.name: entry.shape[s.name].value for s in kind.shapes} | entry.linear_about,
+            {name: error for name, error in errors.items() if error is not None},
+        )
+
+    def _covariance(self, size: int) -> Array:
+        where = ("covariance", "data")
+        try:
+            raw = base64.b64decode("".join(self._entry.covariance.data.split()), validate=True)
+        except (binascii.Error, ValueError):
+            self._fail(where, "what is no base64", "base64 text")
+        count = size * (size + 1) // 2
+        if len(raw) != 8 * count:
+            found = f"{len(raw) / 8:g} numbers"
+            self._fail(where, found, f"{count}, the lower triangle of {size} x {size} parameters")
+        out = np.zeros((size, size))
+        out[np.tril_indices(size)] = np.frombuffer(raw, dtype="<f8")
+        if not np.all(np.isfinite(out)):
+            self._fail(where, "numbers that are not finite", "finite numbers")
+        return np.asarray(out + np.tril(out, -1).T)
+
+    def _standard(self) -> Array | None:
+        found = self._entry.standard_parameters
+        if found is None:
+            return None
+        joints = self._entry.robot.joints
+        if list(found) != joints:
+            self._fail(("standard_parameters",), ", ".join(found), ", ".join(joints))
+        return np.array(
+            [
+                self._sized(("standard_parameters", joint), found[joint], 10, "numbers")
+                for joint in joints
+            ]
+        )
+
+    def _known(self, where: tuple[int | str, ...], name: str, index: dict, kind: str) -> int:
+        if name not in index:
+            self._fail(where, name, f"a {kind} of links 1 to {self._n}, such as Izz1")
+        return int(index[name])
+
+    def _per_joint(self, where: tuple[int | str, ...], values: list[float]) -> Array:
+        return self._sized(where, values, self._n, "numbers, one a joint")
+
+    def _sized(
+        self, where: tuple[int | str, ...], values: list[float], count: int, what: str
+    ) -> Array:
+        if len(values) != count:
+            self._fail(where, f"{len(values)} values", f"{count} {what}")
+        return np.array(values, dtype=float)
+
+    def _fail(self, where: tuple[int | str, ...], found: object, wanted: str) -> None:
+        raise UserError(self._file.problem(where, str(found), wanted))
+
+
+def _label(entry: EffectEntry) -> str:
+    joints = ",".join(map(str, entry.joints))
+    return f"{entry.effect} J{joints}" if joints else entry.effect

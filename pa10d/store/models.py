@@ -1,0 +1,178 @@
+"""The model store: DATA/models/<id>.yaml, one file a model. Nothing is ever overwritten."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import yaml
+from pydantic import ValidationError
+
+from pa10d.errors import UserError
+from pa10d.model import TorqueModel
+from pa10d.store.folders import locked, write_text
+from pa10d.store.location import data_folder
+from pa10d.store.model_info import ModelInfo
+from pa10d.store.model_parse import info_of, read_model
+from pa10d.store.model_schema import ModelFile
+from pa10d.store.model_text import model_text
+from pa10d.store.names import checked_name, new_id, resolve
+
+_FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True)
+class BrokenModel:
+    """A file that is no model; ``id`` and ``name`` as far as they can be made out."""
+
+    id: str
+    name: str
+    path: Path
+    error: str
+
+
+class ModelStore:
+    """All models under one data folder. A file put there by hand is a model too."""
+
+    def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
+        self.folder = data_folder(data) / "models"
+        self.folder.mkdir(exist_ok=True)
+        self._known: dict[tuple[Path, int, int], ModelInfo | BrokenModel] = {}
+
+    def all(self) -> list[ModelInfo]:
+        """All models, oldest first; those whose name a later one took are marked."""
+        infos = sorted(self._scan(ModelInfo), key=lambda info: info.id)
+        latest = {info.name: info.id for info in infos}
+        return [info.but(replaced=latest[info.name] != info.id) for info in infos]
+
+    def broken(self) -> list[BrokenModel]:
+        """Files that cannot be read, each with the one line that says why."""
+        return list(self._scan(BrokenModel))
+
+    def find(self, wanted: str) -> ModelInfo:
+        """By exact name, id, or unique start of an id; a broken file says so under its name."""
+        for bad in self.broken():
+            if wanted in (bad.name, bad.id) and not self._readable(wanted):
+                raise UserError(bad.error)
+        return resolve(wanted, self.all(), "model")
+
+    def path(self, info: ModelInfo) -> Path:
+        """The model's file."""
+        for path in self._files():
+            known = self._look(path)
+            if isinstance(known, ModelInfo) and known.id == info.id:
+                return path
+        raise UserError(f"model {info.name!r} ({info.id}): its file is gone")
+
+    def load(self, model: str | ModelInfo) -> TorqueModel:
+        """The model itself; its ``parent`` is the parent's id."""
+        info = self.find(model) if isinstance(model, str) else model
+        return read_model(self.path(info))[0]
+
+    def refuse_taken(self, name: str) -> None:
+        """Before a long computation: is the name allowed and free?"""
+        checked_name(name)
+        if self._readable(name):
+            raise UserError(
+                f"model {name!r}: there is one already; expected another name or --replace"
+            )
+
+    def save(self, model: TorqueModel, *, replace: bool = False) -> ModelInfo:
+        """Store it under a new id. Where ``replace``, a model of the same name stays under its id
+        and the name now means this one. ``model.parent``: name or id of a stored model."""
+        checked_name(model.name)
+        with locked(self.folder):
+            if not replace:
+                self.refuse_taken(model.name)
+            parent = None if model.parent is None else self.find(model.parent)
+            info = _new_info(model, parent)
+            text = model_text(model, info)
+            _refuse_unreadable(text, model.name)
+            write_text(self.folder / f"{info.id}.yaml", text)
+        return info
+
+    def history(self, model: str | ModelInfo) -> list[ModelInfo]:
+        """The model and all it was made from, the first ancestor first."""
+        info = self.find(model) if isinstance(model, str) else model
+        by_id = {other.id: other for other in self.all()}
+        line = [info]
+        while line[-1].parent in by_id and by_id[line[-1].parent] not in line:
+            line.append(by_id[line[-1].parent])
+        return line[::-1]
+
+    def _readable(self, wanted: str) -> bool:
+        return any(wanted in (info.name, info.id) for info in self.all())
+
+    def _files(self) -> list[Path]:
+        return sorted(self.folder.glob("[!.]*.yaml"))
+
+    def _scan(self, kind: type) -> Iterator:
+        return (known for path in self._files() if isinstance(known := self._look(path), kind))
+
+    def _look(self, path: Path) -> ModelInfo | BrokenModel:
+        """Read each version of each file once."""
+        stat = path.stat()
+        key = (path, stat.st_mtime_ns, stat.st_size)
+        if key not in self._known:
+            self._known[key] = _quick_info(path) or _careful_info(path)
+        return self._known[key]
+
+
+def _quick_info(path: Path) -> ModelInfo | None:
+    """None where anything is unusual: then the slow reader with the good messages looks."""
+    try:
+        data = yaml.load(path.read_bytes(), Loader=_FastLoader)
+        return info_of(ModelFile.model_validate(data))
+    except (OSError, ValueError, ValidationError, yaml.YAMLError, RecursionError):
+        return None
+
+
+def _refuse_unreadable(text: str, name: str) -> None:
+    """A file that could not be read back is not written."""
+    try:
+        ModelFile.model_validate(yaml.load(text, Loader=_FastLoader))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise UserError(
+            f"model {name!r}: {where}: found {first['input']!r}, expected what can be stored "
+            f"({first['msg']})"
+        ) from error
+
+
+def _careful_info(path: Path) -> ModelInfo | BrokenModel:
+    try:
+        return read_model(path)[1]
+    except UserError as error:
+        name = ""
+        if path.is_file():
+            text = path.read_bytes().decode("utf-8", "replace")
+            found = re.search(r"^name:\s*['\"]?(.*?)['\"]?\s*$", text, re.MULTILINE)
+            name = found.group(1) if found else ""
+        return BrokenModel(path.stem, name, path, str(error).splitlines()[0])
+
+
+def _new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
+    now = datetime.now(UTC)
+    floor = model.notes.get("noise_floor")
+    return ModelInfo(
+        id=new_id(now),
+        name=model.name,
+        created=now.isoformat(timespec="milliseconds"),
+        robot=model.robot.name,
+        joints=model.robot.joint_names,
+        change=model.change,
+        effects=tuple(term.label for term in model.terms),
+        runs=model.runs,
+        cutoff_hz=model.cutoff,
+        feasible=model.feasible,
+        rms=tuple(float(v) for v in model.noise),
+        held_out={run: tuple(map(float, values)) for run, values in model.held_out.items()},
+        noise_floor=None if floor is None else tuple(float(v) for v in floor),
+        parent=parent.id if parent else None,
+        parent_name=parent.name if parent else None,
+    )

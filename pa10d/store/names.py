@@ -1,0 +1,71 @@
+"""Names and ids of stored things: how they are made, and which one a person means."""
+
+from __future__ import annotations
+
+import re
+import secrets
+from collections.abc import Collection, Sequence
+from datetime import UTC, datetime
+from typing import Protocol, TypeVar
+
+from pa10d.errors import UserError
+
+_FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
+LONGEST = 100
+
+
+class Named(Protocol):
+    """Something stored under an id of ours and a name of the user's."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+
+
+Item = TypeVar("Item", bound=Named)
+
+
+def new_id(now: datetime | None = None) -> str:
+    """Sorts by time of creation, unique: 20260131-134500123-9f3a07."""
+    now = now or datetime.now(UTC)
+    return f"{now:%Y%m%d-%H%M%S}{now.microsecond // 1000:03d}-{secrets.token_hex(3)}"
+
+
+def checked_name(name: str) -> str:
+    """The name itself, or UserError where it cannot be one."""
+    if not name or name != name.strip() or len(name) > LONGEST or _FORBIDDEN.search(name):
+        raise UserError(
+            f"name {name!r}: expected 1 to {LONGEST} characters without slashes, control "
+            "characters and blanks at either end"
+        )
+    if name.startswith((".", "-")):
+        raise UserError(f"name {name!r}: expected a first character other than '{name[0]}'")
+    return name
+
+
+def free_name(wanted: str, taken: Collection[str]) -> str:
+    """``wanted``, or ``wanted-2``, ``wanted-3`` … whichever is not taken."""
+    name, k = wanted, 1
+    while name in taken:
+        k += 1
+        name = f"{wanted}-{k}"
+    return name
+
+
+def resolve(wanted: str, items: Sequence[Item], kind: str) -> Item:
+    """The item with this exact name, else this id, else this unique start of an id."""
+    for key in ("name", "id"):
+        same = [item for item in items if getattr(item, key) == wanted]
+        if same:
+            return max(same, key=lambda item: item.id)
+    starts = [item for item in items if wanted and item.id.startswith(wanted)]
+    if len(starts) == 1:
+        return starts[0]
+    if starts:
+        some = ", ".join(f"{item.id} ({item.name})" for item in starts[:3])
+        more = " …" if len(starts) > 3 else ""
+        raise UserError(f"{kind} {wanted!r}: {len(starts)} ids begin so: {some}{more}")
+    raise UserError(
+        f"{kind} {wanted!r}: none of this name or id; 'pa10d {kind} list' shows what there is"
+    )

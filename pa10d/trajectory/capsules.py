@@ -1,0 +1,175 @@
+"""The arm as capsules, for self-collision and the floor.
+
+A link is a straight capsule from its joint to each joint it carries (the last one: to where its
+mass suggests that it ends). No mesh is read. The radius is that of a solid cylinder with the
+link's smallest moment of inertia where that is believable, else a share of the length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import Robot
+from pa10d.trajectory.clearance import measure
+
+Array = NDArray[np.float64]
+
+SHORT = 0.02  # m: offsets below this are no body of their own
+RADIUS_SHARE = 0.15  # of a capsule's length, where the inertia is not believable
+RADIUS_RANGE = (0.03, 0.12)  # m, of a guess by length
+THICKEST, SLENDER = 0.15, 0.75  # m, and of its length, up to which an inertia is believed
+NEAR = 0.05  # m between two capsules that bend towards each other around a short piece
+
+
+@dataclass(frozen=True)
+class Capsules:
+    """Segments fixed to links, and which of them may touch what.
+
+    link (c,) the joint (0-based) each moves with, -1 for the base
+    start, end (c, 3) m in that joint's frame (base frame for -1); radius (c,) m
+    pairs (p, 2) capsules that must not meet; grounded (f,) capsules that must stay above the floor
+    floor m, height of the mounting plane in the base frame, -inf for none
+    """
+
+    robot: Robot
+    link: NDArray[np.int64]
+    start: Array
+    end: Array
+    radius: Array
+    pairs: NDArray[np.int64]
+    grounded: NDArray[np.int64]
+    floor: float
+
+    def clearance(self, q: Array) -> Array:
+        """(N, p + f) m between the surfaces of each pair, then above the floor; < 0: inside."""
+        r = self.robot
+        out = np.empty((len(q), len(self.pairs) + len(self.grounded)))
+        measure(
+            np.ascontiguousarray(q, dtype=float), r.parent, r.order, r.rotation, r.translation,
+            r.axis, r.prismatic, self.link, self.start, self.end, self.radius,
+            self.pairs, self.grounded, self.floor, out,
+        )  # fmt: skip
+        return out
+
+    def hinge(self, q: Array, margin: float) -> tuple[float, Array]:
+        """Σ max(0, margin - clearance)² and its gradient (N, n) in q."""
+        short = np.maximum(margin - self.clearance(q), 0.0)
+        grad = np.zeros_like(q)
+        rows = np.flatnonzero(short.any(axis=1))
+        if rows.size:
+            step = 1e-6
+            for j in range(q.shape[1]):
+                moved = np.repeat(q[rows][None], 2, axis=0)
+                moved[0, :, j] += step
+                moved[1, :, j] -= step
+                both = self.clearance(moved.reshape(-1, q.shape[1])).reshape(2, len(rows), -1)
+                slope = (both[0] - both[1]) / (2 * step)
+                grad[rows, j] = -2.0 * np.sum(short[rows] * slope, axis=1)
+        return float(np.sum(short**2)), grad
+
+    def name(self, column: int) -> str:
+        """What a column of ``clearance`` is about."""
+        if column < len(self.pairs):
+            a, b = self.pairs[column]
+            return f"{self._body(a)} and {self._body(b)}"
+        return f"{self._body(self.grounded[column - len(self.pairs)])} and the floor"
+
+    def _body(self, capsule: int) -> str:
+        link = int(self.link[capsule])
+        return "the base" if link < 0 else f"link {link + 1}"
+
+
+def capsules_of(robot: Robot, floor: float | None = 0.0) -> Capsules:
+    """Capsules of an arm; ``floor``: m in the base frame, where it is mounted; None: none."""
+    link, start, end, radius = [], [], [], []
+    for body in (-1, *range(robot.n)):
+        for tip in _tips(robot, body):
+            if np.linalg.norm(tip) >= SHORT:
+                link.append(body)
+                start.append(np.zeros(3))
+                end.append(tip)
+                radius.append(_radius(robot, body, tip))
+    table = np.array(link, dtype=np.int64)
+    shape = (len(link), 3)
+    bodies = Capsules(
+        robot,
+        table,
+        np.array(start).reshape(shape),
+        np.array(end).reshape(shape),
+        np.array(radius, dtype=float),
+        np.zeros((0, 2), dtype=np.int64),
+        np.zeros(0, dtype=np.int64),
+        -np.inf if floor is None else floor,
+    )
+    apart = [
+        (a, b)
+        for a in range(len(link))
+        for b in range(a + 1, len(link))
+        if not _neighbours(bodies, a, b)
+    ]
+    ground = [] if floor is None else [c for c in range(len(link)) if _dips(bodies, c)]
+    return Capsules(
+        robot, table, bodies.start, bodies.end, bodies.radius,
+        np.array(apart, dtype=np.int64).reshape(-1, 2), np.array(ground, dtype=np.int64),
+        bodies.floor,
+    )  # fmt: skip
+
+
+def _tips(robot: Robot, body: int) -> list[Array]:
+    """Ends of a link in its own frame: the origins of the joints that it carries."""
+    carried = [robot.translation[j] for j in range(robot.n) if robot.parent[j] == body]
+    if carried or body < 0:
+        return carried
+    mass = robot.parameters[body, 0]
+    return [2.0 * robot.parameters[body, 1:4] / mass] if mass > 0 else []
+
+
+def _radius(robot: Robot, body: int, tip: Array) -> float:
+    """½·m·r² is a cylinder's inertia about its own axis: the smallest of the three."""
+    fallback = float(np.clip(RADIUS_SHARE * np.linalg.norm(tip), *RADIUS_RANGE))
+    if body < 0 or robot.parameters[body, 0] <= 0:
+        return fallback
+    m, c = robot.parameters[body, 0], robot.parameters[body, 1:4] / robot.parameters[body, 0]
+    xx, xy, yy, xz, yz, zz = robot.parameters[body, 4:]
+    about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    smallest = np.linalg.eigvalsh(about_origin - m * (c @ c * np.eye(3) - np.outer(c, c)))[0]
+    radius = float(np.sqrt(max(2.0 * smallest / m, 0.0)))
+    thickest = min(THICKEST, SLENDER * float(np.linalg.norm(tip)))
+    return radius if RADIUS_RANGE[0] <= radius <= thickest else fallback
+
+
+def _neighbours(bodies: Capsules, a: int, b: int) -> bool:
+    """Capsules so near along the chain that they touch in every pose: nothing, or a piece shorter
+    than their radii, lies between them."""
+    robot, links = bodies.robot, (int(bodies.link[a]), int(bodies.link[b]))
+    up, down = _chain(robot, links[0]), _chain(robot, links[1])
+    shared = set(up) & set(down)
+    between = [j for j in (*up, *down) if j not in shared]
+    if links[0] in (*down, -1) or links[1] in (*up, -1):
+        between = between[:-1]  # the joint at the end of the upper capsule starts no gap
+    gap = sum(float(np.linalg.norm(robot.translation[j])) for j in between)
+    return gap < max(SHORT, bodies.radius[a] + bodies.radius[b] + NEAR)
+
+
+def _chain(robot: Robot, link: int) -> list[int]:
+    """A link and what carries it, outermost first."""
+    chain = []
+    while link >= 0:
+        chain.append(link)
+        link = int(robot.parent[link])
+    return chain
+
+
+def _dips(bodies: Capsules, capsule: int) -> bool:
+    """Whether the height of a capsule depends on the pose at all."""
+    robot = bodies.robot
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, robot.n))
+    only = Capsules(
+        robot, bodies.link, bodies.start, bodies.end, bodies.radius,
+        np.zeros((0, 2), dtype=np.int64), np.array([capsule], dtype=np.int64), 0.0,
+    )  # fmt: skip
+    height = only.clearance(q)[:, 0]
+    return bool(height.max() - height.min() > 1e-9)

@@ -1,0 +1,119 @@
+"""From a request to an exciting trajectory that can be run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.trajectory.check import check
+from pa10d.trajectory.excitation.criterion import Criterion
+from pa10d.trajectory.excitation.feasible import (
+    advice,
+    refuse_hopeless,
+    refuse_unexcited,
+    refuse_unfit,
+)
+from pa10d.trajectory.excitation.mapping import as_mapper
+from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.result import figures
+from pa10d.trajectory.excitation.search import Found, Progress, search
+from pa10d.trajectory.kinds.excitation import Excitation
+from pa10d.trajectory.limits import limits_of
+from pa10d.trajectory.plan import Plan
+from pa10d.trajectory.poses import Surroundings
+
+GENERATIONS = 25
+
+
+@dataclass(frozen=True)
+class ExcitingTrajectory:
+    """request: ``{kind, parameters}`` with the coefficients; figures: see ``result.figures``."""
+
+    request: Excitation
+    plan: Plan
+    figures: dict[str, Any]
+    found: Found
+    problem: Problem
+
+    def document(self) -> dict[str, Any]:
+        """For a YAML or JSON file: the request as it can be run, and what is known about it."""
+        return {**self.request.request(), "about": self.about()}
+
+    def about(self) -> dict[str, Any]:
+        """Figures and provenance."""
+        return {
+            **self.figures,
+            "seconds": round(self.found.seconds, 2),
+            "generations": self.found.generations,
+            "evaluations": self.found.evaluations,
+            "finished": self.found.finished,
+            "warnings": [
+                *self.problem.limits.assumed,
+                *advice(self.problem, self.found.x, self.figures),
+            ],
+        }
+
+
+def exciting_trajectory(
+    problem: Problem,
+    cycles: int = 3,
+    generations: int = GENERATIONS,
+    seed: int = 1,
+    workers: Any = None,
+    seconds: float | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    cancelled: Callable[[], bool] = lambda: False,
+    refined: int = 4,
+) -> ExcitingTrajectory:
+    """The best trajectory that the search finds, checked against the robot's own limits.
+
+    workers: None, a ``map``, an executor or a Dask client. Same seed and generations: same result.
+    """
+    refuse_hopeless(problem)
+    found = search(
+        problem, generations, seed, as_mapper(workers), seconds, progress, cancelled, refined
+    )
+    refuse_unfit(problem, found.x)
+    refuse_unexcited(problem, found.x)
+    request = Excitation.of(problem, found.x, cycles)
+    around = Surroundings(problem.robot, problem.limits, problem.floor)
+    plan = request.build(around)
+    wrong = check(plan, problem.robot, limits_of(problem.robot), problem.floor)
+    if wrong:
+        raise UserError("\n".join(violation.sentence for violation in wrong))
+    return ExcitingTrajectory(request, plan, figures(problem, found.x), found, problem)
+
+
+def excitation_problem(
+    robot: Robot,
+    joints: list[int] | None = None,
+    pose: list[float] | None = None,
+    fundamental: float = 0.1,
+    harmonics: int = 5,
+    samples: int = 100,
+    floor: float | None = 0.0,
+    boundary: list[float] | None = None,
+    noise: list[float] | None = None,
+    **weights: Any,
+) -> Problem:
+    """A problem from what a person says: joints from 1, boundary velocity and noise per chosen
+    joint; weights: ``condition, smallest, evenness, determinant, scaled, second`` of Criterion."""
+    base = Excitation(joints=joints, pose=pose)
+    around = Surroundings.of(robot, floor)
+    chosen = base.chosen(around)
+    rows = {"boundary": boundary, "noise": noise}
+    for key, values in rows.items():
+        if values is not None and len(values) != len(chosen):
+            raise UserError(
+                f"{key}: found {len(values)} values, expected {len(chosen)}, one per chosen joint"
+            )
+    given: dict[str, Any] = {k: np.array(v) for k, v in rows.items() if v is not None}
+    return Problem(
+        robot, tuple(chosen), tuple(base.home(around)), around.limits, fundamental, harmonics,
+        samples, floor, Criterion(**given, **weights),
+    )  # fmt: skip

@@ -1,0 +1,97 @@
+"""A Fourier series that excites all parameters: optimal where coefficients are given."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from pa10d.errors import UserError
+from pa10d.trajectory.excitation.polish import QUICK, polish
+from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Positive
+from pa10d.trajectory.motions import Fourier
+from pa10d.trajectory.plan import Plan, Segment, joined
+from pa10d.trajectory.poses import Surroundings
+
+DRAWS = 20  # random series, the best of which is improved
+
+
+class Excitation(Kind):
+    """q_i = centre_i + Σ_l a_li sin(ωlt) - b_li cos(ωlt), entered from rest, repeated, left.
+
+    Without coefficients a random series is improved for a second: good, not optimal; `pa10d
+    excite` finds better ones and writes them here.
+    """
+
+    kind: ClassVar[str] = "excitation"
+    title: ClassVar[str] = "Fourier series of all joints that excites every parameter"
+
+    fundamental: Positive = Field(default=0.1, description="Hz")
+    harmonics: Annotated[int, Field(ge=1, le=30)] = Field(
+        default=5, description="of a random series"
+    )
+    cycles: Count = Field(default=3, description="periods at full pace; their spread is the noise")
+    centre: list[Angle] | None = Field(default=None, description="rad, one per joint of the arm")
+    a: list[list[Angle]] | None = Field(default=None, description="rad, a row per harmonic")
+    b: list[list[Angle]] | None = Field(default=None, description="rad, a row per harmonic")
+
+    def build(self, around: Surroundings) -> Plan:
+        """One segment; its window is a whole number of periods."""
+        joints, limits = self.chosen(around), around.limits
+        given = (self.centre, self.a, self.b)
+        if any(part is None for part in given) and any(part is not None for part in given):
+            raise UserError("excitation: centre, a and b belong together; expected all or none")
+        series = self._random(around, joints) if self.centre is None else self._given(around)
+        label = f"{self.cycles} periods of {series.period:g} s"
+        return joined(self.kind, joints, [Segment(series.gentle(limits), label)], around)
+
+    @classmethod
+    def of(cls, problem: Problem, x: Array, cycles: int) -> Excitation:
+        """The request for a motion that was found: coefficients of the moving joints, others 0."""
+        h, moving = problem.harmonics, list(problem.joints)
+        centre = np.array(problem.pose)
+        a, b = np.zeros((2, h, problem.robot.n))
+        centre[moving], a[:, moving], b[:, moving] = x[0], x[1 : 1 + h], x[1 + h :]
+        return cls(
+            joints=[j + 1 for j in problem.joints],
+            fundamental=problem.fundamental,
+            harmonics=h,
+            cycles=cycles,
+            centre=centre.tolist(),
+            a=a.tolist(),
+            b=b.tolist(),
+        )
+
+    def _series(self, centre: Array, a: Array, b: Array) -> Fourier:
+        return Fourier(self.cycles / self.fundamental, 1.0, self.fundamental, centre, a, b)
+
+    def _given(self, around: Surroundings) -> Fourier:
+        n = around.robot.n
+        rows = {"centre": [self.centre], "a": self.a, "b": self.b}
+        for key, table in rows.items():
+            for k, row in enumerate(table or []):
+                if len(row or []) != n:
+                    raise UserError(
+                        f"excitation: {key}: row {k + 1} has {len(row or [])} values, "
+                        f"expected {n}, one per joint"
+                    )
+        if len(self.a or []) != len(self.b or []) or not self.a:
+            raise UserError(
+                f"excitation: a has {len(self.a or [])} rows and b {len(self.b or [])}; "
+                "expected as many, one per harmonic"
+            )
+        return self._series(np.array(self.centre), np.array(self.a), np.array(self.b))
+
+    def _random(self, around: Surroundings, joints: list[int]) -> Fourier:
+        problem = Problem(
+            around.robot, tuple(joints), tuple(self.home(around)), around.limits,
+            self.fundamental, self.harmonics, floor=around.floor,
+        )  # fmt: skip
+        rng = np.random.default_rng(self.seed)
+        drawn = [problem.random(rng) for _ in range(DRAWS)]
+        drawn.sort(key=lambda x: problem.excess(x) * 1e6 + problem.condition_number(x))
+        best = min((polish((problem, x, QUICK)) for x in drawn[:2]), key=lambda c: c.score)
+        found = Excitation.of(problem, best.x, self.cycles)
+        return self._series(np.array(found.centre), np.array(found.a), np.array(found.b))

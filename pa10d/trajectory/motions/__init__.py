@@ -1,0 +1,22 @@
+"""Motions: what one segment of a plan does. Importing the room makes all of them known."""
+
+from pa10d.trajectory.motions.base import Motion, Samples, motion_from_dict
+from pa10d.trajectory.motions.chirp import Chirp
+from pa10d.trajectory.motions.entered import Entered
+from pa10d.trajectory.motions.fourier import Fourier
+from pa10d.trajectory.motions.knots import Drawing, Knots, move_time, ramp_time
+from pa10d.trajectory.motions.sines import Sines
+
+__all__ = [
+    "Chirp",
+    "Drawing",
+    "Entered",
+    "Fourier",
+    "Knots",
+    "Motion",
+    "Samples",
+    "Sines",
+    "motion_from_dict",
+    "move_time",
+    "ramp_time",
+]

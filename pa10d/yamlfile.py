@@ -1,0 +1,198 @@
+"""YAML files that people write: every problem becomes one line naming file, line and key.
+
+Reads YAML with the line of every key, refuses a key given twice, and turns the errors of a
+pydantic model into sentences of the form ``file:line: key: found …, expected …``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+import yaml
+from pydantic import BaseModel, ValidationError
+from pydantic_core import PydanticCustomError
+
+from pa10d.errors import UserError
+
+Model = TypeVar("Model", bound=BaseModel)
+Location = tuple[int | str, ...]
+
+EXPECTED = {
+    "bool_parsing": "true or false",
+    "bool_type": "true or false",
+    "dict_type": "a section of keys and values",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "greater_than": "a number above {gt:g}",
+    "greater_than_equal": "a number of at least {ge:g}",
+    "int_type": "a whole number",
+    "less_than": "a number below {lt:g}",
+    "less_than_equal": "a number of at most {le:g}",
+    "list_type": "a list",
+    "literal_error": "{expected}",
+    "missing": "a value; it has no default",
+    "model_type": "a section of keys and values",
+    "string_type": "text",
+    "tuple_type": "a list",
+}
+
+
+def expected(what: str) -> PydanticCustomError:
+    """The error a validator raises: it says what would have been right."""
+    return PydanticCustomError("expected", "{what}", {"what": what})
+
+
+def several(problems: list[tuple[Location, Any, str]]) -> PydanticCustomError:
+    """Several errors of one validator: (location, what was found, what is expected)."""
+    return PydanticCustomError("several", "several problems", {"problems": problems})
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe YAML that also reads 1e-3 as a number (YAML 1.1 wants 1.0e-3)."""
+
+
+EXPONENT = (
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+$"),
+    list("-+0123456789"),
+)
+_Loader.add_implicit_resolver(*EXPONENT)
+
+
+@dataclass(frozen=True)
+class YamlFile:
+    """A YAML mapping and where its keys stand."""
+
+    path: Path
+    text: str
+    data: dict[str, Any]
+    root: yaml.MappingNode
+
+    def problem(self, location: Location, found: str, wanted: str) -> str:
+        """One line about one key; entries of lists are counted from 1."""
+        key = ".".join(str(part + 1 if isinstance(part, int) else part) for part in location)
+        middle = f" {key}:" if key else ""
+        return f"{self.path}:{self._line(location)}:{middle} found {found}, expected {wanted}"
+
+    def _line(self, location: Location) -> int:
+        node: Any = self.root
+        line = node.start_mark.line
+        for part in location:
+            child = _child(node, part)
+            if child is None:
+                break
+            line, node = child
+        return int(line) + 1
+
+
+def read_yaml(path: Path) -> YamlFile:
+    """Read a file whose top level is a mapping; raise UserError with file and line."""
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; expected a readable YAML file") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: byte {error.start + 1} is not UTF-8; expected text") from error
+    try:
+        loader = _Loader(text)
+    except yaml.YAMLError as error:
+        what = " ".join(str(error).split())
+        raise UserError(f"{path}: {what}; expected plain text") from error
+    try:
+        root = loader.get_single_node()
+        for key, line, first in _given_twice(root, set()):
+            raise UserError(
+                f"{path}:{line}: {key}: found a second time, expected once (first in line {first})"
+            )
+        data = None if root is None else loader.construct_document(root)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f":{mark.line + 1}" if mark else ""
+        what = error.problem or "not YAML"
+        raise UserError(f"{path}{where}: {what}; expected lines 'key: value'") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        what = str(error).splitlines()[0]
+        raise UserError(f"{path}: {what}; expected lines 'key: value'") from error
+    finally:
+        loader.dispose()
+    if not isinstance(data, dict) or not isinstance(root, yaml.MappingNode):
+        found = "an empty file" if data is None else _brief(data)
+        raise UserError(f"{path}:1: found {found}, expected lines 'key: value'")
+    return YamlFile(path, text, data, root)
+
+
+def validate(model: type[Model], file: YamlFile, data: Mapping[str, Any]) -> Model:
+    """Build the model; every problem is one line of the raised UserError."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        lines = [line for item in error.errors() for line in _lines(model, file, item)]
+        raise UserError("\n".join(lines)) from error
+
+
+def _lines(model: type[BaseModel], file: YamlFile, error: Any) -> Iterator[str]:
+    location, kind, context = error["loc"], error["type"], error.get("ctx", {})
+    if kind == "several":
+        for where, found, wanted in context["problems"]:
+            yield file.problem(where, _brief(found), wanted)
+    elif kind == "extra_forbidden":
+        yield file.problem(location, "an unknown key", _known_keys(model, location))
+    elif kind == "missing":
+        yield file.problem(location, "nothing", EXPECTED["missing"])
+    else:
+        template = EXPECTED.get(kind)
+        wanted = template.format(**context) if template else error["msg"]
+        yield file.problem(location, _brief(error["input"]), wanted)
+
+
+def _known_keys(model: type[BaseModel], location: Location) -> str:
+    inner: type[BaseModel] | None = model
+    for part in location[:-1]:
+        if isinstance(part, str) and inner is not None and part in inner.model_fields:
+            inner = _model_in(inner.model_fields[part].annotation)
+    fields = {} if inner is None else inner.model_fields
+    keys = [key for key, field in fields.items() if not field.json_schema_extra]
+    near = difflib.get_close_matches(str(location[-1]), keys, 1)
+    return f"'{near[0]}'" if near else f"one of {', '.join(keys)}"
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((m for m in map(_model_in, get_args(annotation)) if m is not None), None)
+
+
+def _child(node: Any, part: int | str) -> tuple[int, Any] | None:
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            if key.value == str(part):
+                return key.start_mark.line, value
+    if isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
+        return node.value[part].start_mark.line, node.value[part]
+    return None
+
+
+def _given_twice(node: Any, seen: set[int]) -> Iterator[tuple[str, int, int]]:
+    if id(node) in seen or not isinstance(node, yaml.CollectionNode):
+        return
+    seen.add(id(node))
+    lines: dict[str, int] = {}
+    for entry in node.value:
+        children = entry if isinstance(entry, tuple) else (entry,)
+        if isinstance(entry, tuple) and isinstance(entry[0], yaml.ScalarNode):
+            key, line = entry[0].value, entry[0].start_mark.line + 1
+            if key in lines and key != "<<":
+                yield key, line, lines[key]
+            lines[key] = line
+        for child in children:
+            yield from _given_twice(child, seen)
+
+
+def _brief(value: Any) -> str:
+    text = "nothing" if value is None else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,64 @@
+"""A daemon in simulated time with everything behind it, once for all API tests."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+
+from pa10d.client import Client, local_daemon
+
+
+@pytest.fixture(scope="session")
+def arm(tmp_path_factory) -> Client:
+    with local_daemon(tmp_path_factory.mktemp("api"), clock="simulated") as client:
+        yield client
+
+
+@pytest.fixture(scope="session")
+def http(arm):
+    """Plain HTTP, as a stranger would use it."""
+    with httpx.Client(base_url=arm.url, timeout=30, trust_env=False) as client:
+        yield client
+
+
+@pytest.fixture(scope="session")
+def csv_file(tmp_path_factory) -> Path:
+    """A small recording of seven joints."""
+    path = tmp_path_factory.mktemp("csv") / "swing.csv"
+    t = np.arange(600) * 0.002
+    q = 0.3 * np.sin(2 * np.pi * t)[:, None] * np.ones(7)
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        joints = range(1, 8)
+        out.writerow(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
+        for k in range(len(t)):
+            out.writerow([f"{t[k]:.6f}", *(f"{v:.9f}" for v in q[k]), *(f"{v:.6f}" for v in -q[k])])
+    return path
+
+
+@pytest.fixture
+def guarded(tmp_path):
+    """A daemon with tokens, without robot behind it (nobody is on its bus)."""
+    tokens = tmp_path / "tokens.json"
+    tokens.write_text('{"look": "seer", "command": "mover", "admin": "root"}')
+    options = ["--data", str(tmp_path / "data"), "--json", "serve", "--port", "0", "--no-sim"]
+    options += ["--channel", f"void-{tmp_path.name[:20]}", "--token-file", str(tokens)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        import json
+
+        url = json.loads(process.stdout.readline())["url"]
+        with httpx.Client(base_url=url, timeout=30, trust_env=False) as client:
+            yield client
+    finally:
+        process.terminate()
+        process.wait(30)
+        process.stdout.close()

@@ -1,0 +1,153 @@
+"""Who is let in: origins, hosts, tokens, sizes, paths."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+
+import httpx
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+PROBLEM = "application/problem+json"
+
+
+def refused(response: httpx.Response, status: int, kind: str) -> dict:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == PROBLEM
+    document = response.json()
+    assert document["type"].endswith(kind)
+    assert document["status"] == status
+    return document
+
+
+def test_a_foreign_page_cannot_command_the_arm(http):
+    for headers in (
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Sec-Fetch-Site": "cross-site"},
+    ):
+        refused(http.post("/api/v1/robot/enable", headers=headers), 403, "origin")
+    assert http.get("/api/v1/robot").json()["state"] == "inactive"
+
+
+def test_a_rebound_name_is_not_served(http):
+    for host in ("evil.example", "evil.example:8010", "127.0.0.1.evil.example"):
+        refused(http.get("/api/v1/runs", headers={"Host": host}), 403, "origin")
+
+
+def test_the_own_page_is_let_in(http):
+    own = {"Origin": str(http.base_url).rstrip("/"), "Sec-Fetch-Site": "same-origin"}
+    assert http.get("/api/v1/robot", headers=own).status_code == 200
+
+
+def test_sockets_are_closed_to_foreign_pages(arm):
+    address = "ws" + arm.url.removeprefix("http") + "/api/v1/telemetry"
+    with pytest.raises(InvalidStatus) as refusal:
+        connect(address, origin="http://evil.example", proxy=None)
+    assert refusal.value.response.status_code == 403
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/api/v1/runs/..%2f..%2fdaemon.json",
+        "/api/v1/runs/%2e%2e%2f%2e%2e%2fetc%2fpasswd/export?format=csv",
+        "/api/v1/models/..%2F..%2Fdaemon.json",
+        "/api/v1/jobs/..%2f..%2fdaemon",
+        "/docs/..%2f..%2f__init__.py",
+        "/..%2f..%2f..%2fetc/passwd",
+        "/%2e%2e/%2e%2e/pyproject.toml",
+    ],
+)
+def test_no_path_leaves_the_store(http, path):
+    response = http.get(path)
+    assert response.status_code == 404
+    assert "token" not in response.text
+    assert "root:" not in response.text
+
+
+@pytest.mark.parametrize("name", ["../../escape.csv", "..\\..\\escape.csv", "/etc/escape.csv"])
+def test_an_upload_stays_in_its_folder(http, csv_file, name):
+    response = http.post("/api/v1/runs", params={"filename": name}, content=csv_file.read_bytes())
+    assert response.status_code == 201, response.text
+    assert response.json()["source"] == "escape.csv"
+    http.delete(f"/api/v1/runs/{response.json()['id']}")
+
+
+@pytest.mark.parametrize("name", ["..", ".", "a/..", "\x00.csv"])
+def test_a_name_that_is_none_is_refused(http, csv_file, name):
+    response = http.post("/api/v1/runs", params={"filename": name}, content=csv_file.read_bytes())
+    assert response.status_code in (400, 422)
+
+
+def test_a_large_request_is_refused_before_it_is_read(http):
+    refused(http.post("/api/v1/comparisons", content=b" " * (2 << 20)), 413, "too-large")
+
+
+def test_a_large_request_without_a_length_is_cut_off(http):
+    def parts():
+        for _ in range(64):
+            yield b" " * 65536
+
+    response = http.post(
+        "/api/v1/comparisons", content=parts(), headers={"content-type": "application/json"}
+    )
+    refused(response, 413, "too-large")
+
+
+def test_an_oversized_upload_is_refused_by_its_stated_length(arm):
+    host, port = arm.url.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), 10) as raw:
+        head = f"POST /api/v1/runs HTTP/1.1\r\nHost: {host}:{port}\r\nContent-Length: {1 << 40}\r\n"
+        raw.sendall(head.encode() + b"Content-Type: text/csv\r\n\r\ntime,q1")
+        assert b" 413 " in raw.recv(4096).split(b"\r\n")[0]
+
+
+def test_other_machines_need_a_token(tmp_path):
+    options = ["--data", str(tmp_path), "serve", "--port", "0", "--host", "0.0.0.0", "--no-sim"]
+    made = subprocess.run(
+        [sys.executable, "-m", "pa10d", *options], capture_output=True, text=True, timeout=60
+    )
+    assert made.returncode == 1
+    assert "expected a loopback address, or tokens" in made.stderr
+
+
+def test_tokens_reach_as_far_as_they_say(guarded):
+    def ask(method, path, token=None):
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        return guarded.request(method, path, headers=headers)
+
+    assert ask("GET", "/healthz").status_code == 200
+    refused(ask("GET", "/api/v1/robot"), 401, "token")
+    refused(ask("GET", "/api/v1/robot", "wrong"), 401, "token")
+    refused(ask("GET", "/metrics"), 401, "token")
+    assert ask("GET", "/api/v1/robot", "seer").status_code == 200
+    assert ask("POST", "/api/v1/robot/stop", "seer").status_code == 200
+    refused(ask("POST", "/api/v1/robot/enable", "seer"), 403, "scope")
+    assert ask("POST", "/api/v1/robot/enable", "mover").status_code in (409, 503)
+    refused(ask("DELETE", "/api/v1/runs/x", "mover"), 403, "scope")
+    refused(ask("DELETE", "/api/v1/runs/x", "root"), 404, "not-found")
+
+
+def test_pages_may_not_fetch_from_elsewhere(http):
+    for path in ("/healthz", "/docs", "/api/v1/robot"):
+        policy = http.get(path).headers["content-security-policy"]
+        assert "default-src 'self'" in policy
+        assert "frame-ancestors 'none'" in policy
+        assert "script-src 'self';" in policy
+
+
+def test_docs_need_no_internet(http):
+    import re
+
+    page = http.get("/docs")
+    assert page.status_code == 200
+    assets = re.findall(r'(?:src|href)="([^"]+)"', page.text)
+    assert len(assets) == 3
+    for asset in assets:
+        assert asset.startswith("/docs/")
+        assert http.get(asset).status_code == 200
+    assert "http" not in page.text.replace("http-equiv", "")

@@ -1,0 +1,293 @@
+"""Every fault while the arm moves: named by joint and kind, and the arm comes to rest."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import can
+import numpy as np
+import pytest
+from bus_helpers import (
+    HERE,
+    Driver,
+    make_profile,
+    promptly,
+    running,
+    second_master,
+    virtual_arm,
+)
+
+from backends.canopen_cia402 import CanopenBackend
+from backends.cia402 import State, state_of
+from backends.faults import REMEDIES
+from backends.frames import frame
+from backends.ports import Port, VirtualBusPort
+from backends.protocol import BackendFault
+from backends.virtual.injection import Injection
+from backends.virtualbus import VirtualBus
+from pa10d.profile import Profile
+
+MOVING = (State.ENABLED, State.QUICK_STOP, State.REACTING)
+
+
+@pytest.fixture
+def profile(tmp_path: Path) -> Iterator[Profile]:
+    made = make_profile(tmp_path, simulation={"clock": "real"}, control={"rate": 100.0})
+    with virtual_arm(made):
+        yield made
+
+
+def next_fault(driver: Driver, seconds: float = 4.0) -> BackendFault:
+    """Cycles until a fault is raised."""
+    with pytest.raises(BackendFault) as caught:
+        driver.run(seconds)
+    assert caught.value.remedy
+    assert f"`{caught.value.kind}`" in Path(HERE.parent.parent, "docs/faults.md").read_text()
+    return caught.value
+
+
+def assert_stops(arm: CanopenBackend, driver: Driver) -> None:
+    """By quick stop, as the control loop would: whoever still answers comes to rest."""
+    arm.quick_stop()
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end:
+        try:
+            feedback = driver.step()
+        except BackendFault:
+            continue
+        axes = [k for k in range(arm.n) if feedback.age[k] == 0]
+        if not any(state_of(int(feedback.status[k])) in MOVING for k in axes):
+            return
+    raise AssertionError("the arm does not stop")
+
+
+@pytest.mark.parametrize(
+    ("kind", "argument", "expected", "text"),
+    [
+        (Injection.POWER_LOST, 0, "silent", "no TPDO for 3 cycles"),
+        (Injection.UNPLUGGED, 0, "silent", "no TPDO for 3 cycles"),
+        (Injection.TPDO_LATE, 1000, "silent", "no TPDO for 3 cycles"),
+        (Injection.TPDO_MUTE, 1000, "silent", "no TPDO for 3 cycles"),
+        (Injection.TPDO_TWICE, 1000, "repeated_pdo", "twice in 3 cycles"),
+        (Injection.TPDO_SHORT, 1, "short_pdo", "6 bytes"),
+        (Injection.EMCY, 0x4210, "emcy", "device too hot"),
+        (Injection.FAULT, 0x2310, "emcy", "overcurrent"),
+        (Injection.FAULT_BIT, 0, "drive_fault", "no EMCY"),
+        (Injection.HEARTBEAT_MUTE, 0, "heartbeat_lost", "no heartbeat"),
+        (Injection.ENCODER_JUMP, 90_000, "encoder_jump", "encoder jumped"),
+    ],
+)
+def test_a_drive_in_trouble(
+    profile: Profile, kind: Injection, argument: int, expected: str, text: str
+) -> None:
+    with running(profile) as (arm, driver, other):
+        other.inject(1, kind, argument)
+        found = next_fault(driver)
+        assert (found.kind, found.axis) == (expected, 1)
+        assert "joint 2" in found.cause
+        assert text in found.cause
+        assert_stops(arm, driver)
+
+
+@pytest.mark.parametrize("kind", [Injection.TPDO_LATE, Injection.TPDO_MUTE, Injection.TPDO_TWICE])
+def test_one_stray_pdo_is_counted_and_forgiven(profile: Profile, kind: Injection) -> None:
+    with running(profile) as (arm, driver, other):
+        other.inject(0, kind, 1)
+        oldest = max(int(driver.step().age[0]) for _ in range(20))
+        counters = arm.counters
+        if kind is Injection.TPDO_TWICE:
+            assert counters.repeated == 1
+        else:
+            assert oldest == 1
+            assert counters.missing >= 1
+        if kind is Injection.TPDO_LATE:
+            assert counters.late + counters.repeated == 1
+        assert driver.run(0.2).age.max() == 0
+
+
+def test_a_rebooted_drive_is_configured_anew_by_reset(profile: Profile) -> None:
+    with running(profile) as (arm, driver, other):
+        other.inject(2, Injection.REBOOT)
+        assert [next_fault(driver).kind for _ in range(2)] == ["silent", "rebooted"]
+        assert_stops(arm, driver)
+        arm.reset()
+        arm.enable(driver.hold)
+        assert {state_of(int(s)) for s in driver.run(0.3).status} == {State.ENABLED}
+
+
+def test_the_drives_stop_when_our_heartbeat_ends(profile: Profile) -> None:
+    with running(profile) as (arm, driver, _):
+        arm._connected().next_heartbeat = math.inf
+        found = next_fault(driver)
+        assert "0x8130 (heartbeat of the control PC lost)" in found.cause
+        at_rest(profile)
+
+
+def test_the_drives_stop_when_sync_ends(profile: Profile) -> None:
+    """The loop hangs; heartbeats go on, so that it is SYNC that is missed."""
+    with running(profile) as (_, _, other):
+        bus, errors = other.bus, []
+        end = time.monotonic() + 0.6
+        while time.monotonic() < end:
+            beat = can.Message(arbitration_id=0x77F, data=[5], is_extended_id=False)
+            bus.send(beat)
+            message = bus.recv(0.02)
+            if message is not None and 0x80 < message.arbitration_id < 0x100:
+                errors.append(int.from_bytes(message.data[:2], "little"))
+        assert errors.count(0x8700) == 3, "each drive tells that SYNC is missing"
+        at_rest(profile)
+
+
+def test_a_full_queue(profile: Profile, tmp_path: Path) -> None:
+    quiet = make_profile(tmp_path / "..", simulation={"clock": "real"}, control={"rate": 100.0})
+    with virtual_arm(quiet) as process, promptly():
+        arm = CanopenBackend(quiet)
+        arm.open()
+        try:
+            driver = Driver(arm)
+            arm.enable(driver.hold)
+            driver.run(0.2)
+            process.send_signal(signal.SIGSTOP)
+            with pytest.raises(OSError, match="queue is full"):
+                fill(arm._port, 1_000_000)
+            found = next_fault(driver)
+            assert found.kind == "queue_full"
+            assert "errno 105" in found.cause
+            process.send_signal(signal.SIGCONT)
+            arm.reset()
+            arm.enable(driver.hold)
+            driver.run(0.2)
+        finally:
+            arm.close()
+
+
+def fill(port: Port, most: int) -> None:
+    for _ in range(most):
+        port.send(bytes(16))
+
+
+def test_frames_lost_on_our_side(profile: Profile) -> None:
+    with running(profile) as (arm, driver, other):
+        other.bus.send(
+            can.Message(is_error_frame=True, arbitration_id=4, data=[0, 1, 0, 0, 0, 0, 0, 0])
+        )
+        found = next_fault(driver)
+        assert (found.kind, found.axis) == ("receive_overflow", None)
+        assert_stops(arm, driver)
+
+
+def test_somebody_else_commands_the_nodes(profile: Profile) -> None:
+    with running(profile) as (arm, driver, other):
+        other.bus.send_packet(frame(0, bytes([128, 10])))
+        found = next_fault(driver)
+        assert found.kind in ("silent", "not_operational")
+        assert found.axis == 0
+        assert_stops(arm, driver)
+
+
+def test_an_axis_that_leaves_operation_by_itself(profile: Profile) -> None:
+    with running(profile) as (arm, driver, other):
+        other.sdo(2, "2B 40 60 00", 0)
+        found = next_fault(driver)
+        assert (found.kind, found.axis) == ("left_enabled", 2)
+        assert_stops(arm, driver)
+
+
+def test_the_arm_process_dies(tmp_path: Path) -> None:
+    profile = make_profile(tmp_path, simulation={"clock": "real"}, control={"rate": 100.0})
+    with virtual_arm(profile) as process, running(profile) as (_, driver, _):
+        process.kill()
+        assert next_fault(driver).kind == "silent"
+
+
+def test_control_dies_and_the_drives_stop_by_themselves(profile: Profile) -> None:
+    control = subprocess.Popen(
+        [sys.executable, str(HERE / "swing_for_ever.py"), str(profile.path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(HERE)},
+    )
+    assert control.stdout is not None
+    assert control.stdout.readline() == "moving\n"
+    with second_master(profile, 0) as node:
+        first = node.sdo[0x6064].raw
+        time.sleep(0.1)
+        assert node.sdo[0x6064].raw != first, "the arm moves"
+    control.kill()
+    control.wait()
+    control.stdout.close()
+    at_rest(profile)
+    with promptly():
+        the_next_control_takes_over(profile)
+
+
+def the_next_control_takes_over(profile: Profile) -> None:
+    arm = CanopenBackend(profile)
+    arm.open()
+    try:
+        with pytest.raises(BackendFault, match="reports a fault, 0x8") as caught:
+            arm.read()
+        assert caught.value.kind == "drive_fault"
+        arm.reset()
+        driver = Driver(arm)
+        arm.enable(driver.hold)
+        assert driver.run(0.2).age.max() == 0
+    finally:
+        arm.close()
+
+
+def test_a_listener_dies_and_nobody_minds(profile: Profile) -> None:
+    with running(profile) as (_, driver, _):
+        command = [sys.executable, "-m", "can.logger", "-i", "virtualbus"]
+        logger = subprocess.Popen(
+            [*command, "-c", profile.can.channel], stdout=subprocess.PIPE, text=True
+        )
+        assert logger.stdout is not None
+        line = threading.Thread(target=logger.stdout.readline)
+        line.start()
+        while line.is_alive():
+            driver.step()
+        logger.kill()
+        logger.wait()
+        logger.stdout.close()
+        assert driver.run(0.5).age.max() == 0
+
+
+def at_rest(profile: Profile, within: float = 2.0) -> None:
+    """Brakes on, power off, and the encoder stands: seen by another master."""
+    assert profile.drives is not None
+    for axis in range(len(profile.drives)):
+        with second_master(profile, axis) as node:
+            end = time.monotonic() + within
+            while state_of(node.sdo[0x6041].raw) in MOVING:
+                assert time.monotonic() < end, "the drive does not stop"
+                time.sleep(0.02)
+            assert node.sdo[0x60FE].raw == 1, "brake"
+            positions = []
+            for _ in range(5):
+                positions.append(node.sdo[0x6064].raw)
+                time.sleep(0.02)
+            assert np.ptp(positions) < 500, "the axis moves on"
+
+
+def test_small_queue_option(tmp_path: Path) -> None:
+    """The queue's size is an option of the interface, for whoever wants an early error."""
+    with VirtualBus("small", send_buffer=4608) as a, VirtualBus("small"):
+        port = VirtualBusPort(a)
+        with pytest.raises(OSError, match="queue is full"):
+            fill(port, 20)
+
+
+def test_every_kind_has_its_row_and_every_row_its_kind() -> None:
+    text = Path(HERE.parent.parent, "docs/faults.md").read_text()
+    rows = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    assert rows == set(REMEDIES)

@@ -1,0 +1,168 @@
+"""Drives that exist: the backend against nodes made from their makers' own files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import canopen
+import pytest
+from bus_helpers import Driver, make_profile, virtual_arm
+
+from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.configure import Wish, configure
+from backends.canopen_cia402.remote import SetupError
+from backends.cia402 import State, state_of
+from backends.eds import load_eds
+from backends.limits import AxisLimits
+from backends.protocol import BackendFault
+from backends.scaling import scaling_of
+from pa10d.profile import Drive
+
+EDS = Path(__file__).parents[3] / "shared" / "pa10" / "eds"
+EPOS4 = EDS / "maxon_epos4_50_15_can_node1.dcf"
+EROB = EDS / "zeroerr_erob_V1.5.eds"
+GENERIC = EDS / "cia402_profile_kacanopen.eds"
+MILLI = 0.512871  # N·m, the EPOS4's rated torque: 512871 µN·m
+
+pytestmark = pytest.mark.skipif(not EDS.is_dir(), reason="the makers' EDS files are not here")
+
+
+@contextmanager
+def node_made_from(eds: Path, **values: int) -> Iterator[canopen.RemoteNode]:
+    """canopen's own LocalNode with that dictionary, seen over canopen's own network."""
+    here, there = canopen.Network(), canopen.Network()
+    for network in (here, there):
+        network.NOTIFIER_CYCLE = 0.02
+        network.connect(interface="virtual", channel=f"real-{eds.name}")
+    try:
+        local = there.create_node(5, load_eds(eds, 5))
+        local.add_write_callback(
+            lambda index, subindex, data, **_: (
+                local.sdo.download(0x6061, 0, bytes(data)) if index == 0x6060 else None
+            )
+        )
+        for name, value in values.items():
+            local.set_data(int(name[1:], 16), 0, value.to_bytes(4, "little"))
+        yield here.add_node(5, load_eds(eds, 5))
+    finally:
+        here.disconnect()
+        there.disconnect()
+
+
+def wish(rated: float = 1.0, bitrate: int = 1_000_000) -> Wish:
+    drive = Drive(node=5, counts_per_rev=524288, rated_torque=rated)
+    limits = AxisLimits(-3.0, 3.0, 2.0, 10.0, rated)
+    return Wish(drive, scaling_of(drive), limits, 0.002, bitrate, master=127, silence_ms=250)
+
+
+def test_the_maxon_epos4() -> None:
+    with node_made_from(EPOS4) as node:
+        report = configure(node, wish(MILLI))
+        assert [node.sdo[0x1600][k + 1].raw for k in range(node.sdo[0x1600][0].raw)] == [
+            0x60400010,
+            0x60710010,
+        ]
+        assert [node.sdo[0x1A00][k + 1].raw for k in range(node.sdo[0x1A00][0].raw)] == [
+            0x60640020,
+            0x60770010,
+            0x60410010,
+        ]
+        assert node.sdo[0x1400][2].raw == node.sdo[0x1800][2].raw == 1
+        assert node.sdo[0x1016][1].raw == 127 << 16 | 250
+        assert node.sdo[0x6060].raw == 10
+    assert report.command.size == 4
+    assert report.feedback.size == 8
+    assert report.vendor == 0xFB
+    assert "cyclic synchronous torque" in report.modes
+    text = "\n".join(report.lacks)
+    assert "no Communication cycle period (0x1006)" in text
+    assert "does not notice when SYNC stays away" in text
+    assert "no Max torque (0x6072)" in text
+    assert "0x1016" not in text, "an object that is there is not complained about"
+
+
+def test_the_zeroerr_erob() -> None:
+    with node_made_from(EROB, x6502=0x38D) as node:
+        report = configure(node, wish())
+    text = "\n".join(report.lacks)
+    assert "no Abort connection option code (0x6007): what the drive does when" in text
+    assert "no Quick stop option code (0x605A)" in text
+    with (
+        node_made_from(EROB, x6502=0x38D) as node,
+        pytest.raises(SetupError, match="EDS allows 1000 kbit/s, the profile has 500"),
+    ):
+        configure(node, wish(bitrate=500_000))
+
+
+def test_the_generic_profile_is_refused_and_every_reason_told() -> None:
+    with node_made_from(GENERIC) as node, pytest.raises(SetupError) as caught:
+        configure(node, wish())
+    text = str(caught.value)
+    assert "device type 0x00000000" in text
+    assert "no cyclic synchronous torque mode (bit 9 of 0x6502" in text
+    with node_made_from(GENERIC, x1000=0x00020192, x6502=0x2EF) as node:
+        report = configure(node, wish())
+    text = "\n".join(report.lacks)
+    assert "no Consumer heartbeat time (0x1016): the drive does not notice when the control" in text
+    assert "no Error behaviour (0x1029)" in text
+
+
+def test_a_drive_without_torque_mode_is_refused_with_what_it_has() -> None:
+    with (
+        node_made_from(EROB, x6502=0x81) as node,
+        pytest.raises(SetupError, match="offers profile position, cyclic synchronous position"),
+    ):
+        configure(node, wish())
+
+
+def test_a_wrong_torque_unit_is_refused() -> None:
+    with (
+        node_made_from(EPOS4) as node,
+        pytest.raises(SetupError, match=r"0x6076.*found 0\.512871 N·m, profile has 4\.64"),
+    ):
+        configure(node, wish(4.64))
+
+
+def test_identity_is_compared() -> None:
+    other = wish(MILLI)
+    other = replace(other, drive=other.drive.model_copy(update={"vendor_id": 0x9A}))
+    with (
+        node_made_from(EPOS4) as node,
+        pytest.raises(SetupError, match=r"vendor .*found 0xFB, profile expects 0x9A"),
+    ):
+        configure(node, other)
+
+
+@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, MILLI), (EROB, 1.0)])
+def test_a_virtual_drive_with_a_real_dictionary_lives(
+    tmp_path: Path, eds: Path, rated: float
+) -> None:
+    """The whole way over the bus: boot, configure, enable, move, disable."""
+    profile = make_profile(tmp_path, 2, drive={"eds": str(eds), "rated_torque": rated})
+    with virtual_arm(profile):
+        arm = CanopenBackend(profile)
+        arm.open()
+        try:
+            assert any(line.startswith("joint 2: no ") for line in arm.warnings)
+            driver = Driver(arm, amplitude=0.1)
+            arm.enable(driver.hold)
+            assert {state_of(int(s)) for s in driver.run(0.5).status} == {State.ENABLED}
+            assert abs(driver.step().q).max() > 0.01
+            arm.disable()
+            assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
+        finally:
+            arm.close()
+
+
+def test_refusal_reaches_the_user_through_the_backend(tmp_path: Path) -> None:
+    profile = make_profile(tmp_path, 2, drive={"vendor_id": 0xFB})
+    with virtual_arm(profile):
+        arm = CanopenBackend(profile)
+        with pytest.raises(
+            BackendFault, match=r"joint 1: node 10: vendor .*expects 0xFB"
+        ) as caught:
+            arm.open()
+        assert caught.value.kind == "setup"

@@ -1,0 +1,204 @@
+"""Each flaw is put into a sound recording; exactly its finding must appear."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.checks import beyond_limits, check_recording, estimate_delay
+from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.profile import load_profile
+from pa10d.recording import Recording
+from pa10d.sampling import analyse
+
+RATE = 500.0
+N = 10_000
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return robot_from_profile(load_profile("pa10-sim"))
+
+
+def _motion(t, seed=0):
+    """Sums of three sines per joint, and their derivatives."""
+    rng = np.random.default_rng(seed)
+    q, dq, ddq = (np.zeros((len(t), 7)) for _ in range(3))
+    for j in range(7):
+        for f in (0.1, 0.23, 0.4):
+            a, phase = rng.uniform(0.1, 0.25), rng.uniform(0, 6)
+            w = 2 * np.pi * f
+            q[:, j] += a * np.sin(w * t + phase)
+            dq[:, j] += a * w * np.cos(w * t + phase)
+            ddq[:, j] -= a * w**2 * np.sin(w * t + phase)
+    return q, dq, ddq
+
+
+def _sound(robot, late=0.0, seed=0):
+    """A PA10 with friction, encoder steps and torque noise; its torque ``late`` seconds late."""
+    rng = np.random.default_rng(100 + seed)
+    t = np.arange(N) / RATE
+    q, dq, _ = _motion(t, seed)
+    then, dthen, ddthen = _motion(t - late, seed)
+    scale = robot.effort / 232
+    tau = inverse_dynamics(robot, robot.parameters, then, dthen, ddthen)
+    tau += scale * (8 * np.sign(dthen) + 10 * dthen) + rng.normal(size=tau.shape) * 0.3 * scale
+    q = np.round(q / 7.67e-6) * 7.67e-6
+    return Recording("x", t, q, tau, dq)
+
+
+def _but(recording, **changes):
+    fields = {"t": recording.t, "q": recording.q, "tau": recording.tau, "dq": recording.dq}
+    fields = {key: None if v is None else v.copy() for key, v in fields.items()}
+    for key, change in changes.items():
+        fields[key] = change(fields[key])
+    return Recording("x", **fields)
+
+
+def _codes(findings, joint=None):
+    return {f.code for f in findings if f.severity != "info" and joint in (None, f.joint)}
+
+
+def test_a_sound_recording_has_nothing_against_it(robot):
+    recording = _sound(robot)
+    findings = check_recording(recording, analyse(recording.t), robot)
+    assert _codes(findings) == set()
+    assert [f.code for f in findings] == ["rate", "delay"]
+    assert "10000 samples at 500 Hz, 20.0 s, 7 joints" in findings[0].sentence
+
+
+def _joint(j, change):
+    def apply(values):
+        values[:, j] = change(values[:, j])
+        return values
+
+    return apply
+
+
+def _hold(values):
+    moving = values.copy()
+    moving[4000:4200] = moving[4000]
+    return moving
+
+
+def _wrap(values):
+    return (values * 8 + np.pi) % (2 * np.pi) - np.pi
+
+
+FLAWS = {
+    "clipped above": ({"tau": _joint(1, lambda v: np.minimum(v, 20.0))}, {"clipped"}, 2),
+    "clipped below": ({"tau": _joint(3, lambda v: np.maximum(v, -10.0))}, {"clipped"}, 4),
+    "frozen": ({"tau": _joint(2, _hold)}, {"frozen"}, 3),
+    "constant": ({"tau": _joint(4, lambda v: 0 * v + 1.5)}, {"frozen"}, 5),
+    "never moved": ({"q": _joint(6, lambda v: 0 * v + 0.3)}, {"never_moved"}, 7),
+    "jump": ({"q": _joint(5, lambda v: v + 0.4 * (np.arange(N) > 6000))}, {"jump"}, 6),
+    "degrees": ({"q": np.degrees}, {"degrees", "limits", "velocity_unit"}, None),
+    "counts": ({"q": lambda q: np.round(q / 7.67e-6)}, {"counts", "limits", "velocity_unit"}, None),
+    "speed in degrees": ({"dq": _joint(0, np.degrees)}, {"velocity_unit", "limits"}, 1),
+    "speed reversed": ({"dq": _joint(0, lambda v: -v)}, {"velocity_unit"}, 1),
+    "motor-side torque": ({"tau": lambda tau: tau / 50}, {"torque_small"}, None),
+    "millinewtonmetres": ({"tau": lambda tau: tau * 1e3}, {"torque_large", "limits"}, None),
+    "slow": ({"t": lambda t: t * 20}, {"slow"}, None),
+    "milliseconds": ({"t": lambda t: t * 1000}, {"time_unit"}, None),
+    "sign": ({"tau": _joint(2, lambda v: -v)}, {"sign"}, 3),
+}
+
+
+@pytest.mark.parametrize("case", FLAWS)
+def test_a_flaw_is_named_at_its_joint(robot, case):
+    changes, wanted, joint = FLAWS[case]
+    findings = check_recording(_but(_sound(robot), **changes), None, robot)
+    found = _codes(findings) if joint is None else _codes(findings, joint)
+    ours = found - ({"velocity_unit"} if "q" in changes or "t" in changes else set())
+    assert ours == wanted - ({"velocity_unit"} if "q" in changes or "t" in changes else set())
+    if joint is not None:
+        assert _codes([f for f in findings if f.joint not in (None, joint)]) <= {"limits"}
+    gravest = [f.severity for f in findings]
+    assert gravest == sorted(gravest, key=["error", "warning", "info"].index)
+    assert all(f.sentence and "\n" not in f.sentence for f in findings)
+
+
+def test_an_angle_that_starts_anew_every_turn(robot):
+    recording = _but(_sound(robot), q=_joint(6, _wrap))
+    (jump,) = [f for f in check_recording(recording, None, None) if f.code == "jump"]
+    assert "unwrap" in jump.advice
+    assert jump.joint == 7
+
+
+def test_a_coarse_sensor_is_not_clipped(robot):
+    """Torque in steps of the drives' per mille dwells on its top level without being cut."""
+    step = robot.effort / 1000
+    recording = _but(_sound(robot), tau=lambda tau: np.round(tau / step) * step)
+    assert "clipped" not in _codes(check_recording(recording, None, robot))
+
+
+def test_standing_still_is_neither_frozen_nor_clipped(robot):
+    """A noise-free simulator holds exactly the same torque while the arm rests."""
+
+    def rest(values):
+        values[:3000] = values[3000]
+        return values
+
+    recording = _but(_sound(robot), q=rest, tau=rest, dq=rest)
+    assert _codes(check_recording(recording, None, None)) == set()
+
+
+def test_jitter_gaps_and_duplicates(robot):
+    t = np.arange(N) / RATE
+    late = t + np.random.default_rng(0).uniform(0, 0.5 / RATE, N)
+    late[5000:] += 1.0
+    findings = check_recording(_sound(robot), analyse(late, duplicates=3), robot)
+    assert _codes(findings) == {"jitter", "gaps", "duplicate_stamps"}
+    (gap,) = [f for f in findings if f.code == "gaps"]
+    assert "1 gaps without samples" in gap.sentence
+    assert "at 9.99" in gap.sentence
+
+
+def test_a_short_recording(robot):
+    recording = _sound(robot).part(0, 1500, "")
+    findings = check_recording(recording, None, robot)
+    assert _codes(findings) == {"short"}
+    assert "delay_unknown" in {f.code for f in findings}
+
+
+def test_limits_are_said_with_joint_extent_and_share(robot):
+    recording = _but(_sound(robot), q=_joint(1, lambda v: np.where(np.arange(N) < 100, 1.7, v)))
+    (finding,) = beyond_limits(recording, robot)
+    assert finding.joint == 2
+    assert finding.sentence == (
+        "joint 2 (S2): q reaches 1.7 rad, limits -1.588 … 1.588 (1 % of the samples are beyond)"
+    )
+
+
+@pytest.mark.parametrize("late", [-0.004, 0.0, 0.0013, 0.007])
+def test_the_delay_is_found_within_its_interval(robot, late):
+    """Below one sample as well; over several motions the stated interval holds."""
+    hits, errors = 0, []
+    for seed in range(4):
+        delay = estimate_delay(_sound(robot, late, seed), robot)
+        assert delay.known
+        errors.append(delay.seconds - late)
+        hits += abs(errors[-1]) < 3 * delay.std_error
+        assert delay.std_error < 1e-3
+        assert (delay.friction > 0).all()
+    assert hits >= 3
+    assert np.abs(errors).max() < 1.5e-3
+
+
+def test_a_late_torque_is_a_warning(robot):
+    findings = check_recording(_sound(robot, late=0.012), None, robot)
+    (delay,) = [f for f in findings if f.code == "delay"]
+    assert delay.severity == "warning"
+    assert "ms late against the position" in delay.sentence
+
+
+def test_the_independent_simulator_s_torque_is_on_time(shared_data, robot):
+    from pa10d.dynamics import robot_from_urdf
+    from pa10d.store.csv_import import read_csv
+
+    arm = robot_from_urdf(shared_data / "samples/robot.urdf")
+    for name in ("train_a", "train_b", "valid_a"):
+        found = read_csv(shared_data / f"samples/s01/{name}.csv.gz", 7, "arm")
+        recording = Recording("x", found.timing.grid, found.samples.q, found.samples.tau)
+        delay = estimate_delay(recording, arm)
+        assert abs(delay.seconds) < 0.001

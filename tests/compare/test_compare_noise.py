@@ -1,0 +1,81 @@
+"""The noise floor against the noise that was put in."""
+
+import compare_arm as arm
+import numpy as np
+import pytest
+import scipy.signal
+
+from pa10d.compare import noise_floor, run_residual
+from pa10d.compare.noise import ABOVE, REPEATS, STANDSTILL
+from pa10d.compare.repeats import overlap, period, same_motion
+
+SIGMA = 0.3
+
+
+def truth(coloured=0.0):
+    """RMS of the noise behind the low-pass, by filtering much of it forward and backward."""
+    noise = np.random.default_rng(99).standard_normal(400_000)
+    gain = np.sqrt(1 - coloured**2)
+    noise = scipy.signal.lfilter([gain], [1, -coloured], noise)
+    sos = scipy.signal.butter(4, arm.CUTOFF, fs=arm.RATE, output="sos")
+    return SIGMA * float(np.std(scipy.signal.sosfiltfilt(sos, noise)))
+
+
+def slope(t, q, dq):
+    return arm.on_joint(1, 2.0 * q[:, 1] + np.tanh(dq[:, 1]))
+
+
+def seen(*recordings):
+    return noise_floor([run_residual(arm.model(), recording) for recording in recordings])
+
+
+@pytest.mark.parametrize("coloured", [0.0, 0.95])
+def test_periods_show_the_noise_whatever_its_colour_and_the_models_error(coloured):
+    record = arm.recording(1, 60.0, SIGMA, slope, coloured=coloured, period=10.0)
+    floor = seen(record)
+    assert floor.methods == (REPEATS,) * 3
+    assert floor.values == pytest.approx(np.full(3, truth(coloured)), rel=0.12)
+
+
+def test_a_second_run_of_the_same_motion_shows_the_noise():
+    floor = seen(
+        arm.recording(1, 40.0, SIGMA, slope, noise_seed=5, name="a"),
+        arm.recording(1, 40.0, SIGMA, slope, noise_seed=6, name="b", later=0.812),
+    )
+    assert floor.methods == (REPEATS,) * 3
+    assert floor.values == pytest.approx(np.full(3, truth()), rel=0.12)
+
+
+def test_without_repetition_the_spectrum_above_the_cutoff_tells():
+    floor = seen(arm.recording(1, 60.0, SIGMA, slope))
+    assert floor.methods == (ABOVE,) * 3
+    assert floor.values == pytest.approx(np.full(3, truth()), rel=0.2)
+
+
+def test_standstill_shows_slow_noise_that_the_spectrum_above_does_not():
+    record = arm.recording(1, 60.0, SIGMA, coloured=0.95, extra=slope)
+    q, tau = record.q.copy(), record.tau.copy()
+    noise = scipy.signal.lfilter(
+        [np.sqrt(1 - 0.95**2)], [1, -0.95], np.random.default_rng(3).standard_normal(6000)
+    )
+    rest = slice(6000, 12000)
+    q[rest], tau[rest, 1] = q[6000], 4.0 + SIGMA * noise
+    floor = seen(type(record)("rest", record.t, q, tau))
+    assert floor.methods[1] == STANDSTILL
+    assert floor.values[1] == pytest.approx(truth(0.95), rel=0.25)
+
+
+def test_period_and_shift_of_a_motion():
+    repeated = arm.recording(1, 35.0, period=8.0)
+    assert period(repeated.q, arm.RATE) == pytest.approx(8.0 * arm.RATE, abs=1)
+    one, other = arm.recording(1, 30.0), arm.recording(1, 30.0, later=0.6)
+    assert period(one.q, arm.RATE) is None
+    assert same_motion(one.q, other.q, arm.RATE) == -150
+    assert same_motion(one.q, arm.recording(2, 30.0).q, arm.RATE) is None
+
+
+def test_overlap_pairs_the_same_instants():
+    a, b = overlap(10, 8, 3)
+    assert (a, b) == (slice(0, 5), slice(3, 8))
+    a, b = overlap(10, 8, -4)
+    assert (a, b) == (slice(4, 10), slice(0, 6))

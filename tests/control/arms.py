@@ -1,0 +1,77 @@
+"""Small arms in this process for tests of the loop."""
+
+from __future__ import annotations
+
+import numpy as np
+from fake_backend import FakeBackend, Flywheels
+
+from pa10d.control.arm import Arm
+from pa10d.control.gains import PidGains
+from pa10d.control.journal import Journal
+from pa10d.control.limits import ArmLimits
+from pa10d.control.pid import Pid
+from pa10d.control.reference import Motion
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+
+PERIOD = 0.002
+
+
+def limits(n: int = 2) -> ArmLimits:
+    one = np.ones(n)
+    return ArmLimits(
+        lower=-2.0 * one,
+        upper=2.0 * one,
+        velocity=2.0 * one,
+        acceleration=4.0 * one,
+        torque=50.0 * one,
+        torque_rate=5000.0 * one,
+        following_error=0.1 * one,
+    )
+
+
+def servo(n: int = 2) -> Pid:
+    w = 2 * np.pi * 4.0 * np.ones(n)
+    return Pid(PidGains(3 * w**2, w**3, 3 * w), limits(n).torque, PERIOD)
+
+
+def flywheel_arm(n: int = 2, capacity: int = 4096) -> tuple[Arm, FakeBackend]:
+    backend = FakeBackend(Flywheels(n), PERIOD)
+    ring = Ring.create(n, capacity, PERIOD)
+    arm = Arm(backend, limits(n), lambda: servo(n), lambda q: np.zeros(n), Journal(ring))
+    return arm, backend
+
+
+def holding_arm(n: int = 2) -> tuple[Arm, FakeBackend]:
+    arm, backend = flywheel_arm(n)
+    arm.connect()
+    cycles(arm, 3)
+    arm.enable()
+    cycles(arm, 3)
+    assert arm.state == ArmState.HOLDING
+    return arm, backend
+
+
+def cycles(arm: Arm, count: int) -> None:
+    for _ in range(count):
+        arm.cycle()
+
+
+def until(arm: Arm, *states: ArmState, seconds: float = 10.0) -> None:
+    """Cycle until one of the states is reached."""
+    for _ in range(int(seconds / PERIOD)):
+        if arm.state in states:
+            return
+        arm.cycle()
+    raise AssertionError(f"still {arm.state.label} after {seconds} s")
+
+
+def swing(start: np.ndarray, amplitude: float = 0.8, seconds: float = 3.0) -> Motion:
+    """All joints out and back, at rest at both ends."""
+    t = np.arange(int(seconds / PERIOD)) * PERIOD
+    w = 2 * np.pi / seconds
+    one = np.ones((1, len(start)))
+    q = start + amplitude * one * ((1 - np.cos(w * t)) / 2)[:, None]
+    dq = amplitude * one * (w * np.sin(w * t) / 2)[:, None]
+    ddq = amplitude * one * (w * w * np.cos(w * t) / 2)[:, None]
+    return Motion(1, np.hstack([q, dq, ddq, 0 * q]))

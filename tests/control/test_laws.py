@@ -1,0 +1,225 @@
+"""Control laws, gains, limits, estimator: against closed forms and independent routes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms import PERIOD, limits
+from fake_backend import FakeBackend
+
+from backends.virtual.plant import build
+from pa10d.control.build import build_arm, servo_factory
+from pa10d.control.computed_torque import ComputedTorque
+from pa10d.control.estimator import SpeedEstimator
+from pa10d.control.gains import nominal_inertia, pid_gains
+from pa10d.control.limits import arm_limits
+from pa10d.control.live_model import LiveModel, live_model, remainder
+from pa10d.control.pid import Pid
+from pa10d.control.reference import Braking, Motion, Reference
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+from pa10d.dynamics import base_parameters, inverse_dynamics, robot_from_profile
+from pa10d.effects import Context
+from pa10d.errors import UserError
+from pa10d.model import Term, TorqueModel
+from pa10d.profile import load_profile
+
+
+@pytest.fixture(scope="module")
+def profile():
+    return load_profile("pa10-sim")
+
+
+@pytest.fixture(scope="module")
+def robot(profile):
+    return robot_from_profile(profile)
+
+
+def test_gain_rule_places_three_equal_poles(robot, profile):
+    gains, inertia = pid_gains(robot, profile.control), nominal_inertia(robot)
+    w = 2 * np.pi * profile.control.bandwidth_hz
+    for j in range(robot.n):
+        poles = np.roots([inertia[j], gains.kd[j], gains.kp[j], gains.ki[j]])
+        np.testing.assert_allclose(poles, -w, rtol=1e-4)
+
+
+def test_given_gains_are_taken(robot, profile):
+    gains = profile.control.gains.model_copy(update={"kp": [float(k) for k in range(1, 8)]})
+    control = profile.control.model_copy(update={"gains": gains})
+    np.testing.assert_array_equal(pid_gains(robot, control).kp, np.arange(1.0, 8.0))
+
+
+def test_an_arm_without_limits_is_not_moved(profile, robot):
+    from dataclasses import replace
+
+    with pytest.raises(UserError, match=r"limits\.acceleration: found nothing for joint 1"):
+        arm_limits(profile, replace(robot, acceleration=np.full(7, np.inf)))
+
+
+def test_braking_is_exact():
+    reference = Reference(2)
+    reference.dq[:] = [1.0, -0.3]
+    braking = Braking(limits().acceleration, reference.dq.copy(), PERIOD)
+    steps = 0
+    while not braking.advance(reference):
+        steps += 1
+    np.testing.assert_allclose(reference.q, [1.0 / 8, -0.09 / 8], atol=1e-12)  # v²/2a
+    assert steps == pytest.approx(0.25 / PERIOD, abs=1)
+
+
+def test_integral_does_not_wind_up():
+    """Pushed against a wall for long, then let go: the servo does not overshoot for as long."""
+    from pa10d.control.gains import PidGains
+
+    w = 2 * np.pi * 4.0 * np.ones(1)
+    pid = Pid(PidGains(3 * w**2, w**3, 3 * w), np.array([10.0]), PERIOD)
+    reference, q = Reference(1), np.zeros(1)
+    reference.q[:] = 1.0
+    for _ in range(5000):
+        wanted = pid.torque(reference, q, np.zeros(1))
+        pid.applied(wanted, np.clip(wanted, -10, 10))
+    assert abs(pid._integral[0]) <= 10.0
+    reference.q[:] = 0.0
+    reached = 0
+    for k in range(5000):  # the wall is gone; unit inertia
+        wanted = pid.torque(reference, q, np.zeros(1))
+        pid.applied(wanted, np.clip(wanted, -10, 10))
+        reached = k
+        if wanted[0] < 0.5:
+            break
+    assert reached * PERIOD < 0.5
+
+
+def test_estimator_follows_a_ramp_over_missing_samples():
+    rng = np.random.default_rng(1)
+    estimator, speed = SpeedEstimator(2, PERIOD), np.array([0.7, -1.2])
+    for k in range(400):
+        age = rng.integers(0, 2, 2) if k > 10 else np.zeros(2, int)
+        true = speed * k * PERIOD
+        shown = np.where(age == 0, true, estimator._last)
+        estimator.update(shown, age, k * PERIOD)
+    np.testing.assert_allclose(estimator.dq, speed, rtol=0.02)
+
+
+def test_a_late_cycle_is_no_fast_joint():
+    estimator, speed, time = SpeedEstimator(1, PERIOD), 0.9, 0.0
+    for k in range(300):
+        time += 0.02 if k % 50 == 49 else PERIOD
+        estimator.update(np.array([speed * time]), np.zeros(1, int), time)
+        if k > 30:
+            assert abs(estimator.dq[0] - speed) < 0.02
+
+
+def small_model(robot) -> TorqueModel:
+    """Rigid bodies of the URDF with friction, a spring and a late torque sensor."""
+    base = base_parameters(robot)
+    terms = [Term("rotor_inertia", (1,), np.array([0.5]))]
+    terms += [Term("coulomb", (j,), np.array([1.0 + j]), {"v0": 0.01}) for j in range(robot.n)]
+    terms += [Term("viscous", (2,), np.array([3.0])), Term("torque_offset", (0,), np.array([2.0]))]
+    terms += [Term("spring", (1,), np.array([5.0, 0.0]))]
+    terms += [Term("torque_delay", (3,), np.array([0.01]))]
+    size = len(base.kept) + sum(len(t.coefficients) for t in terms)
+    relations = np.linalg.pinv(np.eye(10 * robot.n)[:, base.kept])
+    h = relations @ _in_base(robot, base)
+    return TorqueModel(
+        "m", robot, base, h, tuple(terms), np.zeros((size, size)), np.zeros(robot.n), 20.0
+    )
+
+
+def _in_base(robot, base):
+    """Standard parameters with the same torque, zero outside the base (least squares on Y)."""
+    from pa10d.dynamics import regressor
+
+    rng = np.random.default_rng(3)
+    q, dq, ddq = rng.normal(size=(3, 60, robot.n))
+    y = regressor(robot, q, dq, ddq).reshape(-1, 10 * robot.n)
+    h, *_ = np.linalg.lstsq(y[:, base.kept], y @ robot.parameters.ravel(), rcond=None)
+    out = np.zeros(10 * robot.n)
+    out[base.kept] = h
+    return out
+
+
+def test_live_part_and_remainder_make_the_whole_prediction(robot):
+    model = small_model(robot)
+    t = np.arange(500) * PERIOD
+    q = 0.4 * np.sin(2 * np.pi * 0.7 * t)[:, None] * np.ones(robot.n)
+    dq, ddq = (
+        np.gradient(q, PERIOD, axis=0),
+        np.gradient(np.gradient(q, PERIOD, axis=0), PERIOD, axis=0),
+    )
+    live = live_model(model)
+    total = live.torque(robot, q, dq, dq, ddq) + remainder(model, live, q, dq, ddq, PERIOD)
+    context = Context(robot, t, q, dq, ddq, model.rigid, np.zeros_like(q))
+    said = model.predict(context)
+    delayed = Term("torque_delay", (3,), np.array([0.01])).torque(model.contextualise(context))
+    np.testing.assert_allclose(total, said - delayed, atol=1e-9)
+    assert np.abs(delayed).max() > 1e-3  # the sensor's delay is no torque to be commanded
+
+
+def test_live_model_survives_the_pipe(robot):
+    live = live_model(small_model(robot))
+    again = LiveModel.from_document(live.document())
+    for key, value in vars(live).items():
+        np.testing.assert_array_equal(getattr(again, key), value)
+
+
+def test_computed_torque_tracks_better_than_pid_with_the_same_gains(profile, robot):
+    """The paper's comparison (3.2.2): a sine of 30 degrees and 4 s on all joints."""
+    plant = build(profile)
+    book = plant.textbook
+    errors = {}
+    live = LiveModel(
+        "known", robot.parameters, book.rotor_inertia, book.coulomb, np.full(7, 0.002),
+        book.viscous, np.zeros(7),
+    )  # fmt: skip
+    for name in ("pid", "computed_torque"):
+        start = np.array([0.0, 0.5, 0.0, 0.8, 0.0, 0.3, 0.0])
+        plant.reset(start)
+        ring = Ring.create(7, 4096, PERIOD)
+        arm = build_arm(profile, robot, FakeBackend(plant), ring)
+        arm.connect()
+        for _ in range(3):
+            arm.cycle()
+        arm.enable()
+        if name == "computed_torque":
+            arm.use(ComputedTorque(robot, live, servo_factory(profile, robot, PERIOD)()))
+        for _ in range(200):
+            arm.cycle()
+        arm.run(sine(arm.path.reference.q))
+        began = ring.written
+        while arm.state == ArmState.RUNNING:
+            arm.cycle()
+        assert arm.fault is None
+        rows, _ = ring.read(began)
+        error = ring.layout.get(rows, "q_ref") - ring.layout.get(rows, "q")
+        errors[name] = np.sqrt(np.mean(error**2, axis=0))
+    assert np.all(errors["computed_torque"] < 0.5 * errors["pid"])
+
+
+def sine(start, seconds=4.0):
+    t = np.arange(int(seconds / PERIOD)) * PERIOD
+    w, a = 2 * np.pi / seconds, np.deg2rad(30) / 2
+    one = np.ones((1, len(start)))
+    q = start + a * one * (1 - np.cos(w * t))[:, None]
+    dq, ddq = a * w * one * np.sin(w * t)[:, None], a * w * w * one * np.cos(w * t)[:, None]
+    return Motion(1, np.hstack([q, dq, ddq, 0 * q]))
+
+
+def test_simulated_time_gives_the_same_numbers_every_time(profile, robot):
+    def torques():
+        arm = build_arm(profile, robot, FakeBackend(build(profile)), Ring.create(7, 2048, PERIOD))
+        arm.connect()
+        for _ in range(3):
+            arm.cycle()
+        arm.enable()
+        arm.run(sine(arm.path.reference.q, 1.0))
+        for _ in range(600):
+            arm.cycle()
+        return arm.journal.ring.layout.get(arm.journal.ring.read(0)[0], "torque")
+
+    np.testing.assert_array_equal(torques(), torques())
+
+
+def test_gravity_of_an_upright_arm(profile, robot):
+    still = np.zeros((1, 7))
+    assert np.abs(inverse_dynamics(robot, robot.parameters, still, still, still)).max() < 1e-9

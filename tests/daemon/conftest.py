@@ -1,0 +1,120 @@
+"""A daemon with all its processes, as a user starts it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from bus_observer import Observer
+
+from pa10d.client import Client, running_at
+
+
+class Bench:
+    """``pa10d serve`` on a private bus with a virtual arm that outlives it."""
+
+    def __init__(self, data: Path, channel: str, clock: str = "real") -> None:
+        self.data, self.channel, self._clock = data, channel, clock
+        self.simulator: subprocess.Popen | None = None
+        self.server: subprocess.Popen | None = None
+        self._stack = contextlib.ExitStack()
+        self.client: Client | None = None
+        self.observer: Observer | None = None
+
+    def start_simulator(self) -> None:
+        options = ["sim", "--channel", self.channel, "--clock", self._clock]
+        self.simulator = subprocess.Popen(
+            [sys.executable, "-m", "pa10d", *options], stderr=subprocess.PIPE, text=True
+        )
+        assert "virtual arm on" in self.simulator.stderr.readline()
+        self.observer = Observer(self.channel)
+
+    def start_daemon(self) -> None:
+        options = ["--data", str(self.data), "--json", "serve", "--port", "0", "--no-sim"]
+        options += ["--channel", self.channel, "--clock", self._clock]
+        self.server = subprocess.Popen(
+            [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
+        )
+        url = json.loads(self.server.stdout.readline())["url"]
+        self.client = self._stack.enter_context(running_at(url, self.data))
+
+    def pid_of(self, module: str) -> int:
+        """A child of the daemon."""
+        for path in Path("/proc").glob("[0-9]*"):
+            with contextlib.suppress(OSError):
+                words = (path / "cmdline").read_bytes().split(b"\0")
+                parent = int((path / "stat").read_text().rpartition(")")[2].split()[1])
+                if parent == self.server.pid and module.encode() in words:
+                    return int(path.name)
+        raise AssertionError(f"no process {module}")
+
+    def start_moving(self, seconds: float) -> dict:
+        """An experiment whose arm has moved for this long."""
+        plan = {"kind": "tracking", "parameters": {"period": 4.0, "cycles": 8}}
+        job = self.client.start("experiments", plan)
+        until = time.monotonic() + 30
+        while not self._moves():
+            assert self.client.job(job["id"])["status"] == "running", self.client.job(job["id"])
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        time.sleep(seconds)
+        return job
+
+    def _moves(self) -> bool:
+        robot = self.client.robot()
+        return robot["recording"] and any(abs(a["velocity"]) > 0.05 for a in robot["axes"])
+
+    def kill_simulator(self) -> None:
+        self.simulator.kill()
+        _close(self.simulator)
+        self.observer.close()
+
+    def kill_daemon(self) -> None:
+        self.server.kill()
+        _close(self.server)
+
+    def end(self) -> None:
+        for process in (self.server, self.simulator):
+            if process is not None and process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+                try:
+                    process.wait(20)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+            if process is not None:
+                _close(process)
+        self._stack.close()
+        if self.observer is not None:
+            self.observer.close()
+
+
+def _close(process: subprocess.Popen) -> None:
+    process.wait()
+    for pipe in (process.stdout, process.stderr):
+        if pipe is not None:
+            pipe.close()
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """One for all tests of a module; they leave it inactive."""
+    name = f"t{os.getpid()}-{time.time_ns() % 10**6}"
+    made = Bench(tmp_path_factory.mktemp("data"), name)
+    try:
+        made.start_simulator()
+        made.start_daemon()
+        yield made
+    finally:
+        made.end()
+
+
+@pytest.fixture
+def data(bench):
+    return bench.data

@@ -1,0 +1,119 @@
+"""Whatever is killed while the arm moves: it comes to rest, brakes on, and the run can be read."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import time
+
+import pytest
+
+from pa10d.client import JobFailed
+from pa10d.store import RunStore
+
+pytestmark = [pytest.mark.realtime, pytest.mark.timeout(120)]
+REST = 4.0  # s until the arm is at rest with its brakes on
+TIMES = 5
+
+
+def pytest_generate_tests(metafunc):
+    if "moment" in metafunc.fixturenames:
+        count = 100 if metafunc.config.getoption("--long") else TIMES
+        draw = random.Random(metafunc.function.__name__)
+        metafunc.parametrize("moment", [round(draw.uniform(0.0, 1.5), 3) for _ in range(count)])
+
+
+def last_run(bench):
+    """The newest run, read as anybody else would: from the files."""
+    store = RunStore(bench.data)
+    info = store.all()[-1]
+    recording = store.recording(info)
+    assert recording.joints == 7
+    assert recording.duration > 0.1
+    return info
+
+
+def wait_for_run(bench, seconds=8.0):
+    """Until the newest run is closed or repaired."""
+    until = time.monotonic() + seconds
+    while RunStore(bench.data).all()[-1].status == "started":
+        assert time.monotonic() < until, "the run was never closed"
+        time.sleep(0.1)
+    return last_run(bench)
+
+
+def recover(bench):
+    """After a reset everything works again."""
+    until = time.monotonic() + 30
+    while bench.client.robot()["state"] != "inactive":
+        state = bench.client.robot()["state"]
+        if state == "fault":
+            bench.client.reset()
+        elif state == "holding":
+            bench.client.disable()
+        assert time.monotonic() < until, bench.client.robot()
+        time.sleep(0.2)
+
+
+def test_control(bench, moment):
+    job = bench.start_moving(moment)
+    os.kill(bench.pid_of("pa10d.control"), signal.SIGKILL)
+    bench.observer.wait_for_rest(REST)
+    with pytest.raises(JobFailed):
+        bench.client.wait(job)
+    robot = bench.client.robot()
+    assert robot["state"] == "fault"
+    assert robot["fault"]["kind"] == "control_gone"
+    assert wait_for_run(bench).status == "failed"
+    recover(bench)
+
+
+def test_recorder(bench, moment):
+    job = bench.start_moving(moment)
+    os.kill(bench.pid_of("pa10d.recorder"), signal.SIGKILL)
+    with pytest.raises(JobFailed, match="recorder"):
+        bench.client.wait(job)
+    bench.observer.wait_for_rest(REST)
+    assert bench.client.robot()["state"] == "inactive"
+    run = wait_for_run(bench)
+    assert run.status == "failed"
+    assert run.repaired
+
+
+def test_worker(bench, moment):
+    """A job ends, nothing else."""
+    plan = {"kind": "excitation", "parameters": {}}
+    job = bench.client.start("experiments/check", plan)
+    time.sleep(0.05 + 0.2 * moment)
+    os.kill(bench.pid_of("pa10d.daemon.worker"), signal.SIGKILL)
+    with pytest.raises(JobFailed, match="worker process was ended by signal 9"):
+        bench.client.wait(job)
+    assert bench.client.robot()["state"] == "inactive"
+    found = bench.client.check_experiment({"kind": "tracking", "parameters": {"cycles": 1}})
+    assert found["go"]
+
+
+def test_virtual_arm(bench, moment):
+    """The drives vanish: a named fault, and the run stays."""
+    job = bench.start_moving(moment)
+    bench.kill_simulator()
+    with pytest.raises(JobFailed):
+        bench.client.wait(job)
+    bench.client.wait_for_robot("fault")
+    assert wait_for_run(bench).status == "aborted"
+    bench.start_simulator()
+    recover(bench)
+
+
+def test_daemon(bench, moment):
+    """Control brings the arm to rest along its limits; the next daemon finds run and arm whole."""
+    bench.start_moving(moment)
+    bench.kill_daemon()
+    bench.observer.wait_for_rest(REST)
+    run = wait_for_run(bench)
+    assert run.status == "aborted"
+    assert "daemon" in run.reason
+    bench.start_daemon()
+    assert bench.client.robot()["state"] == "inactive"
+    assert bench.client.run(run.id)["samples"] == run.samples

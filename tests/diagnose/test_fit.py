@@ -1,0 +1,144 @@
+"""Weighted least squares and its downdate against numpy's on the same numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bare_sides import bare_side, stacked
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pa10d.diagnose.fit import Fit, Prior, iterated_fit, weighted_fit
+
+SIGMA = np.array([0.5, 2.0, 1.0])
+
+
+def problem(seed: int, width: int, samples: int = 120, joints: int = 3):
+    """A side, columns per joint (m_j, width) of very different sizes, and masks that differ."""
+    rng = np.random.default_rng(seed)
+    keep = [rng.random((samples, joints)) < 0.8 for _ in range(2)]
+    side = bare_side([rng.standard_normal((samples, joints)) for _ in range(2)], keep)
+    size = 10.0 ** rng.uniform(-3, 3, width)
+    columns = {
+        j: rng.standard_normal((len(side.tau[j]), width)) * size * (rng.random(width) < 0.8)
+        for j in range(joints)
+    }
+    columns[0] += 1e-3 * size  # no column is empty
+    return side, columns
+
+
+def by_numpy(side, columns, sigma, prior: Prior | None = None):
+    """Coefficients and weighted residual per joint from one dense least-squares problem."""
+    matrix = np.concatenate([columns[j] / sigma[j] for j in range(side.n)])
+    target = np.concatenate([side.tau[j] / sigma[j] for j in range(side.n)])
+    rows = len(target)
+    if prior is not None:
+        known = np.zeros((len(prior.root), matrix.shape[1]))
+        known[:, : len(prior.mean)] = prior.root
+        matrix = np.concatenate([matrix, known])
+        target = np.concatenate([target, prior.root @ prior.mean])
+    scale = np.linalg.norm(matrix, axis=0)
+    beta = np.linalg.lstsq(matrix / scale, target, rcond=None)[0] / scale
+    return beta, (target - matrix @ beta)[:rows]
+
+
+@given(st.integers(0, 10_000), st.integers(1, 12))
+@settings(max_examples=20, deadline=None)
+def test_weighted_fit_is_least_squares(seed, width):
+    side, columns = problem(seed, width)
+    fit = weighted_fit(side, columns, SIGMA)
+    beta, residual = by_numpy(side, columns, SIGMA)
+    np.testing.assert_allclose(fit.beta, beta, rtol=1e-7, atol=1e-9 * np.abs(beta).max())
+    np.testing.assert_allclose(stacked(fit.residual), residual, atol=1e-9)
+    assert fit.rank == width
+    matrix = np.concatenate([columns[j] / SIGMA[j] for j in range(3)])
+    scale = np.linalg.norm(matrix, axis=0)
+    inverse = np.linalg.inv((matrix / scale).T @ (matrix / scale)) / np.outer(scale, scale)
+    np.testing.assert_allclose(fit.covariance(), inverse, rtol=1e-6, atol=1e-9 * inverse.max())
+
+
+@given(st.integers(0, 10_000), st.integers(2, 10), st.data())
+@settings(max_examples=20, deadline=None)
+def test_without_equals_a_refit_without_the_columns(seed, width, data):
+    first = data.draw(st.integers(0, width - 1))
+    last = data.draw(st.integers(first + 1, width))
+    if first == 0 and last == width:
+        last -= 1
+    side, columns = problem(seed, width)
+    out = slice(first, last)
+    short = weighted_fit(side, columns, SIGMA).without(out)
+    rest = {j: np.delete(c, out, axis=1) for j, c in columns.items()}
+    again = weighted_fit(side, rest, SIGMA)
+    np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-8)
+    np.testing.assert_allclose(np.delete(short.beta, out), again.beta, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(short.beta[out], 0.0, atol=1e-9 * np.abs(again.beta).max())
+    _same_span(short, again)
+    kept = np.delete(np.arange(width), out)
+    np.testing.assert_allclose(
+        short.covariance()[np.ix_(kept, kept)], again.covariance(), rtol=1e-5, atol=1e-14
+    )
+
+
+def _same_span(one: Fit, other: Fit) -> None:
+    """What either basis absorbs of any vector is the same."""
+    rng = np.random.default_rng(0)
+    vector = {j: rng.standard_normal(len(q)) for j, q in one.basis.items()}
+    absorbed = [
+        stacked({j: f.basis[j] @ sum(f.basis[i].T @ v for i, v in vector.items()) for j in vector})
+        for f in (one, other)
+    ]
+    np.testing.assert_allclose(absorbed[0], absorbed[1], atol=1e-8)
+
+
+def test_a_repeated_column_changes_nothing_but_the_rank():
+    side, columns = problem(3, 5)
+    twice = {j: np.column_stack([c, 7.0 * c[:, 2]]) for j, c in columns.items()}
+    fit, again = weighted_fit(side, columns, SIGMA), weighted_fit(side, twice, SIGMA)
+    assert again.rank == fit.rank == 5
+    np.testing.assert_allclose(stacked(again.residual), stacked(fit.residual), atol=1e-9)
+    np.testing.assert_allclose(again.beta[2] + 7.0 * again.beta[5], fit.beta[2], rtol=1e-9)
+
+
+def test_leaving_out_a_column_beside_twins_equals_a_refit():
+    side, columns = problem(4, 5)
+    twins = {j: np.column_stack([c, 3.0 * c[:, 1]]) for j, c in columns.items()}
+    short = weighted_fit(side, twins, SIGMA).without(slice(3, 4))
+    again = weighted_fit(side, {j: np.delete(c, 3, axis=1) for j, c in twins.items()}, SIGMA)
+    np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-9)
+    _same_span(short, again)
+
+
+def test_a_prior_counts_as_so_many_equations():
+    rng = np.random.default_rng(5)
+    side, columns = problem(5, 6)
+    prior = Prior(rng.standard_normal(4), rng.standard_normal((4, 4)))
+    fit = weighted_fit(side, columns, SIGMA, prior)
+    beta, residual = by_numpy(side, columns, SIGMA, prior)
+    np.testing.assert_allclose(fit.beta, beta, rtol=1e-6)
+    np.testing.assert_allclose(stacked(fit.residual), residual, atol=1e-8)
+
+
+def test_a_certain_prior_keeps_the_model_where_it_is():
+    side, columns = problem(6, 6)
+    mean = np.arange(6.0)
+    fit = weighted_fit(side, columns, SIGMA, Prior(mean, 1e9 * np.eye(6)))
+    np.testing.assert_allclose(fit.beta, mean, atol=1e-6)
+
+
+def test_iterated_fit_finds_each_joints_own_noise():
+    rng = np.random.default_rng(7)
+    truth = np.array([0.1, 1.0, 8.0])
+    side = bare_side([rng.standard_normal((2000, 3)) * truth])
+    columns = {j: rng.standard_normal((2000, 4)) for j in range(3)}
+    fit = iterated_fit(side, columns)
+    np.testing.assert_allclose(fit.sigma, truth, rtol=0.06)
+    np.testing.assert_allclose(fit.rms(), truth, rtol=0.06)
+    flat = weighted_fit(side, columns, np.ones(3))
+    assert np.linalg.norm(fit.beta) < 0.5 * np.linalg.norm(flat.beta)  # truth is zero
+
+
+def test_rms_is_in_newton_metres():
+    side, columns = problem(8, 3)
+    fit = weighted_fit(side, columns, SIGMA)
+    plain = [side.tau[j] - columns[j] @ fit.beta for j in range(3)]
+    assert fit.rms() == pytest.approx([np.sqrt(np.mean(r**2)) for r in plain])

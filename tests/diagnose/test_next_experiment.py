@@ -1,0 +1,58 @@
+"""A doubt, and the experiment that settles it: a request the experiments accept as it stands."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from two_links import recordings, robot, textbook
+
+from pa10d.diagnose.candidates import Candidate
+from pa10d.diagnose.next_experiment import requests, settle_doubt
+from pa10d.effects import effect
+from pa10d.trajectory.kinds import KINDS, validated
+from pa10d.trajectory.poses import Surroundings
+
+
+@pytest.fixture(scope="module")
+def model():
+    return textbook(recordings(1))
+
+
+def candidate(name: str, joint: int, theta: list[float], **shape: float) -> Candidate:
+    return Candidate(effect(name), (joint,), shape, SimpleNamespace(theta=np.array(theta)))  # type: ignore[arg-type]
+
+
+def test_an_offset_and_a_spring_are_told_apart_by_moving_farther(model):
+    """Seen over a short range only, both pull alike."""
+    offset = candidate("torque_offset", 1, [0.5])
+    spring = candidate("spring", 1, [0.02, -0.5])
+    plan = settle_doubt(model, spring, [offset])
+    if plan is None:
+        pytest.fail("no experiment would tell 0.5 N·m of offset from a spring")
+    assert plan["kind"] in KINDS
+    assert plan["about"]["expected_standard_errors"] >= 3.0
+    built = validated(KINDS[plan["kind"]], plan["parameters"]).build(Surroundings.of(robot()))
+    moved = built.sample(50.0)
+    assert np.all(np.abs(moved.q) <= robot().upper + 1e-9)
+
+
+def test_stribeck_and_presliding_get_an_experiment_of_their_joint(model):
+    first = candidate("stribeck", 0, [1.0], vs=0.05, delta=1.0)
+    second = candidate("presliding_hysteresis", 0, [1.0], zs=0.01)
+    plan = settle_doubt(model, first, [second])
+    assert plan is not None
+    asked = requests(model, first, [second])
+    assert {k.request()["kind"] for k in asked} >= {"velocity_sweep", "reversals"}
+
+
+def test_the_same_torque_twice_cannot_be_settled(model):
+    one = candidate("torque_offset", 1, [0.5])
+    assert settle_doubt(model, one, [one]) is None
+
+
+def test_an_effect_far_below_the_noise_is_not_worth_an_experiment(model):
+    one = candidate("torque_offset", 1, [1e-6])
+    other = candidate("spring", 1, [1e-6, 0.0])
+    assert settle_doubt(model, one, [other]) is None

@@ -1,0 +1,52 @@
+"""Orders read off the residual against the angle; the noise floor against the noise put in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfreqz
+from two_links import CUTOFF, RATE, recordings, state_of
+
+from pa10d.diagnose.floor import noise_floor
+from pa10d.diagnose.ripple import order_peaks
+
+
+@pytest.mark.parametrize("order", [12.0, 37.0, 50.5])
+@pytest.mark.parametrize("joint", [0, 1])
+def test_the_strongest_line_is_at_the_order_of_the_ripple(order, joint):
+    def extra(t, q, dq, ddq):
+        out = np.zeros_like(q)
+        out[:, joint] = 0.2 * np.sin(order * q[:, joint] + 0.4)
+        return out
+
+    state = state_of(recordings(1, extra))
+    peaks = order_peaks(state.train, state.train_residual(), joint)
+    assert peaks[0] == pytest.approx(order, abs=0.6)
+
+
+def test_a_joint_that_hardly_moves_has_no_orders():
+    state = state_of(recordings(1))
+    for run in state.train.runs:
+        run.context.q[:, 1] = 0.1
+    assert order_peaks(state.train, state.train_residual(), 1) == []
+
+
+def test_noise_floor_is_what_the_low_pass_leaves_of_white_noise():
+    sigma = 0.05
+    f = np.linspace(0, RATE / 2, 4000)
+    sos = butter(4, CUTOFF, fs=RATE, output="sos")
+    passed = np.abs(sosfreqz(sos, worN=f, fs=RATE)[1]) ** 4  # there and back
+    expected = sigma * np.sqrt(np.mean(passed))
+    state = state_of(recordings(6, noise=sigma))
+    assert noise_floor(state) == pytest.approx([expected] * 2, rel=0.1)
+
+
+def test_a_clean_arm_reaches_its_floor_and_a_hidden_torque_does_not_raise_it():
+    clean = state_of(recordings(6))
+    residual = clean.held_residual()
+    reached = np.array([np.sqrt(np.mean(residual[j] ** 2)) for j in range(2)])
+    assert reached / noise_floor(clean) == pytest.approx([1.0, 1.0], abs=0.1)
+    hidden = state_of(
+        recordings(6, lambda t, q, dq, ddq: np.column_stack([0 * t, np.sin(2 * q[:, 1])]))
+    )
+    assert noise_floor(hidden) == pytest.approx(noise_floor(clean), rel=0.15)

@@ -1,0 +1,115 @@
+"""What the fit sees and what it is judged on never overlap, filters included."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from two_links import CUTOFF, RATE, recordings, robot, state_of, textbook
+
+from pa10d.diagnose.sides import blocks, two_sides
+from pa10d.equation import prepare
+from pa10d.errors import UserError
+from pa10d.recording import Recording
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return recordings(5)
+
+
+@pytest.fixture(scope="module")
+def model(runs):
+    return textbook(runs)
+
+
+def test_blocks_share_no_sample_and_leave_a_guard(runs):
+    run = prepare(runs["fit_a"], robot(), CUTOFF)
+    first, second = blocks(run)
+    assert not np.any(first.keep & second.keep)
+    assert not np.any((first.keep | second.keep) & ~run.keep)
+    rows = [np.flatnonzero(side.keep.any(axis=1)) for side in (first, second)]
+    apart = np.min(np.abs(rows[0][:, None] - rows[1][None, :])) / run.rate
+    assert apart >= 2.0 / CUTOFF  # two periods of what the filter passes
+    used = (first.keep | second.keep).sum() / run.keep.sum()
+    assert 0.8 < used < 1.0
+    assert 0.7 < first.keep.sum() / second.keep.sum() < 1.4
+
+
+def test_what_happens_in_one_block_is_not_seen_in_the_other(runs):
+    """A knock in a fitted block leaves the torque of the judged ones as it was."""
+    first, second = blocks(prepare(runs["fit_a"], robot(), CUTOFF))
+    rows = np.flatnonzero(first.keep.all(axis=1))
+    knock = rows[len(rows) // 2] * first.lowpass.factor
+    tau = runs["fit_a"].tau.copy()
+    tau[knock] += 1000.0
+    other = Recording("fit_a", runs["fit_a"].t, runs["fit_a"].q, tau)
+    after = blocks(prepare(other, robot(), CUTOFF))
+    assert np.max(np.abs(after[0].tau - first.tau)) > 10.0
+    seen = np.abs(after[1].tau - second.tau)[second.keep]
+    assert np.max(seen) < 1e-2  # of 1000
+
+
+def test_separate_runs_are_used_whole(runs, model):
+    train, held, words = two_sides(model, [runs["fit_a"]], [runs["valid_a"], runs["valid_b"]])
+    assert [r.name for r in train.runs] == ["fit_a"]
+    assert [r.name for r in held.runs] == ["valid_a", "valid_b"]
+    assert words == "runs valid_a, valid_b, which the fit has not seen"
+
+
+def test_without_validation_every_other_block_judges(runs, model):
+    train, held, words = two_sides(model, [runs["fit_a"]], [])
+    assert "every other block of time of fit_a" in words
+    assert "no separate validation run" in words
+    assert not np.any(train.keep[0] & held.keep[0])
+
+
+def test_a_run_on_both_sides_is_cut(runs, model):
+    train, held, words = two_sides(
+        model, [runs["fit_a"], runs["fit_b"]], [runs["fit_b"], runs["valid_a"]]
+    )
+    assert [r.name for r in train.runs] == ["fit_a", "fit_b"]
+    assert sorted(r.name for r in held.runs) == ["fit_b", "valid_a"]
+    assert "of fit_b, which the fit uses as well, every other block of time" in words
+    cut = {r.name: r.keep for r in held.runs}["fit_b"]
+    assert not np.any(train.keep[1] & cut)
+
+
+def test_no_run_is_refused(model):
+    with pytest.raises(UserError, match="no run to fit, expected at least one"):
+        two_sides(model, [], [])
+
+
+def test_another_arm_is_refused(runs, model):
+    run = runs["fit_a"]
+    one = Recording("odd", run.t, run.q[:, :1], run.tau[:, :1])
+    with pytest.raises(UserError, match="odd: 1 joints, expected 2 as in model m0"):
+        two_sides(model, [one], [])
+
+
+def test_a_joint_that_never_moves_is_named(runs, model):
+    run = runs["fit_a"]
+    q = run.q.copy()
+    q[:, 1] = 0.3
+    still = Recording("still", run.t, q, run.tau)
+    with pytest.raises(UserError, match="joint 2 never moves in the data to judge by"):
+        two_sides(model, [run], [still])
+
+
+def test_scatter_puts_rows_back_where_they_were(runs, model):
+    state = state_of(runs, model)
+    side = state.train
+    back = side.scatter({j: side.tau[j] for j in range(2)})
+    for values, run in zip(back, side.runs, strict=True):
+        np.testing.assert_array_equal(values, np.where(run.keep, run.tau, 0.0))
+
+
+def test_shift_of_a_side_moves_its_torque(runs, model):
+    side = state_of(runs, model).train
+    before = side.runs[0].tau.copy()
+    factor = side.runs[0].lowpass.factor
+    side.shift(factor / RATE)  # one sample of the equation
+    middle = slice(20, -20)
+    np.testing.assert_allclose(
+        side.runs[0].tau[middle], np.roll(before, -1, axis=0)[middle], atol=2e-2
+    )
+    assert side.runs[0].shift == factor / RATE

@@ -1,0 +1,72 @@
+"""Base parameters: how many, and what they stand for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from trees import ALL
+
+from pa10d.dynamics import base_parameters, regressor, robot_from_profile, robot_from_urdf
+from pa10d.dynamics.base import random_motion
+from pa10d.identify.layout import textbook
+from pa10d.profile import load_profile
+
+
+def pa10(joints):
+    profile = load_profile("pa10-sim")
+    limits = type(profile.limits)()
+    return robot_from_profile(
+        profile.model_copy(update={"joints": profile.joints[:joints], "limits": limits})
+    )
+
+
+@pytest.mark.parametrize(
+    ("joints", "inertial", "rotor", "all_"), [(4, 22, 24, 32), (7, 43, 48, 62)]
+)
+def test_counts_of_the_pa10(joints, inertial, rotor, all_):
+    layout = textbook(pa10(joints))
+    rotors = sum(s.effect_id == "rotor_inertia" for s in layout.slots)
+    assert len(layout.base) == inertial
+    assert inertial + rotors == rotor
+    assert layout.size == all_
+
+
+@pytest.mark.parametrize("name", sorted(ALL))
+def test_base_torque_is_the_whole_torque(name):
+    robot = robot_from_urdf(ALL[name])
+    base = base_parameters(robot)
+    q, dq, ddq = random_motion(robot, 50, seed=77)
+    y = regressor(robot, q, dq, ddq)
+    whole = y @ robot.parameters.ravel()
+    np.testing.assert_allclose(y[:, :, base.kept] @ base.of(robot.parameters), whole, rtol=1e-8)
+    assert np.linalg.matrix_rank(y.reshape(-1, 10 * robot.n), tol=1e-8) == len(base)
+
+
+@given(st.sampled_from(sorted(ALL)), st.integers(0, 1000))
+@settings(max_examples=15, deadline=None)
+def test_parameters_with_equal_base_have_equal_torque(name, seed):
+    robot = robot_from_urdf(ALL[name])
+    base = base_parameters(robot)
+    rng = np.random.default_rng(seed)
+    one = rng.normal(size=10 * robot.n)
+    other = np.zeros_like(one)
+    other[base.kept] = base.of(one)
+    q, dq, ddq = random_motion(robot, 10, seed=seed)
+    y = regressor(robot, q, dq, ddq)
+    np.testing.assert_allclose(y @ one, y @ other, atol=1e-8)
+
+
+def test_matrix_and_sentences_agree_with_relations():
+    robot = pa10(4)
+    base = base_parameters(robot)
+    standard = np.random.default_rng(0).normal(size=(4, 10))
+    np.testing.assert_allclose(base.matrix() @ standard.ravel(), base.of(standard))
+    assert len(base.sentences()) == 22
+
+
+def test_redundant_rotor_inertias_lie_in_the_rigid_base():
+    layout = textbook(pa10(7))
+    fitted = {s.joints[0] for s in layout.slots if s.effect_id == "rotor_inertia"}
+    assert fitted == {2, 3, 4, 5, 6}

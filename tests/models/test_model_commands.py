@@ -1,0 +1,179 @@
+"""identify, compare and model … as a person and a program use them."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pa10d.cli import main
+from pa10d.dynamics import regressor
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "compare"))
+import compare_arm as arm
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """A data folder with three runs and one model."""
+    folder = tmp_path_factory.mktemp("data")
+    (folder / "robot.urdf").write_text(arm.URDF)
+    (folder / "arm.yaml").write_text("urdf: robot.urdf\n")
+
+    def stiction(t, q, dq):
+        return arm.on_joint(1, 1.5 * np.exp(-((dq[:, 1] / 0.15) ** 2)) * np.tanh(dq[:, 1] / 0.02))
+
+    for seed, name in ((1, "fit"), (2, "one"), (3, "two")):
+        record = arm.recording(seed, extra=stiction)
+        head = ",".join(["time", *(f"{c}{j}" for c in ("q", "tau") for j in (1, 2, 3))])
+        rows = np.column_stack([record.t, record.q, record.tau])
+        np.savetxt(folder / f"{name}.csv", rows, "%.9g", ",", header=head, comments="")
+        call(folder, "run", "import", str(folder / f"{name}.csv"), "--profile", profile(folder))
+    call(folder, "identify", "fit", "--profile", profile(folder), "--name", "m0", "--cutoff", "10")
+    return folder
+
+
+def profile(folder):
+    return str(folder / "arm.yaml")
+
+
+def call(folder, *arguments):
+    return main(["--data", str(folder / "store"), *arguments])
+
+
+@pytest.fixture
+def ask(data, capsys):
+    """Run a command: (exit status, what it printed as JSON, lines on stderr)."""
+
+    def run(*arguments):
+        capsys.readouterr()
+        status = call(data, *arguments, "--json")
+        out, err = capsys.readouterr()
+        return status, json.loads(out), err.splitlines()
+
+    return run
+
+
+def test_identify_answers_as_promised(ask, data):
+    status, found, _ = ask(
+        "identify", "fit", "one", "--profile", profile(data), "--name", "two runs", "--cutoff", "8"
+    )
+    assert status == 0
+    assert set(found) >= {
+        "id", "name", "base_parameters", "inertial_base_parameters", "condition_number",
+        "cutoff_hz", "rms", "feasible", "warnings",
+    }  # fmt: skip
+    assert found["name"] == "two runs"
+    assert found["cutoff_hz"] == 8.0
+    rng = np.random.default_rng(0)
+    q, dq, ddq = rng.normal(size=(3, 200, 3))
+    links = regressor(arm.ROBOT, q, dq, ddq)
+    rotors = np.einsum("sj,jk->sjk", ddq, np.eye(3))
+    both = np.concatenate([links, rotors], axis=2).reshape(600, -1)
+    rank = np.linalg.matrix_rank(both, rtol=1e-6)
+    assert found["base_parameters"] == rank + 6  # Coulomb and viscous friction of three joints
+    assert len(found["rms"]) == 3
+    status, again, _ = ask("model", "show", found["id"])
+    assert again["runs"] == ["fit", "one"]
+
+
+def test_compare_finds_what_was_put_in(ask):
+    status, found, errors = ask("compare", "m0", "one", "two")
+    assert status == 0
+    assert [run["name"] for run in found["runs"]] == ["one", "two"]
+    pooled = found["pooled"]
+    assert np.argmax(np.array(pooled["rms"]) / pooled["noise_floor"]) == 1
+    where = found["where"][0]
+    assert where["joint"] == 2
+    assert len(where["range"]) == 2
+    assert 0 < where["share"] <= 1
+    assert where["sentence"].startswith("joint 2")
+    assert errors  # progress
+
+
+def test_compare_writes_a_report(ask, tmp_path):
+    file = tmp_path / "report.html"
+    status, found, _ = ask("compare", "m0", "one", "--report", str(file))
+    assert status == 0
+    assert found["report"] == str(file)
+    assert file.read_text().startswith("<!doctype html>")
+
+
+def test_the_same_run_twice_counts_once(ask):
+    _, found, _ = ask("compare", "m0", "one", "one")
+    assert len(found["runs"]) == 1
+
+
+def test_list_show_history(ask):
+    _, listed, _ = ask("model", "list")
+    first = listed[0]
+    assert first["name"] == "m0"
+    status, shown, _ = ask("model", "show", first["id"][:-1])
+    assert status == 0
+    names = {p["name"]: p for p in shown["parameters"]}
+    assert names["coulomb J1: Fc"]["unit"] == "N·m"
+    assert names["coulomb J1: Fc"]["value"] == pytest.approx(2.0, rel=0.1)
+    assert Path(shown["file"]).is_file()
+    _, line, _ = ask("model", "history", "m0")
+    assert [step["name"] for step in line] == ["m0"]
+    assert len(line[0]["noise_floor"]) == 3
+
+
+@pytest.mark.parametrize("kind", ["urdf", "python"])
+def test_export_writes_a_file_once(ask, tmp_path, kind):
+    out = tmp_path / "out"
+    status, found, _ = ask("model", "export", "m0", "--format", kind, "--out", str(out))
+    assert (status, found["file"]) == (0, str(out))
+    written = out.read_text()
+    status, found, _ = ask("model", "export", "m0", "--format", kind, "--out", str(out))
+    assert status == 1
+    assert "there is such a file already" in found["error"]
+    assert out.read_text() == written
+    assert ask("model", "export", "m0", "--format", kind, "--out", str(out), "--replace")[0] == 0
+
+
+REFUSED = {
+    "name taken": (["identify", "fit", "--profile", "P", "--name", "m0"], "there is one already"),
+    "no such run": (["identify", "nix", "--profile", "P", "--name", "x"], "run 'nix': none"),
+    "no such model": (["compare", "nix", "one"], "model 'nix': none"),
+    "no such effect": (
+        ["identify", "fit", "--profile", "P", "--name", "x", "--with", "magic"],
+        "magic",
+    ),
+    "cut-off too high": (
+        ["identify", "fit", "--profile", "P", "--name", "x", "--cutoff", "500"],
+        "cut-off",
+    ),
+    "other robot": (["identify", "fit", "--profile", "pa10-sim", "--name", "x"], "joints"),
+    "report nowhere": (["compare", "m0", "one", "--report", "/nowhere/r.html"], "/nowhere/r.html"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_done_is_one_line(ask, data, case):
+    arguments, words = REFUSED[case]
+    arguments = [profile(data) if a == "P" else a for a in arguments]
+    before = sorted((data / "store" / "models").iterdir())
+    status, found, errors = ask(*arguments)
+    assert status == 1
+    assert words in found["error"]
+    assert "\n" not in found["error"]
+    assert errors[-1] == found["error"]
+    assert sorted((data / "store" / "models").iterdir()) == before
+
+
+def test_a_broken_model_is_one_line_and_the_others_are_listed(ask, data):
+    bad = data / "store" / "models" / "bad.yaml"
+    bad.write_text("name: bad\npa10d_model: 1\n")
+    try:
+        status, found, errors = ask("compare", "bad", "one")
+        assert status == 1
+        assert str(bad) in found["error"]
+        assert "\n" not in found["error"]
+        status, listed, errors = ask("model", "list")
+        assert status == 0
+        assert "bad" not in [entry["name"] for entry in listed]
+        assert sum(str(bad) in line for line in errors) == 1
+    finally:
+        bad.unlink()

@@ -1,0 +1,139 @@
+"""Exports against what they stand for: Pinocchio for the URDF, the model for the module."""
+
+import subprocess
+import sys
+
+import model_examples as examples
+import numpy as np
+import pytest
+
+from pa10d.effects import all_effects
+from pa10d.errors import UserError
+from pa10d.export import python_module, runtime, urdf_with_inertia
+
+CARRIED = sorted({*runtime.MECHANICS, *runtime.SENSING})
+NOT_CARRIED = sorted(set(all_effects()) - set(CARRIED))
+
+
+def module(model):
+    text, lost = python_module(model, "test")
+    space: dict = {}
+    exec(compile(text, "exported", "exec"), space)
+    return space, lost
+
+
+def test_textbook_model_and_module_agree_along_a_motion():
+    model, motion = examples.textbook(), examples.motion()
+    space, lost = module(model)
+    assert lost == []
+    found = space["torque_series"](motion.q, motion.dq, motion.ddq)
+    assert found == pytest.approx(model.predict(motion), abs=1e-10)
+
+
+@pytest.mark.parametrize("effect_id", CARRIED)
+def test_every_carried_effect_agrees(effect_id):
+    model = examples.with_effects(examples.textbook(), effect_id)
+    motion = examples.motion()
+    space, lost = module(model)
+    assert lost == []
+    found = space["torque_series"](motion.q, motion.dq, motion.ddq)
+    expected = model.predict(motion)
+    assert np.max(np.abs(expected - examples.textbook().predict(motion))) > 1e-6
+    assert found == pytest.approx(expected, abs=1e-8)
+
+
+def test_linearised_offsets_agree():
+    from dataclasses import replace
+
+    motion = examples.motion()
+    for effect_id, shape in (
+        ("encoder_offset", {"at": 0.05}),
+        ("base_tilt", {"rx": 0.1, "ry": -0.2}),
+    ):
+        model = examples.textbook(terms=(replace(examples.some_term(effect_id), shape=shape),))
+        found = module(model)[0]["torque_series"](motion.q, motion.dq, motion.ddq)
+        assert found == pytest.approx(model.predict(motion), abs=1e-8)
+
+
+def test_without_a_series_the_sign_is_that_of_the_sample():
+    model, motion = examples.textbook(), examples.motion()
+    space, _ = module(model)
+    apart = space["torque"](motion.q, motion.dq, motion.ddq)
+    one = space["torque"](motion.q[7], motion.dq[7], motion.ddq[7])
+    assert one.shape == (4,)
+    assert one == pytest.approx(apart[7], abs=1e-12)
+    coulomb = [t for t in model.terms if t.effect_id == "coulomb"]
+    averaged = model.predict(motion)
+    for term in coulomb:
+        j, v0, size = term.joints[0], term.shape["v0"], term.coefficients[0]
+        from pa10d.effects import smooth_sign
+
+        averaged[:, j] += size * (np.tanh(motion.dq[:, j] / v0) - smooth_sign(motion.dq[:, j], v0))
+    assert apart == pytest.approx(averaged, abs=1e-10)
+
+
+@pytest.mark.parametrize("effect_id", NOT_CARRIED)
+def test_what_is_not_carried_is_said(effect_id):
+    model = examples.with_effects(examples.textbook(), effect_id)
+    space, lost = module(model)
+    assert len(lost) == 1
+    assert lost[0].startswith(effect_id)
+    assert effect_id in space["__doc__"]
+    assert space["NOT_CARRIED"] == [model.terms[-1].label]
+
+
+def test_the_module_stands_on_numpy_alone(tmp_path):
+    (tmp_path / "arm.py").write_text(python_module(examples.textbook(), "test")[0])
+    script = (
+        "import sys, numpy as np, arm\n"
+        "print(arm.torque(np.zeros(4), np.zeros(4), np.zeros(4)).shape)\n"
+        "print(sorted(m for m in sys.modules if m.split('.')[0] in ('pa10d', 'scipy', 'numba')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split("\n")[:2] == ["(4,)", "[]"]
+
+
+def test_urdf_gives_the_models_torques_in_pinocchio(tmp_path):
+    import pinocchio as pin
+
+    rng = np.random.default_rng(5)
+    model = examples.textbook()
+    standard = model.standard * rng.uniform(1.0, 1.2, (4, 1))
+    from dataclasses import replace
+
+    text, _ = urdf_with_inertia(replace(model, standard=standard), "test -- twice")
+    (tmp_path / "arm.urdf").write_text(text)
+    arm = pin.buildModelFromUrdf(str(tmp_path / "arm.urdf"))
+    data = arm.createData()
+    from pa10d.dynamics import inverse_dynamics
+
+    q, dq, ddq = rng.uniform(-1, 1, (3, 20, 4))
+    expected = inverse_dynamics(examples.ROBOT, standard, q, dq, ddq)
+    for k in range(20):
+        # joint 2 turns for ever: Pinocchio wants its cosine and sine
+        state = np.array([q[k, 0], np.cos(q[k, 1]), np.sin(q[k, 1]), q[k, 2], q[k, 3]])
+        assert pin.rnea(arm, data, state, dq[k], ddq[k]) == pytest.approx(expected[k], abs=1e-10)
+
+
+def test_urdf_keeps_friction_and_says_what_it_cannot():
+    import xml.etree.ElementTree as ET
+
+    model = examples.with_effects(examples.textbook(), "stribeck")
+    text, lost = urdf_with_inertia(model, "test")
+    joints = {joint.get("name"): joint for joint in ET.fromstring(text).findall("joint")}
+    viscous = next(t for t in model.terms if t.effect_id == "viscous" and t.joints == (1,))
+    assert float(joints["j2"].find("dynamics").get("damping")) == viscous.coefficients[0]
+    assert joints["j2"].get("type") == "continuous"
+    assert [line.split(" not in ")[0] for line in lost] == [
+        "rotor_inertia of joints 1, 2, 3, 4",
+        "stribeck of joint 2",
+    ]
+
+
+def test_urdf_needs_feasible_parameters():
+    from dataclasses import replace
+
+    with pytest.raises(UserError, match="no feasible standard parameters"):
+        urdf_with_inertia(replace(examples.textbook(), standard=None), "test")

@@ -1,0 +1,173 @@
+"""Model files: exact both ways, and one clear line where they are broken."""
+
+import re
+from dataclasses import replace
+
+import model_examples as examples
+import numpy as np
+import pytest
+import yaml
+
+from pa10d.effects import all_effects
+from pa10d.errors import UserError
+from pa10d.store.models import ModelStore
+
+
+@pytest.fixture
+def store(tmp_path):
+    return ModelStore(tmp_path)
+
+
+def same(one, other):
+    for key in ("h", "covariance", "noise", "standard"):
+        assert np.array_equal(getattr(one, key), getattr(other, key)), key
+    assert np.array_equal(one.base.kept, other.base.kept)
+    assert np.array_equal(one.base.relations, other.base.relations)
+    assert one.base.gap == other.base.gap
+    for key in ("cutoff", "shift", "feasible", "runs", "change", "name"):
+        assert getattr(one, key) == getattr(other, key), key
+    for a, b in zip(one.terms, other.terms, strict=True):
+        assert (a.effect_id, a.joints, a.shape) == (b.effect_id, b.joints, b.shape)
+        assert a.shape_errors == b.shape_errors
+        assert np.array_equal(a.coefficients, b.coefficients)
+    for key in ("lower", "upper", "velocity", "effort", "acceleration", "gravity", "parameters"):
+        assert np.array_equal(getattr(one.robot, key), getattr(other.robot, key)), key
+    assert one.held_out.keys() == other.held_out.keys()
+    assert all(np.array_equal(one.held_out[k], other.held_out[k]) for k in one.held_out)
+
+
+def test_a_model_comes_back_to_the_last_bit(store):
+    model = examples.textbook()
+    store.save(model)
+    again = ModelStore(store.folder.parent).load("m0")
+    same(model, again)
+    assert again.notes == model.notes
+    motion = examples.motion()
+    assert np.array_equal(model.predict(motion), again.predict(replace(motion, robot=again.robot)))
+
+
+@pytest.mark.parametrize("effect_id", sorted(all_effects()))
+def test_every_effect_comes_back(store, effect_id):
+    store.save(examples.textbook())
+    model = examples.with_effects(examples.textbook(), effect_id)
+    store.save(model)
+    same(model, store.load("m1"))
+
+
+def test_the_point_of_linearisation_comes_back(store):
+    term = replace(examples.some_term("encoder_offset"), shape={"at": 0.0123})
+    model = examples.textbook(terms=(term,))
+    store.save(model)
+    assert store.load("m0").terms[-1].shape == {"at": 0.0123}
+
+
+def test_gravity_limits_and_tool_come_back(store):
+    tilted = replace(
+        examples.ROBOT,
+        gravity=np.array([1.0, -2.0, 9.5]),
+        velocity=np.array([1.0, np.inf, 3.0, 0.25]),
+        parameters=examples.ROBOT.parameters + np.vstack([np.zeros((3, 10)), np.arange(1.0, 11.0)]),
+    )
+    model = examples.textbook(robot=tilted)
+    store.save(model)
+    same(model, store.load("m0"))
+
+
+def test_a_person_can_read_it(store):
+    text = store.path(store.save(examples.textbook())).read_text()
+    plain = yaml.safe_load(text)  # any YAML reader will do
+    first = plain["base_parameters"][0]
+    assert set(first) >= {"name", "value", "std_error", "unit"}
+    friction = next(e for e in plain["effects"] if e["effect"] == "coulomb" and e["joints"] == [2])
+    assert friction["coefficients"]["Fc"]["unit"] == "N·m"
+    assert plain["fit"]["runs"] == ["train a", "train b"]
+    assert plain["noise_floor"]
+    assert plain["held_out"]["valid"]
+    assert plain["software"].startswith("pa10d ")
+    assert "<joint" in plain["urdf"]
+    assert max(map(len, text.splitlines())) < 200
+
+
+def test_standard_errors_are_those_of_the_covariance(store):
+    model = examples.textbook()
+    plain = yaml.safe_load(store.path(store.save(model)).read_text())
+    written = [p["std_error"] for p in plain["base_parameters"]]
+    written += [c["std_error"] for e in plain["effects"] for c in e["coefficients"].values()]
+    assert written == pytest.approx(np.sqrt(np.diag(model.covariance)))
+
+
+@pytest.mark.parametrize("name", ["true", "1e3", "12", "null", "ä ö", "a: b", "#1", "'x'"])
+def test_odd_names_stay_names(store, name):
+    store.save(examples.textbook(name))
+    assert store.load(name).name == name
+
+
+def line(pattern, text):
+    """Replace by regular expression, once and for sure."""
+    find, put = pattern
+    changed, count = re.subn(find, put, text, count=1, flags=re.MULTILINE | re.DOTALL)
+    assert count == 1, find
+    return changed
+
+
+BROKEN = {
+    "no YAML": ((r"^fit:", "fit: [1, {"), "expected"),
+    "empty": ((r"\A.*\Z", ""), "found an empty file"),
+    "a list": ((r"\A.*\Z", "- 1\n- 2\n"), "expected lines 'key: value'"),
+    "no text": ((r"^name: m0", "name: \x01"), "expected"),
+    "key missing": ((r"^covariance:.*?(?=^urdf)", ""), "covariance: found nothing"),
+    "key twice": ((r"^name: m0", "name: m0\nname: m0"), "name: found a second time"),
+    "unknown key": ((r"^change:", "chance:"), "chance: found an unknown key"),
+    "other format": ((r"^pa10d_model: 1", "pa10d_model: 99"), "pa10d_model: found 99"),
+    "not a number": ((r"value: [-0-9.e]+", "value: heavy"), "value: found 'heavy'"),
+    "not finite": ((r"value: [-0-9.e]+", "value: .nan"), "expected a finite number"),
+    "unknown effect": ((r"effect: viscous", "effect: viscose"), "effect: found viscose"),
+    "coefficient's name": ((r"^    Fv:", "    Fw:"), "coefficients: found Fw, expected Fv"),
+    "shape missing": ((r"  shape:\n    v0: [^\n]*\n", ""), "shape: found nothing, expected v0"),
+    "joint too high": ((r"joints: \[4\]", "joints: [9]"), "expected 1 of joints 1 to 4"),
+    "joint too many": ((r"joints: \[4\]", "joints: [1, 2]"), "expected 1 of joints 1 to 4"),
+    "wrong size": ((r"rms: \[[^,]*,", "rms: ["), "rms: found 3 values, expected 4"),
+    "limit size": ((r"lower: \[[^,]*,", "lower: ["), "lower: found 3 values, expected 4"),
+    "standard size": ((r"  j1: \[[^,]*,", "  j1: ["), "j1: found 9 values, expected 10"),
+    "base name": ((r"name: Izz4", "name: Izz5"), "found Izz5, expected a standard parameter"),
+    "covariance cut": ((r"(data: \|\n    .{32})[^\n]*", r"\1"), "expected 496, the lower triangle"),
+    "covariance no base64": ((r"data: \|\n    ", "data: |\n    ???"), "found what is no base64"),
+    "URDF no XML": ((r"<robot name", "<robot <name"), "urdf: URDF: not well-formed XML"),
+    "URDF joint": ((r'<joint name="j4"', '<joint name="j9"'), "'j4' is not a movable joint"),
+    "URDF link": ((r'<child link="l4"', '<child link="l9"'), "found child link 'l9'"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_a_broken_file_is_one_line_that_names_it(store, case):
+    change, words = BROKEN[case]
+    path = store.path(store.save(examples.textbook()))
+    text = line(change, path.read_text())
+    path.write_text(text)
+    fresh = ModelStore(store.folder.parent)
+    wanted = "m0" if "name: m0" in text else path.stem
+    with pytest.raises(UserError) as error:
+        fresh.load(wanted)
+    message = str(error.value)
+    assert "\n" not in message
+    assert str(path) in message
+    assert words in message
+    assert path.read_text() == text
+
+
+def test_a_broken_file_does_not_hide_the_others(store):
+    bad = store.path(store.save(examples.textbook("bad")))
+    store.save(examples.textbook("good"))
+    bad.write_bytes(b"\xff\xfe broken")
+    fresh = ModelStore(store.folder.parent)
+    assert [info.name for info in fresh.all()] == ["good"]
+    assert [str(bad)] == [str(model.path) for model in fresh.broken()]
+    assert fresh.load("good").name == "good"
+
+
+def test_what_could_not_be_read_back_is_not_written(store):
+    model = replace(examples.textbook(), noise=np.array([0.1, np.nan, 0.1, 0.1]))
+    with pytest.raises(UserError, match=r"fit\.rms"):
+        store.save(model)
+    assert store.all() == []
+    assert list(store.folder.glob("*.yaml")) == []

@@ -1,0 +1,140 @@
+"""The boundary velocity of joints whose friction is known."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pa10d.errors import UserError
+from pa10d.paper.boundary import boundary_velocity
+from pa10d.paper.single_joint import single_joint
+from pa10d.recording import Recording
+from tests.paper.swings import (
+    COULOMB,
+    INERTIA,
+    VISCOUS,
+    bristles,
+    pendulum,
+    stribeck,
+    swings,
+)
+
+
+def found(recordings, gravity="none", robot=None, **more):
+    return boundary_velocity(
+        single_joint(recordings, robot or pendulum(), 0, gravity=gravity, **more)
+    )
+
+
+def test_linear_friction_has_no_boundary_and_its_parameters_are_found():
+    result = found(swings())
+    assert result.decided_by == "none"
+    assert result.threshold == 0.0
+    assert result.finest < 0.01
+    values = result.sweep.values[5]
+    assert values == pytest.approx([INERTIA, COULOMB, VISCOUS], rel=0.01)
+
+
+def test_noise_alone_makes_no_boundary():
+    false = sum(found(swings(noise=1.0, seed=seed)).threshold > 0 for seed in range(12))
+    assert false <= 1
+
+
+@pytest.mark.parametrize(("rise", "speed"), [(3.0, 0.05), (3.0, 0.12), (1.5, 0.08), (5.0, 0.2)])
+def test_the_boundary_is_where_extra_friction_becomes_immaterial(rise, speed):
+    """Between where it is 10 % of the Coulomb level and where it is 0.5 % of it."""
+    result = found(swings(stribeck(rise, speed)))
+    lower, upper = (speed * np.sqrt(np.log(rise / (share * COULOMB))) for share in (0.1, 0.005))
+    assert result.decided_by == "friction map"
+    assert lower < result.threshold < upper
+    low, high = result.interval
+    assert low <= result.threshold <= high
+    assert 0 < result.std_error < 0.3 * result.threshold
+
+
+def test_inertia_is_blind_to_friction_that_depends_on_speed_alone():
+    result = found(swings(stribeck(5.0, 0.2)))
+    assert result.sweep.values[1:30, 0] == pytest.approx(INERTIA, rel=0.02)
+    assert result.from_map > 0.2
+    assert np.ptp(result.sweep.values[:30, 1]) > 1.0  # while the Coulomb level moves
+
+
+def test_inertia_sees_friction_with_memory():
+    result = found(swings(bristles(1500.0)))
+    assert abs(result.sweep.values[1, 0] - INERTIA) > 0.2
+    fast = result.sweep.thresholds > 0.4
+    assert result.sweep.values[fast, 0] == pytest.approx(INERTIA, rel=0.02)
+    assert 0.1 < result.from_inertia < 0.4
+    assert result.threshold >= result.from_inertia
+
+
+def test_the_map_shows_the_friction_that_was_put_in():
+    result = found(swings(stribeck(4.0, 0.1), noise=0.1))
+    chart = result.map
+    wanted = COULOMB + VISCOUS * chart.speed + 4.0 * np.exp(-((chart.speed / 0.1) ** 2))
+    fine = chart.speed > 0.02
+    assert chart.level[fine] == pytest.approx(wanted[fine], abs=0.2)
+    assert chart.forward[fine] == pytest.approx(-chart.backward[fine], abs=0.3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_gravity_fitted_or_subtracted_gives_the_same_answer(seed):
+    robot = pendulum(mass=3.0)
+    weight = 3.0 * 9.81 * 0.4
+    runs = swings(stribeck(3.0, 0.1), gravity=weight, seed=seed)
+    fitted = found(runs, "fitted", robot)
+    subtracted = found(runs, "subtracted", robot)
+    for result in (fitted, subtracted):
+        assert result.sweep.values[10, 0] == pytest.approx(INERTIA, rel=0.05)
+        assert 0.1 < result.threshold < 0.26
+    assert "fitted along" in fitted.sentence
+    assert "subtracted" in subtracted.sentence
+    ignored = found(runs, "none", robot)
+    assert abs(ignored.sweep.values[10, 0] - INERTIA) > 0.5
+
+
+def test_a_sensors_bias_is_not_friction():
+    runs = [replace(run, tau=run.tau + 2.0) for run in swings()]
+    result = found(runs)
+    assert result.threshold == 0.0
+    assert result.sweep.values[5] == pytest.approx([INERTIA, COULOMB, VISCOUS], rel=0.01)
+
+
+def test_bands_are_as_wide_as_estimates_scatter():
+    errors, values = [], []
+    for seed in range(12):
+        sweep = found(swings(noise=2.0, seed=seed)).sweep
+        errors.append(sweep.std_errors[20])
+        values.append(sweep.values[20])
+    ratio = np.std(values, axis=0) / np.mean(errors, axis=0)
+    assert np.all((ratio > 0.4) & (ratio < 1.5))
+
+
+def test_the_document_is_json():
+    result = found(swings(stribeck(3.0, 0.1)))
+    text = json.loads(json.dumps(result.document(), allow_nan=True))
+    assert text["joint"] == 1
+    assert text["threshold"] == result.threshold
+    assert len(text["sweep"]["thresholds"]) == len(text["sweep"]["I"]["value"])
+
+
+def test_what_cannot_be_judged_is_said():
+    still = [Recording("still", run.t, 0 * run.q, run.tau) for run in swings()]
+    with pytest.raises(UserError, match="still: joint 1 does not move"):
+        found(still)
+    with pytest.raises(UserError, match=r"\d whole swings, expected at least 6"):
+        found([swings(cycles=(3, 1))[0]])
+
+
+def test_another_joint_must_stand():
+    from tests.trajectory.sample_arms import pa10
+
+    run = swings()[0]
+    q = np.zeros((len(run.t), 7))
+    q[:, 1], q[:, 4] = run.q[:, 0], 0.1 * run.q[:, 0]
+    both = Recording("both", run.t, q, np.zeros_like(q))
+    with pytest.raises(UserError, match="both: joint 5 moves as well"):
+        single_joint([both], pa10(), 1)

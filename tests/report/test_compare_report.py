@@ -1,0 +1,100 @@
+"""The report of a comparison: whole, offline, safe against odd names, drawn by a browser."""
+
+import shutil
+import subprocess
+from dataclasses import replace
+
+import figure_reader as reader
+import numpy as np
+import pytest
+
+from pa10d.compare import compare
+from pa10d.figures.staircase import Step
+from pa10d.report import compare_page
+
+EVIL = "</script><b onmouseover=alert(1)>&amp;\"'"
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    import sys
+    from pathlib import Path
+
+    sys.path.insert(0, str(Path(__file__).parent.parent / "compare"))
+    import compare_arm as arm
+
+    def ripple(t, q, dq):
+        return arm.on_joint(1, np.sin(30 * q[:, 1]))
+
+    model = arm.model()
+    model = replace(model, name=EVIL, robot=replace(model.robot, joint_names=("a", EVIL, "c")))
+    runs = [arm.recording(seed, extra=ripple, name=f"{EVIL}{seed}") for seed in (1, 2)]
+    return compare(model, runs)
+
+
+@pytest.fixture(scope="module")
+def text(comparison):
+    rms = comparison.pooled.scores.rms
+    return compare_page(comparison, [Step("m0", "textbook", 2 * rms), Step("m1", EVIL, rms)])
+
+
+def test_nothing_is_loaded_from_elsewhere(text):
+    found = reader.Report(text)
+    assert all(link.startswith("#") for link in found.links)
+    assert sum("plotly.js v" in script[:200] for script in found.scripts) == 1
+    assert "@import" not in text
+    assert "url(http" not in text
+
+
+def test_every_plot_has_its_figure_and_its_words(text):
+    found = reader.Report(text)
+    assert found.open == []
+    assert len(set(found.ids)) == len(found.ids)
+    assert set(found.canvases) <= set(found.stored)
+    words = " ".join(found.words)
+    plots = len(found.canvases)
+    assert plots == 2 + 4 * 3
+    assert words.count("How to read this") == plots
+    assert words.count("What to do next") == plots
+    for key in found.stored:
+        assert found.figure(key)["data"]
+
+
+def test_names_stay_text(text):
+    found = reader.Report(text)
+    assert "onmouseover" not in found.attributes
+    assert not any("alert(1)" in script for script in found.scripts)
+    assert f"{EVIL}: where does it fail?" in found.words
+
+
+def test_what_was_found_is_said(text, comparison):
+    words = reader.Report(text).words
+    for place in comparison.pooled.where:
+        assert words.count(place.sentence) == 2
+    order = comparison.orders[1].lines[0][0]
+    assert order == pytest.approx(30.0, abs=0.05)
+    assert any(f"A line at {order:.4g} cycles per revolution" in word for word in words)
+    assert any("--effect torque_ripple --joint 2" in word for word in words)
+
+
+def test_figures_are_those_of_the_comparison(text, comparison):
+    words = reader.Report(text).words
+    for value in comparison.pooled.scores.rms:
+        assert f"{value:.4g}" in words
+    assert any("Noise floor from" in word for word in words)
+
+
+@pytest.mark.long
+def test_a_browser_draws_it_without_errors(text, tmp_path):
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("no chromium or google-chrome to draw the report with")
+    file = tmp_path / "report.html"
+    file.write_text(text)
+    done = subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1200,9000",
+         "--virtual-time-budget=30000", "--enable-logging=stderr", "--dump-dom", file.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True,
+    )  # fmt: skip
+    assert "Uncaught" not in done.stderr
+    assert done.stdout.count('class="main-svg"') >= 10

@@ -1,0 +1,202 @@
+"""The report of a diagnosis: its figures are those of the diagnosis, and a person can follow it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import figure_reader as reader
+import numpy as np
+import pytest
+
+from backends.virtual.datasets import make_runs
+from pa10d.diagnose.outcome import Confusion, Diagnosis
+from pa10d.diagnose.procedure import diagnose
+from pa10d.dynamics import robot_from_profile
+from pa10d.effects import all_effects
+from pa10d.figures.held_out import HeldOut, held_out
+from pa10d.figures.of_diagnosis import diagnosis_figures
+from pa10d.figures.structure_map import variable_label
+from pa10d.figures.views import GENERAL, SPECIAL
+from pa10d.identify.procedure import identify
+from pa10d.profile import load_profile
+from pa10d.report.diagnosis_page import diagnosis_page
+from pa10d.report.finding_section import Asked
+from pa10d.report.verdict import headline
+
+STRIBECK = {"effect": "stribeck", "joint": 4, "Fs": 3.5, "vs": 0.08, "delta": 1.0}
+CROSSED = {"effect": "cross_friction", "joints": [5, 6], "amplitude": 0.43, "cycles": 0.8}
+ASKED = Asked("arm", ["train_a"], ["valid_a"], "arm.yaml")
+PLAN = {
+    "kind": "velocity_sweep", "parameters": {"joints": [4]},
+    "about": {"expected_standard_errors": 41.0},
+}  # fmt: skip
+
+
+def diagnosed(hidden, seconds=16.0, **options):
+    robot = robot_from_profile(load_profile("pa10-sim"))
+    runs = make_runs(3, [hidden], kinds=("train_a", "valid_a"), seconds=seconds)[0]
+    fit, validate = [runs["train_a"]], [runs["valid_a"]]
+    model = identify(fit, robot, name="arm", cutoff=10.0)
+    found = diagnose(model, fit, validate, **options)
+    return found, held_out(found, fit, validate), runs
+
+
+@pytest.fixture(scope="module")
+def stribeck():
+    return diagnosed(STRIBECK, only=("stribeck", [3]))
+
+
+@pytest.fixture(scope="module")
+def crossed():
+    return diagnosed(CROSSED, seconds=40.0, steps=0)
+
+
+def page_of(found: Diagnosis, seen: HeldOut) -> reader.Report:
+    return reader.Report(diagnosis_page(found, seen, ASKED))
+
+
+def doubtful(found: Diagnosis) -> Diagnosis:
+    why = "both act after a <reversal>"
+    finding = replace(
+        found.findings[0],
+        confounded_with=(Confusion("presliding_hysteresis", (3,), why),),
+        next_experiment=PLAN,
+    )
+    return replace(found, findings=(finding,))
+
+
+def test_predictions_of_the_versions_leave_what_the_diagnosis_says(stribeck):
+    """Two routes: full prediction of every version here, projected columns there."""
+    found, seen, _ = stribeck
+    finding = found.findings[0]
+    np.testing.assert_allclose(seen.rms(0), finding.rms_before, rtol=1e-6)
+    np.testing.assert_allclose(seen.rms(1), finding.rms_after, rtol=1e-6)
+
+
+def test_blocks_of_one_run_are_judged_on_the_held_out_ones(stribeck):
+    found, _, runs = stribeck
+    alone = diagnose(
+        replace(found.versions[0], notes={"cutoff": {"chosen_by": "user"}}),
+        [runs["train_a"]], only=("stribeck", [3]),
+    )  # fmt: skip
+    seen = held_out(alone, [runs["train_a"]])
+    np.testing.assert_allclose(seen.rms(0), alone.versions[0].held_out["held out"], rtol=1e-6)
+    counted = np.mean([run.counts.mean() for run in seen.seen[0]])
+    assert counted < 0.5, "the other blocks were fitted"
+
+
+def test_nothing_is_loaded_from_elsewhere(stribeck):
+    page = page_of(*stribeck[:2])
+    assert all(link.startswith("#") for link in page.links)
+    assert page.open == []
+    assert len(set(page.ids)) == len(page.ids)
+    assert set(page.canvases) <= set(page.stored)
+    for key in page.stored:
+        assert page.figure(key)["data"]
+
+
+def test_a_reader_is_led_from_the_plot_to_the_decision(stribeck):
+    found, seen, _ = stribeck
+    page = page_of(doubtful(found), seen)
+    words = " ".join(page.words)
+    kind = all_effects()["stribeck"]
+    for text in (kind.meaning, kind.signature, kind.experiment, kind.remedy, kind.equation):
+        assert text in words
+    assert words.count("How to read this") == len(page.canvases) == 3
+    assert "Missing in the model: Stribeck friction in joint 4." in words
+    assert "pa10d add arm stribeck --joint 4 --fit train_a --name arm.1" in words
+    assert "Pre-sliding hysteresis in joint 4: both act after a <reversal>." in words
+    assert '"kind": "velocity_sweep"' in words
+    assert "41 standard errors apart" in words
+    assert found.judged_on in words
+
+
+def test_parameters_stand_with_error_and_unit(stribeck):
+    found, seen, _ = stribeck
+    words = page_of(found, seen).words
+    for name, value in found.findings[0].parameters.items():
+        at = words.index(name)
+        assert words[at + 1] == f"{value.value:.4g}"
+        assert words[at + 2] == f"± {value.std_error:.2g}"
+
+
+def test_the_evidence_shows_the_bump_and_what_is_left(stribeck):
+    found, seen, _ = stribeck
+    drawn = diagnosis_figures(found, seen)["findings"][0]["evidence"]["residual and effect"]
+    cloud, _, curve, rest = drawn["data"][:4]
+    assert curve["name"] == "the effect"
+    speed, effect = reader.numbers(curve["x"]), reader.numbers(curve["y"])
+    # what the textbook friction leaves of a bump: high just above zero speed, low just below
+    assert effect[(speed > 0) & (speed < 0.1)].mean() > 0.5
+    assert effect[(speed < 0) & (speed > -0.1)].mean() < -0.5
+    assert np.all(np.abs(effect[np.abs(speed) > 0.2]) < 0.3)
+    nearest = np.argmin(np.abs(reader.numbers(cloud["x"])[:, None] - speed), axis=1)
+    away = reader.numbers(cloud["y"]) - effect[nearest]
+    assert np.std(away) < 0.4 * np.std(reader.numbers(cloud["y"]))
+    assert np.std(reader.numbers(rest["y"])) < 2 * found.noise_floor[3]
+
+
+def test_the_staircase_falls_beside_the_noise(stribeck):
+    found, seen, _ = stribeck
+    steps = diagnosis_figures(found, seen)["staircase"]["data"][3]
+    expected = [found.findings[0].rms_before[3], found.findings[0].rms_after[3]]
+    np.testing.assert_allclose(steps["y"], np.array(expected) / found.noise_floor[3])
+
+
+def test_an_unknown_noise_floor_is_called_unknown(stribeck):
+    found, seen, _ = stribeck
+    unknown = found.noise_floor.copy()
+    unknown[1] = np.nan
+    page = page_of(replace(found, noise_floor=unknown), seen)
+    assert page.words.count("unknown") == 1
+    assert len(page.canvases) == 3
+
+
+def test_what_changed_is_not_added_but_undone(stribeck):
+    found, seen, _ = stribeck
+    words = " ".join(page_of(replace(found, frozen=True), seen).words)
+    assert "What changed: Stribeck friction in joint 4." in words
+    assert "pa10d add" not in words
+    assert "pa10d identify train_a --profile arm.yaml" in words
+
+
+def test_nothing_missing_is_said_plainly(stribeck):
+    found, seen, _ = stribeck
+    clean = replace(found, verdict="none", findings=(), versions=found.versions[:1])
+    page = page_of(clean, seen)
+    assert headline(clean) in page.words
+    assert "measurement noise" in headline(clean)
+    assert page.canvases == []
+
+
+def test_unexplained_structure_is_a_map_of_the_residual(crossed):
+    found, seen, _ = crossed
+    at = [k for k, s in enumerate(found.unexplained) if s.joint == 4]
+    assert at, "friction of joint 5 that follows joint 6 leaves a map"
+    s = found.unexplained[at[0]]
+    figure = diagnosis_figures(found, seen)["unexplained"][at[0]]
+    learnt, shown = (np.array(t["z"], dtype=float) for t in figure["data"])
+    np.testing.assert_allclose(learnt, s.values.T, atol=1e-6)
+    # the held-out residual has the sign of the map where both say something
+    x, y = (reader.numbers(figure["data"][1][k]) for k in "xy")
+    cells = np.array([[np.interp(v, s.grid[0], np.arange(len(s.grid[0]))) for v in x]]).T.round()
+    rows = np.interp(y, s.grid[1], np.arange(len(s.grid[1]))).round()
+    expected = s.values[cells.astype(int), rows.astype(int)].T
+    strong = np.isfinite(shown) & (np.abs(expected) > 0.5 * np.abs(s.values).max())
+    assert np.mean(np.sign(shown[strong]) == np.sign(expected[strong])) > 0.9
+    words = " ".join(page_of(found, seen).words)
+    assert "no effect of the library explains" in words
+    assert "of joint 5's squared error depends on the" in words
+
+
+def test_variables_are_named_in_words():
+    prismatic = np.array([False, True])
+    assert variable_label("dq1", prismatic) == "velocity of joint 1, rad/s"
+    assert variable_label("q2 0.4 s ago", prismatic) == "position of joint 2 0.4 s ago, m"
+    assert variable_label("ddq2", prismatic) == "acceleration of joint 2, m/s²"
+
+
+def test_every_effect_has_a_view():
+    for kind in all_effects().values():
+        known = kind.id in SPECIAL or (kind.example and kind.example.against in GENERAL)
+        assert known, kind.id
