@@ -8,6 +8,7 @@ import os
 import re
 import secrets
 import socket
+import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,16 +26,27 @@ def _base() -> Path:
 
 
 def channel_folder(channel: str) -> Path:
-    """The channel's folder, made if need be; only its owner may enter (else PermissionError)."""
+    """The channel's folder, made if need be; only its owner may enter (else PermissionError).
+
+    FileNotFoundError where the last node takes it away meanwhile: ``alone`` tries again.
+    """
     if not NAME.fullmatch(channel) or channel in (".", ".."):
         raise ValueError(f"virtualbus channel '{channel}': expected 1-40 of letters, digits, . _ -")
     folder = _base() / channel
-    for path in (folder.parent, folder):
-        path.mkdir(mode=0o700, exist_ok=True)
-        found = path.lstat()
-        if found.st_uid != os.getuid() or found.st_mode & 0o077:
-            raise PermissionError(f"{path}: not private to this user, the bus would not be either")
+    _make_private(folder.parent)
+    _make_private(folder)
     return folder
+
+
+def _make_private(path: Path) -> None:
+    """Not ``Path.mkdir(exist_ok=True)``: it says "exists" of what has just gone."""
+    with contextlib.suppress(FileExistsError):
+        os.mkdir(path, 0o700)
+    found = path.lstat()
+    if not stat.S_ISDIR(found.st_mode):
+        raise NotADirectoryError(f"{path}: expected a folder for the nodes of the bus")
+    if found.st_uid != os.getuid() or found.st_mode & 0o077:
+        raise PermissionError(f"{path}: not private to this user, the bus would not be either")
 
 
 def channels() -> list[str]:

@@ -2,38 +2,58 @@
 
 from __future__ import annotations
 
+import logging
+from collections import Counter
+
 import numpy as np
 import pytest
-from arms import flywheel_arm, swing
+from arms import flywheel_arm, servo, swing
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    rule,
+    run_state_machine_as_test,
+)
 
 from backends.protocol import BackendFault
 from pa10d.control.states import POWERED, ArmState, Refused
 
 FAULTS = st.builds(lambda axis: BackendFault("injected", axis=axis), st.sampled_from([None, 0, 1]))
-CALLS = st.sampled_from(["read", "write", "enable", "disable", "reset", "quick_stop"])
+CALLS = st.sampled_from(["read", "read", "write", "enable", "disable", "reset", "quick_stop"])
+AXES = st.integers(0, 1)
 NEXT = {  # what may follow in one step that is not a reset
     ArmState.OFFLINE: {ArmState.OFFLINE, ArmState.INACTIVE},
     ArmState.FAULT: {ArmState.FAULT, ArmState.OFFLINE},
 }
+REST = 4000  # cycles in which every arm comes to rest once nothing fails any more
 
 
 class Commander(RuleBasedStateMachine):
+    """Commands of a careless client, faults of drives and controllers, and time."""
+
+    seen: Counter[str] = Counter()
+
     @initialize()
     def connect(self):
         self.arm, self.backend = flywheel_arm(capacity=64)
-        self.was_reset = False
-        write, hold_states = self.backend.write, []
-        self.bad = hold_states
+        self.astray: list[object] = []  # torque that came where none may be
+        write, step = self.backend.write, self.backend.plant.step
 
-        def checked(torque):
+        def watched_write(torque):
             if np.any(torque != 0) and self.arm.state not in POWERED:
-                self.bad.append((self.arm.state, torque))
+                self.astray.append(("sent", self.arm.state, torque))
             write(torque)
 
-        self.backend.write = checked
+        def watched_step(torque, dt):
+            told = not self.arm._maybe_powered  # else: the drives do not listen, and are told again
+            if np.any(torque != 0) and self.arm.state not in POWERED and told:
+                self.astray.append(("acts", self.arm.state, torque))
+            step(torque, dt)
+
+        self.backend.write, self.backend.plant.step = watched_write, watched_step
         self.arm.connect()
         self.cycle(3)
 
@@ -44,19 +64,54 @@ class Commander(RuleBasedStateMachine):
         except Refused as refusal:
             refused = refusal
         assert refused is None or (refused.remedy and self.arm.state == before)
+        self.seen[f"{'refused' if refused else 'done'} {command.__name__}"] += 1
         self.watch(before, reset=command == self.arm.reset)
 
     def watch(self, before, reset=False):
         after = self.arm.state
         if before in NEXT and not reset:
             assert after in NEXT[before], (before, after)
+        if after == ArmState.FAULT != before:
+            self.seen[f"fault {self.arm.fault.kind}"] += 1
 
-    @rule(count=st.integers(1, 400))
+    # -- time -------------------------------------------------------------------------------
+
+    @rule(count=st.integers(1, 60))
     def cycle(self, count):
         for _ in range(count):
             before = self.arm.state
             self.arm.cycle()
+            self.seen[f"cycle {before.label}"] += 1
             self.watch(before)
+
+    @rule()
+    def wait(self):
+        """Until the motion or the stop under way is over."""
+        for _ in range(REST):
+            if self.arm.state not in (ArmState.RUNNING, ArmState.STOPPING):
+                return
+            self.cycle(1)
+        raise AssertionError(f"{self.arm.state} for ever")
+
+    # -- commands ---------------------------------------------------------------------------
+
+    @rule()
+    def power_up(self):
+        """Whatever it takes, as far as the faults that wait allow it."""
+        if self.arm.state == ArmState.FAULT:
+            self.ask(self.arm.reset)
+        if self.arm.state == ArmState.OFFLINE:
+            self.ask(self.arm.connect)
+        self.cycle(2)
+        self.ask(self.arm.enable)
+        self.cycle(5)
+
+    @rule(amplitude=st.sampled_from([0.1, 0.3, 1.0, 1.5, 4.0]), cycles=st.integers(0, 60))
+    def go(self, amplitude, cycles):
+        """From wherever the arm stands into a motion."""
+        self.power_up()
+        self.run_motion(amplitude, 0.0)
+        self.cycle(cycles)
 
     @rule()
     def enable(self):
@@ -84,6 +139,12 @@ class Commander(RuleBasedStateMachine):
         self.ask(self.arm.run, swing(self.arm.path.reference.q + away, amplitude))
 
     @rule()
+    def change_controller(self):
+        self.ask(self.arm.use, servo())
+
+    # -- faults -----------------------------------------------------------------------------
+
+    @rule()
     def lose_the_daemon(self):
         before = self.arm.state
         self.arm.emergency("daemon_gone", "gone")
@@ -93,24 +154,33 @@ class Commander(RuleBasedStateMachine):
     def fail_next(self, call, fault):
         self.backend.fail.setdefault(call, []).append(fault)
 
-    @rule(axis=st.integers(0, 1), frozen=st.booleans())
+    @rule(axis=AXES, frozen=st.booleans())
     def freeze(self, axis, frozen):
         self.backend.frozen[axis] = frozen
 
-    @rule(axis=st.integers(0, 1), push=st.floats(-0.3, 0.3))
+    @rule(axis=AXES, push=st.floats(-0.3, 0.3))
     def push(self, axis, push):
         self.backend.plant.q[axis] += push
 
-    @rule()
-    def break_controller(self):
-        def broken(*_):
-            raise RuntimeError("broken")
+    @rule(kick=st.sampled_from([-5.0, 5.0]), axis=AXES)
+    def kick(self, axis, kick):
+        self.backend.plant.dq[axis] += kick
 
-        self.arm.path.controller.torque = broken
+    @rule(broken=st.sampled_from([RuntimeError("broken"), np.nan, np.inf, 1e9]))
+    def break_controller(self, broken):
+        def torque(*_):
+            if isinstance(broken, Exception):
+                raise broken
+            return np.full(2, broken)
+
+        self.arm.path.controller.torque = torque
+
+    # -- what holds always ------------------------------------------------------------------
 
     @invariant()
     def torque_only_where_allowed(self):
-        assert not getattr(self, "bad", [])
+        self.seen["step"] += 1
+        assert not getattr(self, "astray", [])
 
     @invariant()
     def unpowered_where_no_torque_may_be(self):
@@ -118,6 +188,11 @@ class Commander(RuleBasedStateMachine):
             off = not self.backend.powered or self.arm._maybe_powered
             assert off, "drives left powered and nobody cares"
             assert np.all(self.arm.path.sent == 0)
+
+    @invariant()
+    def torque_within_limits(self):
+        if hasattr(self, "arm"):
+            assert np.all(np.abs(self.arm.path.sent) <= self.arm.path.limits.torque)
 
     @invariant()
     def fault_state_has_a_fault(self):
@@ -130,23 +205,57 @@ class Commander(RuleBasedStateMachine):
         if not hasattr(self, "arm"):
             return
         self.backend.fail.clear()
-        for _ in range(4000):
-            self.arm.cycle()
-            if self.arm.state in (ArmState.FAULT, ArmState.INACTIVE):
-                break
+        if self.arm.fault is not None:
+            self.wait()
         if self.arm.state in (ArmState.FAULT, ArmState.INACTIVE):
             self.arm.cycle()
             assert not self.backend.powered
 
 
-COMMON = {"deadline": None, "suppress_health_check": list(HealthCheck)}
-TestShort = Commander.TestCase
-TestShort.settings = settings(max_examples=60, stateful_step_count=40, **COMMON)
+def explore(examples, **more):
+    """→ how often what was done and seen, in this many sequences."""
+
+    class Counted(Commander):
+        seen: Counter[str] = Counter()
+
+    run_state_machine_as_test(
+        Counted,
+        settings=settings(
+            max_examples=examples,
+            stateful_step_count=50,
+            deadline=None,
+            suppress_health_check=list(HealthCheck),
+            **more,
+        ),
+    )
+    return Counted.seen
 
 
-class Long(Commander):
-    pass
+@pytest.fixture(autouse=True)
+def _quiet():
+    """Thousands of faults, each with its line."""
+    log = logging.getLogger("pa10d.control")
+    log.disabled = True
+    yield
+    log.disabled = False
 
 
-TestLong = pytest.mark.long(Long.TestCase)
-TestLong.settings = settings(max_examples=250, stateful_step_count=60, **COMMON)
+def assert_thorough(seen, steps):
+    """What was never tried has not been shown."""
+    assert seen["step"] >= steps
+    for state in ArmState:
+        floor = 0 if state == ArmState.OFFLINE else steps // 10
+        assert seen[f"cycle {state.label}"] >= floor, (state, seen)
+    for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
+        assert seen[f"done {command}"] > steps // 500, (command, seen)
+    for kind in ("device", "controller", "following_error", "stale", "daemon_gone", "not_finite"):
+        assert seen[f"fault {kind}"], (kind, seen)
+
+
+def test_no_sequence_gives_torque_where_none_may_be():
+    assert_thorough(explore(250, derandomize=True), 10_000)
+
+
+@pytest.mark.long
+def test_nor_do_many_others():
+    assert_thorough(explore(2500), 100_000)
