@@ -19,10 +19,12 @@ from pa10d.api.routes import (
     experiments,
     jobs,
     models,
+    plots,
     robot,
     runs,
     service,
     sockets,
+    web,
 )
 from pa10d.daemon.daemon import Daemon, running
 
@@ -62,12 +64,12 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     )
     app.state.daemon = daemon
     problems.install(app)
-    for room in (robot, experiments, jobs, runs, models, analyses, sockets):
+    for room in (robot, experiments, jobs, runs, models, analyses, plots, sockets):
         app.include_router(room.router, prefix="/api/v1")
     app.include_router(service.router)
     app.include_router(docs.router)
-    if WEB.is_dir() and (WEB / "index.html").is_file():
-        app.mount("/", StaticFiles(directory=WEB, html=True), name="web")
+    app.include_router(web.router)
+    app.mount("/", StaticFiles(directory=WEB, html=True), name="web")
     app.add_middleware(AccessMiddleware, access=access or Access())
     _document_problems(app)
     return app

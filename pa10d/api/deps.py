@@ -30,7 +30,11 @@ def the_client(
 
 def the_commander(connection: HTTPConnection, client: Annotated[str, Depends(the_client)]) -> str:
     """A client that takes the lease by what it does; Held where another has it."""
-    the_daemon(connection).lease.take(client)
+    daemon = the_daemon(connection)
+    before = daemon.lease.current()
+    daemon.lease.take(client)
+    if before != client:
+        daemon.events.publish("lease", daemon.lease.document())
     return client
 
 

@@ -327,7 +327,73 @@ class KindAbout(BaseModel):
     parameters: dict[str, Any] = Field(description="JSON schema")
 
 
+class SeriesRequest(Strict):
+    """Several experiments, one after the other."""
+
+    experiments: Annotated[list[ExperimentRequest], Field(min_length=1, max_length=32)]
+
+
+class Suggested(BaseModel):
+    """An experiment worth running, ready to be sent."""
+
+    kind: str
+    parameters: dict[str, Any]
+    tags: list[str]
+    why: str
+
+
 class KindList(BaseModel):
-    """All kinds."""
+    """All kinds, and what to record first of an arm: give it to ``/experiments/series``."""
 
     items: list[KindAbout]
+    starting_set: list[Suggested]
+
+
+class Figure(BaseModel):
+    """Plotly JSON without colours for paper, text and grid."""
+
+    data: list[dict[str, Any]]
+    layout: dict[str, Any]
+
+
+class Plot(BaseModel):
+    """A figure and how to read it."""
+
+    figure: Figure
+    read: str = Field(description="How to read it")
+    then: str = Field(description="What to do next")
+
+
+class TorquePlot(Plot):
+    """With the stretch of time, s, that shows the place asked for."""
+
+    jump: tuple[float, float] | None = None
+
+
+class Step(BaseModel):
+    """One version on the runs."""
+
+    model: str
+    change: str
+    rms: list[float] = Field(description="N·m, per joint")
+
+
+class StaircasePlot(Plot):
+    """With its numbers."""
+
+    steps: list[Step]
+    noise_floor: list[float] = Field(description="N·m, per joint")
+
+
+class VersusPlot(Plot):
+    """With its numbers."""
+
+    rms: list[list[float]] = Field(description="N·m, per joint, of both models")
+    noise_floor: list[float] = Field(description="N·m, per joint")
+
+
+class Sheet(BaseModel):
+    """Plots and words of an analysis as blocks, each with its ``kind``."""
+
+    sections: list[dict[str, Any]]
+    findings: list[dict[str, Any]] | None = Field(None, description="Of a diagnosis, best first")

@@ -17,14 +17,14 @@ from pa10d.daemon.notify import notify, watchdog_period
 from pa10d.daemon.robot import RobotProcess
 from pa10d.daemon.simulator import Simulator, wants_simulator
 from pa10d.daemon.telemetry import Telemetry
-from pa10d.daemon.workers import Workers
+from pa10d.daemon.workers import TaskFailed, Workers
 from pa10d.dynamics import Robot
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
-MOVING = ("experiment", "improvement")  # kinds of jobs that move the arm
+MOVING = ("experiment", "series", "improvement")  # kinds of jobs that move the arm
 
 log = logging.getLogger("pa10d.daemon")
 
@@ -48,7 +48,7 @@ class Daemon:
         self.events = Events()
         self.runs, self.models = RunStore(data), ModelStore(data)
         self.jobs = Jobs(data / "jobs", self.events)
-        self.workers = Workers()
+        self.workers, self.viewer = Workers(), Workers(most=1)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
         self.runtime = runtime
@@ -70,6 +70,7 @@ class Daemon:
             loop.create_task(self._provide_bus()),
             loop.create_task(self.telemetry.run()),
             loop.create_task(self.workers.warm_up()),
+            loop.create_task(self._open_eyes()),
             loop.create_task(_feed_watchdog()),
         ]
         notify("READY=1", f"STATUS=serving {self.profile.name}")
@@ -85,6 +86,7 @@ class Daemon:
             if isinstance(ended, Exception):
                 log.error("a task of the daemon had failed", exc_info=ended)
         self.workers.close()
+        self.viewer.close()
         if self.simulator is not None:
             await self.simulator.close()
 
@@ -93,10 +95,22 @@ class Daemon:
             await self.simulator.start()
         self.robot.bus_ready.set()
 
-    def compute(self, kind: str, task: str, request: dict[str, Any], **more: Any) -> Job:
-        """Start a job that one worker carries out: a function of ``pa10d.daemon.tasks``."""
+    async def _open_eyes(self) -> None:
+        """Have the viewer's libraries loaded before somebody looks."""
+        with contextlib.suppress(TaskFailed):
+            await self.viewer.run("pa10d.services.plots:warm_up", lambda *_: None)
+
+    def compute(
+        self, kind: str, task: str, request: dict[str, Any], *, sheet: bool = False, **more: Any
+    ) -> Job:
+        """Start a job that one worker carries out: a function of ``pa10d.daemon.tasks``.
+
+        sheet: the task takes a folder for its plots and words, too.
+        """
 
         async def work(report: Report) -> Any:
+            if sheet:
+                more["sheet"] = str(self.jobs.folder_of(report.job))
             return await self.compute_now(task, report, **request, **more)
 
         return self.jobs.start(kind, request, work)
@@ -109,6 +123,12 @@ class Daemon:
     async def answer(self, task: str, **arguments: Any) -> Any:
         """The result of a short task, for a request that waits for it."""
         return await self.compute_now(task, lambda *_: None, **arguments)
+
+    async def look(self, plot: str, **arguments: Any) -> Any:
+        """The result of a function of ``pa10d.services.plots``, from a process that waits for
+        nothing else and remembers what it read."""
+        call = f"pa10d.services.plots:{plot}"
+        return await self.viewer.run(call, lambda *_: None, data=str(self.data), **arguments)
 
     async def use_controller(self, name: str, model: str | None) -> None:
         """Another control law; computed torque needs a model of the store."""

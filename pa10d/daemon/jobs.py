@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import json
 import logging
+import shutil
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
@@ -101,6 +102,10 @@ class Jobs:
         """The job with this id."""
         return self._jobs.get(number)
 
+    def folder_of(self, job: Job) -> Path:
+        """Where a job keeps what is too large for its document; it goes when the job goes."""
+        return self._folder / job.id
+
     def running(self, kind: str | None = None) -> list[Job]:
         """Jobs that are not over."""
         mine = [j for j in self._jobs.values() if j.status not in OVER]
@@ -152,6 +157,7 @@ class Jobs:
         with contextlib.suppress(OSError):
             write_json(self._folder / f"{job.id}.json", job.document())
             for old in sorted(self._folder.glob("*.json"))[:-KEPT]:
+                shutil.rmtree(old.with_suffix(""), ignore_errors=True)
                 old.unlink(missing_ok=True)
 
 

@@ -53,12 +53,20 @@ def identify(
     ).summary  # fmt: skip
 
 
-def compare(data: str, model: str, runs: list[str], progress: Progress) -> dict[str, Any]:
-    """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs."""
+def compare(
+    data: str, model: str, runs: list[str], progress: Progress, sheet: str | None = None
+) -> dict[str, Any]:
+    """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs.
+
+    sheet: a folder for plots and words."""
     from pa10d.services.library import open_library
     from pa10d.services.models import compare_runs
+    from pa10d.services.sheets import write_comparison_sheet
 
     found = compare_runs(open_library(data), model, runs, ancestors=True, progress=progress)
+    if sheet is not None:
+        progress(0.95, "plots")
+        write_comparison_sheet(found, Path(sheet))
     return found.document()
 
 
@@ -98,15 +106,21 @@ def diagnose(
     effect: str | None,
     joints: list[int],
     progress: Progress,
+    sheet: str | None = None,
 ) -> dict[str, Any]:
-    """Which effect is missing → what ``pa10d diagnose --json`` says."""
+    """Which effect is missing → what ``pa10d diagnose --json`` says. sheet: a folder for plots."""
     from pa10d.services.diagnoses import diagnose_runs
     from pa10d.services.library import open_library
+    from pa10d.services.sheets import write_diagnosis_sheet
 
+    library = open_library(data)
     found = diagnose_runs(
-        open_library(data), model, fit, validate, frozen=frozen, effect=effect, joints=joints,
+        library, model, fit, validate, frozen=frozen, effect=effect, joints=joints,
         progress=progress,
     )  # fmt: skip
+    if sheet is not None:
+        progress(0.98, "plots")
+        write_diagnosis_sheet(library, found, Path(sheet), model, fit, validate)
     return found.document()
 
 

@@ -46,7 +46,7 @@ def error_maps(
 ) -> Figure:
     """One joint (0-based) over all runs: a panel per kind of quantity of its own motion, and per
     quantity of a neighbour that was found to matter, with the mean and the middle half of the
-    residual per bin; found regions are shaded."""
+    residual per bin; found regions are shaded. ``layout.meta.panels``: quantity -> its axis."""
     used = moving(runs, joint)
     robot = used[0].seen.robot
     warm = any(run.seen.temperature is not None for run in used)
@@ -91,12 +91,17 @@ def _grid(
     data: list[Trace] = []
     shapes: list[dict] = []
     height = rows * (PANEL + UNDER)
-    figure = layout(height + 40, shapes=shapes, margin={"l": 62, "r": 18, "t": 40, "b": 0})
+    found_at: dict[str, str] = {}
+    figure = layout(
+        height + 40, shapes=shapes, margin={"l": 62, "r": 18, "t": 40, "b": 0},
+        meta={"panels": found_at},
+    )  # fmt: skip
     limit = 1.05 * float(np.max(np.abs(error))) if len(error) else 1.0
     chosen = thinned(len(error), POINTS)
     width = (1 - GUTTER) / columns
     for k, (quantity, x, regions) in enumerate(panels):
         suffix = "" if k == 0 else str(k + 1)
+        found_at[quantity.name] = f"xaxis{suffix}"
         left, top = (k % columns) * (width + GUTTER), 1 - (k // columns) / rows
         figure[f"xaxis{suffix}"] = axis(
             quantity.label, domain=[left, left + width], anchor=f"y{suffix}"

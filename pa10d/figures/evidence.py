@@ -79,11 +79,15 @@ def evidence(
 
 
 def before_after(
-    joints: Sequence[str], before: Array, after: Array, floor: Array | None = None
+    joints: Sequence[str],
+    before: Array,
+    after: Array,
+    floor: Array | None = None,
+    labels: tuple[str, str] = ("without it", "with it"),
 ) -> Figure:
     """Held-out RMS per joint (n,) without and with an effect, beside the noise floor, N·m."""
     names = [f"{j + 1} {name}" for j, name in enumerate(joints)]
-    bars = [("without it", before, MEASURED), ("with it", after, ERROR)]
+    bars = [(labels[0], before, MEASURED), (labels[1], after, ERROR)]
     if floor is not None:
         bars.append(("noise floor", floor, NOISE))
     hover = "%{x}: %{y:.4g} N·m"

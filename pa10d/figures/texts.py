@@ -58,6 +58,12 @@ TEXTS = {
         "A step that does not go down bought nothing: go back to its parent. A line that goes up "
         "at one joint while others fall is a wrong explanation.",
     ),
+    "versus": Reading(
+        "For every joint the error of both models on the same runs, beside the noise (green), "
+        "which no model can go below.",
+        "The better model is lower everywhere. Lower at one joint and higher at another is no "
+        "gain: look at both in Compare.",
+    ),
     "evidence": Reading(
         "Left, the residual without the effect and, over it, the torque that the effect adds. "
         "Right, what is left with it. All samples are from runs that the fit has not seen.",

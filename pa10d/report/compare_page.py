@@ -16,6 +16,7 @@ from pa10d.report.page import page
 
 Array = NDArray[np.float64]
 
+OVER_TIME = "Measured, modelled, and what is between them"
 OPEN = 3  # joints, worst first, whose sections are open at the start
 WHITE = 0.01  # p below which what is left is not white
 
@@ -27,8 +28,7 @@ def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
     blocks = [
         _summary(comparison),
         _failures(comparison),
-        *([_history(comparison, steps)] if len(steps) > 1 else []),
-        _figures(comparison),
+        *figures_sections(comparison, steps),
         *joint_sections(comparison),
     ]
     return page(
@@ -40,6 +40,17 @@ def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
     )
 
 
+def summary_sections(comparison: Comparison, steps: Sequence[Step] = ()) -> list[Section]:
+    """What is said of all joints together, but for the list of places."""
+    return [_summary(comparison), *figures_sections(comparison, steps)]
+
+
+def figures_sections(comparison: Comparison, steps: Sequence[Step] = ()) -> list[Section]:
+    """The history, where there is one, and the table."""
+    history = [_history(comparison, steps)] if len(steps) > 1 else []
+    return [*history, _figures(comparison)]
+
+
 def joint_sections(comparison: Comparison) -> list[Section]:
     """One section per joint; the worst ones are open."""
     ratio = comparison.pooled.scores.rms / np.maximum(comparison.pooled.noise_floor, 1e-300)
@@ -47,8 +58,10 @@ def joint_sections(comparison: Comparison) -> list[Section]:
     return [joint_section(comparison, j, j not in first) for j in range(comparison.model.robot.n)]
 
 
-def joint_section(comparison: Comparison, j: int, folded: bool | None = None) -> Section:
-    """Everything about one joint (0-based)."""
+def joint_section(
+    comparison: Comparison, j: int, folded: bool | None = None, *, over_time: bool = True
+) -> Section:
+    """Everything about one joint (0-based); over_time: with the torque over time of every run."""
     pooled, robot, texts = comparison.pooled, comparison.model.robot, figures.TEXTS
     floor, unit = float(pooled.noise_floor[j]), figures.units(comparison)[j]
     mine = [place for place in pooled.where if place.joint == j]
@@ -60,7 +73,7 @@ def joint_section(comparison: Comparison, j: int, folded: bool | None = None) ->
             [("", place.sentence) for place in mine],
             "No range of any quantity carries significantly more error than its share.",
         ),
-        Plot("Measured, modelled, and what is between them", drawn["time"], texts["time"]),
+        *([Plot(OVER_TIME, drawn["time"], texts["time"])] if over_time else []),
         Plot("The residual against what it may depend on", drawn["maps"], texts["maps"]),
         Plot("In cycles per revolution, and in hertz", drawn["spectra"], texts["spectra"],
              _line_advice(j, order.lines if order else (), unit)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,27 +20,42 @@ from pa10d.report.page import page
 from pa10d.report.verdict import headline, structure_words
 
 
+@dataclass(frozen=True)
+class DiagnosisSections:
+    """The parts of the page, in their order."""
+
+    verdict: Section
+    findings: tuple[Section, ...]
+    rest: tuple[Section, ...]
+
+
+def diagnosis_sections(found: Diagnosis, seen: HeldOut, asked: Asked) -> DiagnosisSections:
+    """What there is to say of a diagnosis, for the report and the web page alike."""
+    drawn = diagnosis_figures(found, seen)
+    numbers = range(len(found.findings))
+    return DiagnosisSections(
+        _glance(found),
+        tuple(finding_section(found, k, drawn["findings"][k], asked) for k in numbers),
+        (
+            *([_staircase(drawn)] if found.findings else []),
+            *([_unexplained(found, drawn)] if found.unexplained else []),
+            _figures(found),
+            _judged(found, asked),
+        ),
+    )
+
+
 def diagnosis_page(
     found: Diagnosis, seen: HeldOut, asked: Asked, first: tuple[Block, ...] = ()
 ) -> str:
     """One HTML file that opens offline; first: blocks before everything else."""
-    drawn = diagnosis_figures(found, seen)
-    blocks: list[Block] = [
-        *first,
-        _glance(found),
-        *(finding_section(found, k, drawn["findings"][k], asked)
-          for k in range(len(found.findings))),
-        *([_staircase(drawn)] if found.findings else []),
-        *([_unexplained(found, drawn)] if found.unexplained else []),
-        _figures(found),
-        _judged(found, asked),
-    ]  # fmt: skip
+    parts = diagnosis_sections(found, seen, asked)
     question = "what has changed?" if found.frozen else "what is missing?"
     robot = found.model.robot
     return page(
         f"{asked.model}: {question}",
         f"{robot.name}, {robot.n} joints · judged on {found.judged_on}",
-        blocks,
+        [*first, parts.verdict, *parts.findings, *parts.rest],
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )
 

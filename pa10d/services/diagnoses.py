@@ -16,7 +16,9 @@ from pa10d.services.models import read_runs, write_file
 from pa10d.store.models import ModelInfo
 
 if TYPE_CHECKING:
+    from pa10d.figures.held_out import HeldOut
     from pa10d.report.blocks import Block
+    from pa10d.report.finding_section import Asked
 
 Progress = Callable[[float, str], None]
 Cancel = Callable[[], bool]
@@ -147,8 +149,21 @@ def write_diagnosis_report(
 ) -> Path:
     """The diagnosis as one HTML file that opens offline; model, fit, validate: as it had them;
     first: blocks before everything else."""
-    from pa10d.figures.held_out import held_out
     from pa10d.report.diagnosis_page import diagnosis_page
+
+    seen, asked = as_judged(library, found, model, fit, validate)
+    return write_file(path, diagnosis_page(found, seen, asked, first))
+
+
+def as_judged(
+    library: Library,
+    found: Diagnosis,
+    model: str,
+    fit: Sequence[str],
+    validate: Sequence[str] = (),
+) -> tuple[HeldOut, Asked]:
+    """What its plots need: the held-out side as every version sees it, and the names asked for."""
+    from pa10d.figures.held_out import held_out
     from pa10d.report.finding_section import Asked
 
     infos, fitted = read_runs(library, fit)
@@ -159,4 +174,4 @@ def write_diagnosis_report(
         [info.name for info in judged_infos],
         infos[0].profile or "PROFILE",
     )
-    return write_file(path, diagnosis_page(found, held_out(found, fitted, judged), asked, first))
+    return held_out(found, fitted, judged), asked

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
+from fastapi.responses import FileResponse
 
 from pa10d.api.deps import TheDaemon
 from pa10d.api.paging import page_of
@@ -12,8 +13,16 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
-from pa10d.api.schemas import CompareRequest, DiagnoseRequest, Job, JobPage, JobWithResult
+from pa10d.api.schemas import (
+    CompareRequest,
+    DiagnoseRequest,
+    Job,
+    JobPage,
+    JobWithResult,
+    Sheet,
+)
 from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.jobs import Job as DaemonJob
 
 router = APIRouter(tags=["analyses"])
 Limit = Annotated[int, Query(ge=1, le=500)]
@@ -25,7 +34,9 @@ WRONG = responses("not-found", "refused")
 async def compare(daemon: TheDaemon, request: CompareRequest, response: Response) -> Any:
     """How large a model's error is on runs, and where; the result is that of ``pa10d compare``."""
     _find_all(daemon, request.model, request.runs)
-    return accepted(daemon.compute("compare", "compare", request.model_dump()), response)
+    return accepted(
+        daemon.compute("compare", "compare", request.model_dump(), sheet=True), response
+    )
 
 
 @router.get("/comparisons", response_model=JobPage)
@@ -39,14 +50,25 @@ async def list_comparisons(
 @router.get("/comparisons/{comparison}", response_model=JobWithResult, responses=WRONG)
 async def show_comparison(daemon: TheDaemon, comparison: str) -> dict[str, Any]:
     """One comparison, with its result once it is done."""
-    return _one(daemon, "compare", comparison)
+    return _one(daemon, "compare", comparison).document()
+
+
+@router.get("/comparisons/{comparison}/sheet", response_model=Sheet, responses=WRONG)
+async def comparison_sheet(
+    daemon: TheDaemon,
+    comparison: str,
+    joint: Annotated[int | None, Query(ge=1, le=64, description="None: all together")] = None,
+) -> FileResponse:
+    """Its plots and words, of all joints together or of one."""
+    part = "summary" if joint is None else f"joint-{joint}"
+    return _sheet(daemon, "compare", comparison, part)
 
 
 @router.post("/diagnoses", response_model=Job, status_code=202, responses=WRONG)
 async def diagnose(daemon: TheDaemon, request: DiagnoseRequest, response: Response) -> Any:
     """Which effect is missing; the result is that of ``pa10d diagnose``."""
     _find_all(daemon, request.model, [*request.fit, *request.validate_])
-    job = daemon.compute("diagnose", "diagnose", request.model_dump(by_alias=True))
+    job = daemon.compute("diagnose", "diagnose", request.model_dump(by_alias=True), sheet=True)
     return accepted(job, response)
 
 
@@ -61,7 +83,13 @@ async def list_diagnoses(
 @router.get("/diagnoses/{diagnosis}", response_model=JobWithResult, responses=WRONG)
 async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> dict[str, Any]:
     """One diagnosis, with its result once it is done."""
-    return _one(daemon, "diagnose", diagnosis)
+    return _one(daemon, "diagnose", diagnosis).document()
+
+
+@router.get("/diagnoses/{diagnosis}/sheet", response_model=Sheet, responses=WRONG)
+async def diagnosis_sheet(daemon: TheDaemon, diagnosis: str) -> FileResponse:
+    """Its plots and words: the verdict, a section per finding, and what is left."""
+    return _sheet(daemon, "diagnose", diagnosis, "summary")
 
 
 def _find_all(daemon: Daemon, model: str, runs: list[str]) -> None:
@@ -75,8 +103,15 @@ def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> dict[s
     return page_of(found, limit, cursor)
 
 
-def _one(daemon: Daemon, kind: str, number: str) -> dict[str, Any]:
+def _one(daemon: Daemon, kind: str, number: str) -> DaemonJob:
     job = daemon.jobs.get(number)
     if job is None or job.kind != kind:
         raise Problem("not-found", f"no {kind} job {number[:60]!r}")
-    return job.document()
+    return job
+
+
+def _sheet(daemon: Daemon, kind: str, number: str, part: str) -> FileResponse:
+    path = daemon.jobs.folder_of(_one(daemon, kind, number)) / f"{part}.json"
+    if not path.is_file():
+        raise Problem("not-found", f"{kind} job {number}: it has no {part}; is it done?")
+    return FileResponse(path, media_type="application/json")

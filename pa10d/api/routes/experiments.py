@@ -13,10 +13,12 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
-from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList
+from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList, SeriesRequest
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.experiment import experiment_job
 from pa10d.daemon.jobs import Report
+from pa10d.daemon.series import series_job
+from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import KINDS
 
 router = APIRouter(prefix="/experiments", tags=["experiments"])
@@ -24,8 +26,8 @@ router = APIRouter(prefix="/experiments", tags=["experiments"])
 
 @router.get("", response_model=KindList)
 async def list_kinds() -> dict[str, Any]:
-    """Every kind with the JSON schema of its parameters."""
-    return {"items": [_about(kind) for kind in KINDS]}
+    """Every kind with the JSON schema of its parameters, and what to record first."""
+    return {"items": [_about(kind) for kind in KINDS], "starting_set": list(STARTING_SET)}
 
 
 @router.get("/{kind}", response_model=KindAbout, responses=responses("not-found"))
@@ -52,6 +54,21 @@ async def start(
     asked = _checked(daemon, request)
     require_ready(daemon)
     return accepted(experiment_job(daemon, asked), response)
+
+
+@router.post(
+    "/series",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "state", "held", "conflict", "not-ready"),
+)
+async def start_series(
+    daemon: TheDaemon, _client: Commander, request: SeriesRequest, response: Response
+) -> Any:
+    """Run several, one after the other; the job's result has all ``runs`` (ids)."""
+    asked = [_checked(daemon, one) for one in request.experiments]
+    require_ready(daemon)
+    return accepted(series_job(daemon, asked), response)
 
 
 @router.post(

@@ -1,0 +1,75 @@
+"""Figures for whoever looks: Plotly JSON, as much detail as a screen has, all of it on zoom."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+
+from pa10d.api.deps import TheDaemon
+from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.models import find_model
+from pa10d.api.routes.runs import find_run
+from pa10d.api.schemas import Plot, StaircasePlot, TorquePlot, VersusPlot
+
+router = APIRouter(prefix="/plots", tags=["plots"])
+WRONG = responses("not-found", "refused")
+Text = Annotated[str, Query(min_length=1, max_length=100)]
+Runs = Annotated[list[str], Query(alias="run", min_length=1, max_length=100)]
+Second = Annotated[float | None, Query(ge=-1e9, le=1e9, description="s, with 'begin' and 'end'")]
+Edge = Annotated[float, Query(description="of 'variable', its unit")]
+
+
+@router.get("/run", response_model=Plot, responses=WRONG)
+async def run_plot(daemon: TheDaemon, run: Text, begin: Second = None, end: Second = None) -> Any:
+    """Positions and torques of a recording."""
+    return await daemon.look("run_plot", run=find_run(daemon, run).id, span=_span(begin, end))
+
+
+@router.get("/torque", response_model=TorquePlot, responses=WRONG)
+async def torque_plot(
+    daemon: TheDaemon,
+    model: Text,
+    run: Text,
+    joint: Annotated[int, Query(ge=1, le=64)],
+    raw: Annotated[bool, Query(description="Every sample, unfiltered")] = False,
+    begin: Second = None,
+    end: Second = None,
+    variable: Annotated[str | None, Query(max_length=40, examples=["|dq4|"])] = None,
+    low: Edge = 0.0,
+    high: Edge = 0.0,
+) -> Any:
+    """Measured torque over modelled torque, the residual under it.
+
+    ``variable``, ``low``, ``high``: a place from a comparison's ``where``, shown in red; ``jump``
+    is then a stretch of time that shows it well.
+    """
+    return await daemon.look(
+        "torque_over", model=find_model(daemon, model).id, run=find_run(daemon, run).id,
+        joint=joint, raw=raw, span=_span(begin, end),
+        place=None if variable is None else (variable, low, high),
+    )  # fmt: skip
+
+
+@router.get("/staircase", response_model=StaircasePlot, responses=WRONG)
+async def staircase_plot(daemon: TheDaemon, model: Text, runs: Runs) -> Any:
+    """The error of a model and of every version it was made from, on the same runs."""
+    found = [find_run(daemon, run).id for run in runs]
+    return await daemon.look("staircase_of", model=find_model(daemon, model).id, runs=found)
+
+
+@router.get("/versus", response_model=VersusPlot, responses=WRONG)
+async def versus_plot(daemon: TheDaemon, one: Text, other: Text, runs: Runs) -> Any:
+    """Two models side by side on the same runs."""
+    return await daemon.look(
+        "versus", one=find_model(daemon, one).id, other=find_model(daemon, other).id,
+        runs=[find_run(daemon, run).id for run in runs],
+    )  # fmt: skip
+
+
+def _span(begin: float | None, end: float | None) -> list[float] | None:
+    if begin is None and end is None:
+        return None
+    if begin is None or end is None or not begin < end:
+        raise Problem("refused", f"begin {begin}, end {end}: expected both, begin before end")
+    return [begin, end]

@@ -1,0 +1,48 @@
+"""A report's content as plain numbers and words: the web page draws the same blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from pa10d.compare import Comparison
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.figures.held_out import HeldOut
+from pa10d.figures.staircase import Step
+from pa10d.report.compare_page import joint_section, summary_sections
+from pa10d.report.diagnosis_page import diagnosis_sections
+from pa10d.report.finding_section import Asked
+
+Sheet = dict[str, Any]
+
+
+def comparison_sheet(comparison: Comparison, steps: Sequence[Step] = ()) -> dict[str, Sheet]:
+    """``summary``, and ``joint-1`` … ``joint-n`` apart, so that a page loads what it shows."""
+    summary = [_plain(section) for section in summary_sections(comparison, steps)]
+    out: dict[str, Sheet] = {"summary": {"sections": summary}}
+    for j in range(comparison.model.robot.n):
+        section = joint_section(comparison, j, over_time=False)
+        out[f"joint-{j + 1}"] = {"sections": [_plain(section)]}
+    return out
+
+
+def diagnosis_sheet(found: Diagnosis, seen: HeldOut, asked: Asked) -> dict[str, Sheet]:
+    """``summary`` with ``sections`` (the verdict first) and ``findings``, one section each."""
+    parts = diagnosis_sections(found, seen, asked)
+    sections = [_plain(section) for section in (parts.verdict, *parts.rest)]
+    return {"summary": {"sections": sections, "findings": _plain(parts.findings)}}
+
+
+def _plain(value: Any) -> Any:
+    """Blocks as ``{"kind": "plot", …}``; everything else as JSON knows it."""
+    if is_dataclass(value) and not isinstance(value, type):
+        plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+        return {"kind": type(value).__name__.lower(), **plain}
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value

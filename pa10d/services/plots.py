@@ -1,0 +1,151 @@
+"""Plots on demand, for a page: short functions of names, numbers and a data folder.
+
+They run in one process that remembers the last runs it read: zooming is then a slice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.compare import RunResidual, noise_floor, run_residual, scores
+from pa10d.compare.quantities import Values, quantities
+from pa10d.errors import UserError
+from pa10d.figures import TEXTS
+from pa10d.figures.evidence import before_after
+from pa10d.figures.plotly import Figure
+from pa10d.figures.recorded import recorded
+from pa10d.figures.staircase import Step, staircase
+from pa10d.figures.texts import Reading
+from pa10d.figures.time import pauses, torque_over_time
+from pa10d.recording import Recording
+from pa10d.services.library import Library, open_library
+
+Array = NDArray[np.float64]
+Plot = dict[str, Any]
+
+READ = 6  # runs kept in memory
+JUDGED = 6  # the same as one model sees them
+AROUND = 4.0  # s at least that are shown around a place
+
+
+def warm_up() -> None:
+    """Importing this module is what takes time."""
+
+
+def run_plot(data: str, run: str, span: list[float] | None) -> Plot:
+    """A recording: positions and torques."""
+    library = open_library(data)
+    info = library.runs.find(run)
+    return _plot(recorded(_recording(data, info.id), info.joints, _span(span)))
+
+
+def torque_over(
+    data: str,
+    model: str,
+    run: str,
+    joint: int,
+    raw: bool,
+    span: list[float] | None,
+    place: tuple[str, float, float] | None,
+) -> Plot:
+    """Measured and modelled torque of one joint (from 1). place: a quantity and its range, as
+    ``where`` of a comparison has them: shown in red, and ``jump`` is the stretch that shows it."""
+    library = open_library(data)
+    pair = library.models.find(model).id, library.runs.find(run).id
+    seen = _residual(data, *pair)
+    _refuse_joint(seen, joint)
+    marked = None if place is None else _within(seen, joint - 1, *place)
+    floor = float(_floor(data, pair[0], pair[1:])[joint - 1])
+    figure = torque_over_time(seen, joint - 1, floor, raw=raw, span=_span(span), marked=marked)
+    jump = None if marked is None else _stretch(seen, joint - 1, marked)
+    return _plot(figure, TEXTS["time"], jump=jump)
+
+
+def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
+    """The errors of a model and of all it was made from, on the same runs."""
+    library = open_library(data)
+    line = library.models.history(library.models.find(model))
+    ids = _ids(library, runs)
+    steps = [Step(info.name, info.change, _rms(data, info.id, ids)) for info in line]
+    floor = _floor(data, line[-1].id, ids)
+    figure = staircase(steps, line[-1].joints, floor)
+    told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
+    return _plot(figure, TEXTS["staircase"], steps=told, noise_floor=floor.tolist())
+
+
+def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
+    """Two models side by side on the same runs."""
+    library = open_library(data)
+    first, second = library.models.find(one), library.models.find(other)
+    ids = _ids(library, runs)
+    rms = [_rms(data, info.id, ids) for info in (first, second)]
+    floor = _floor(data, second.id, ids)
+    names = (first.name, second.name)
+    figure = before_after(first.joints, rms[0], rms[1], floor, names)
+    return _plot(figure, TEXTS["versus"], rms=[r.tolist() for r in rms], noise_floor=floor.tolist())
+
+
+@lru_cache(READ)
+def _recording(data: str, run: str) -> Recording:
+    return open_library(data).runs.recording(run)
+
+
+@lru_cache(JUDGED)
+def _residual(data: str, model: str, run: str) -> RunResidual:
+    return run_residual(open_library(data).models.load(model), _recording(data, run))
+
+
+@lru_cache(256)
+def _rms(data: str, model: str, runs: tuple[str, ...]) -> Array:
+    return scores([_residual(data, model, run) for run in runs]).rms
+
+
+@lru_cache(256)
+def _floor(data: str, model: str, runs: tuple[str, ...]) -> Array:
+    return noise_floor([_residual(data, model, run) for run in runs]).values
+
+
+def _ids(library: Library, runs: Sequence[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(library.runs.find(run).id for run in runs))
+
+
+def _within(seen: RunResidual, joint: int, variable: str, low: float, high: float) -> Any:
+    """(M,) True where the quantity lies in the range and the error counts."""
+    warm = seen.seen.temperature is not None
+    known = {q.name: q for q in quantities(seen.seen.robot, joint, warm)}
+    if variable not in known:
+        raise UserError(f"variable {variable!r}: expected one of {', '.join(known)}")
+    values = Values(seen)(known[variable])
+    return (values >= low) & (values <= high) & seen.counts[:, joint]
+
+
+def _stretch(seen: RunResidual, joint: int, marked: NDArray[np.bool_]) -> list[float] | None:
+    """(begin, end) s around the marked piece that carries most squared error."""
+    dt = 1.0 / seen.equation.rate
+    pieces = pauses(~marked, dt, shortest=0)
+    if not pieces:
+        return None
+    square = np.concatenate([[0.0], np.cumsum(seen.error[:, joint] ** 2)])
+    carried = [square[round(b / dt)] - square[round(a / dt)] for a, b in pieces]
+    begin, end = pieces[int(np.argmax(carried))]
+    margin = max(0.5 * (end - begin), 0.5 * (AROUND - (end - begin)))
+    return [max(0.0, begin - margin), min(len(marked) * dt, end + margin)]
+
+
+def _refuse_joint(seen: RunResidual, joint: int) -> None:
+    if not 1 <= joint <= seen.seen.robot.n:
+        raise UserError(f"joint {joint}: expected a number from 1 to {seen.seen.robot.n}")
+
+
+def _span(span: list[float] | None) -> tuple[float, float] | None:
+    return None if span is None else (span[0], span[1])
+
+
+def _plot(figure: Figure, reading: Reading | None = None, **more: Any) -> Plot:
+    words = {"read": reading.read, "then": reading.then} if reading else {"read": "", "then": ""}
+    return {"figure": figure, **words, **more}

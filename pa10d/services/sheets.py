@@ -1,0 +1,42 @@
+"""Plots and words of an analysis, kept as JSON for whoever looks at it later."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.services.diagnoses import as_judged
+from pa10d.services.library import Library
+from pa10d.services.models import Compared
+
+
+def write_comparison_sheet(compared: Compared, folder: Path) -> None:
+    """``summary.json`` and ``joint-1.json`` … into the folder."""
+    from pa10d.report.sheet import comparison_sheet
+
+    _write(folder, comparison_sheet(compared.comparison, compared.staircase))
+
+
+def write_diagnosis_sheet(
+    library: Library,
+    found: Diagnosis,
+    folder: Path,
+    model: str,
+    fit: Sequence[str],
+    validate: Sequence[str],
+) -> None:
+    """``summary.json`` into the folder."""
+    from pa10d.report.sheet import diagnosis_sheet
+
+    seen, asked = as_judged(library, found, model, fit, validate)
+    _write(folder, diagnosis_sheet(found, seen, asked))
+
+
+def _write(folder: Path, parts: Mapping[str, Any]) -> None:
+    folder.mkdir(exist_ok=True)
+    for name, part in parts.items():
+        text = json.dumps(part, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        (folder / f"{name}.json").write_text(text, encoding="utf-8")

@@ -1,0 +1,35 @@
+"""What to record first of an arm: two runs to fit a model to, two others to judge it by."""
+
+from __future__ import annotations
+
+from typing import Any
+
+FIT, JUDGE = "fit", "judge"
+"""Tags of runs: models are fitted to the one kind and judged by the other."""
+
+STARTING_SET: tuple[dict[str, Any], ...] = (
+    {
+        "kind": "excitation",
+        "parameters": {},
+        "tags": [FIT],
+        "why": "All joints at once, fast and slow: masses, inertias, gravity.",
+    },
+    {
+        "kind": "velocity_sweep",
+        "parameters": {"count": 5, "longest": 1.5},
+        "tags": [FIT],
+        "why": "Constant speeds in both directions: friction.",
+    },
+    {
+        "kind": "point_to_point",
+        "parameters": {"seed": 7},
+        "tags": [JUDGE],
+        "why": "Other poses, with rests: does the model hold where it was not fitted?",
+    },
+    {
+        "kind": "excitation",
+        "parameters": {"seed": 9},
+        "tags": [JUDGE],
+        "why": "Another fast motion, with the loads of daily work.",
+    },
+)
