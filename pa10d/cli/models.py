@@ -27,6 +27,11 @@ def add_commands(commands: Commands) -> None:
         "--with", dest="effects", metavar="EFFECT", nargs="+", action="extend", default=[],
         help="further effects on every joint, such as torque_offset",
     )  # fmt: skip
+    parser.add_argument(
+        "--faster-than", type=float, nargs="+", metavar="V",
+        help="rad/s per joint: fit only samples in which the joint is faster, where friction is "
+        "linear",
+    )  # fmt: skip
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
     parser = commands.add("compare", compare, "how large a model's error is, and where")
@@ -41,8 +46,8 @@ def identify(options: argparse.Namespace) -> Answer:
 
     made = identify_runs(
         _library(options), options.runs, options.profile, name=options.name,
-        cutoff=options.cutoff, with_effects=options.effects, replace=options.replace,
-        progress=_progress,
+        cutoff=options.cutoff, with_effects=options.effects,
+        faster_than=options.faster_than, replace=options.replace, progress=_progress,
     )  # fmt: skip
     found = made.summary
     for warning in found.get("warnings", ()):

@@ -35,7 +35,10 @@ REMEMBERED = 600_000_000  # bytes of filtered columns that are kept rather than 
 
 @dataclass
 class Pieces:
-    """All stretches of all runs under one cut-off and shift; iterate as often as you like."""
+    """All stretches of all runs under one cut-off and shift; iterate as often as you like.
+
+    faster_than: (n,) rad/s; rows of slower joints do not count, not even as joints at rest
+    """
 
     recordings: Sequence[Recording]
     robot: Robot
@@ -43,6 +46,7 @@ class Pieces:
     cutoff: float
     shift: float = 0.0
     tick: Callable[[], None] = lambda: None
+    faster_than: Array | None = None
     _kept: dict[int, Piece] = field(default_factory=dict)
     _bytes: int = 0
     _counted: set[int] = field(default_factory=set)
@@ -125,13 +129,21 @@ class Pieces:
         )
         own = np.zeros(len(run.tau), dtype=bool)
         own[first:last] = True
-        keep, moving = run.keep & own[:, None], run.moving & own[:, None]
+        counts = own[:, None] & ~self._slow(run)
+        keep, moving = run.keep & counts, run.moving & counts
         seen = self.layout.seen
         raw = run.raw_rigid(self.layout.base.kept)
         if i not in self._counted:
             self._count(i, raw, run, first, last)
         rigid = run.rigid_rows(self.layout.base.kept, seen, raw)
-        return Piece(run, keep, moving, run.inside & own, rigid, self._fast[number])
+        inside = run.inside[:, None] & counts
+        return Piece(run, keep, moving, inside, rigid, self._fast[number])
+
+    def _slow(self, run: RunEquation) -> NDArray[np.bool_]:
+        """(M, n) rows that the caller wants left out."""
+        if self.faster_than is None:
+            return np.zeros(run.tau.shape, dtype=bool)
+        return np.abs(run.lowpass(run.context.dq)) <= self.faster_than
 
     def _count(self, i: int, raw: Array, run: RunEquation, first: int, last: int) -> None:
         """Add a piece's own raw samples to the Gram matrix behind the condition number."""

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Piece:
-    """A stretch of one run: filtered torque (M, n), which samples count (M, n) without reversals
-    and with them and (M,) at all, rigid columns per joint (M, b_j), and the motion behind them for
+    """A stretch of one run: filtered torque (M, n), which samples count (M, n) without reversals,
+    with them, and with rests, rigid columns per joint (M, b_j), and the motion behind them for
     further columns."""
 
     equation: RunEquation

@@ -18,7 +18,7 @@ from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import plain_fit, weighted_fit
 from pa10d.identify.layout import Layout, textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
-from pa10d.identify.refusals import check, check_length, check_motion
+from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
 from pa10d.identify.smoothing import find_smoothing, with_smoothing
@@ -37,6 +37,7 @@ def identify(
     cutoff: float | None = None,
     with_effects: Sequence[str] = (),
     robust: bool = False,
+    faster_than: Sequence[float] | None = None,
     progress: Callable[[float, str], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> TorqueModel:
@@ -45,6 +46,8 @@ def identify(
     cutoff: Hz of the zero-phase low-pass on both sides of the equation; default from the data
     with_effects: ids of further effects, on every joint
     robust: let samples far off the model count less (knocks, collisions, glitches)
+    faster_than: rad/s per joint; only samples in which the joint is faster are fitted, because
+    friction is linear there (set A of Vuong & Ang 2009)
     progress: called with (share done, what is being done)
     cancel: asked now and then; True raises ``Cancelled``
     """
@@ -58,9 +61,10 @@ def identify(
             raise Cancelled("identification was cancelled")
 
     check(recordings, robot)
+    speeds = None if faster_than is None else check_speeds(faster_than, robot)
     # the matrices are many and small: threads of the linear algebra would mostly wait
     with threadpool_limits(limits=1, user_api="blas"):
-        return _identify(recordings, robot, name, cutoff, with_effects, robust, say, tick)
+        return _identify(recordings, robot, name, cutoff, with_effects, robust, speeds, say, tick)
 
 
 def _identify(
@@ -70,6 +74,7 @@ def _identify(
     cutoff: float | None,
     with_effects: Sequence[str],
     robust: bool,
+    faster_than: Array | None,
     say: Callable[[float, str], None],
     tick: Callable[[], None],
 ) -> TorqueModel:
@@ -81,8 +86,8 @@ def _identify(
         why = _cut_off(recordings, robot, textbook(robot) if with_effects else layout, tick)
         cutoff = why.hertz
     check_length(recordings, cutoff)
-    pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick)
-    seen = check_motion(excitation(pieces), recordings)
+    pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick, faster_than)
+    seen = check_motion(excitation(pieces), recordings, faster_than)
     layout = with_starting_shapes(layout, pieces)
     say(0.2, "smoothing speed of the friction sign")
     smoothing = find_smoothing(pieces, layout)
@@ -109,6 +114,8 @@ def _identify(
         "rank": fit.solution.rank,
         "robust": robust,
     }
+    if faster_than is not None:
+        notes["faster_than"] = faster_than.tolist()
     say(1.0, "done")
     return model_of(name, layout, fit, feasible, cutoff, shift, recordings, notes)
 

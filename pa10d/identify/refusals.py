@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
 from pa10d.equation import edge_time
@@ -13,6 +14,7 @@ from pa10d.identify.excitation import Excitation
 from pa10d.recording import Recording
 
 FEWEST_PERIODS = 8.0  # of the cut-off between the two ends
+FAST_TIME = 1.0  # s that a joint must be faster than what is asked for
 
 
 def check(recordings: Sequence[Recording], robot: Robot) -> None:
@@ -45,11 +47,38 @@ def check_length(recordings: Sequence[Recording], cutoff: float) -> None:
             )
 
 
-def check_motion(seen: Excitation, recordings: Sequence[Recording]) -> Excitation:
-    """Refuse data in which no joint moves or no torque was measured."""
+def check_speeds(faster_than: Sequence[float], robot: Robot) -> NDArray[np.float64]:
+    """(n,) rad/s, one per joint."""
+    speeds = np.array(faster_than, dtype=float)
+    if speeds.shape != (robot.n,) or not np.all(np.isfinite(speeds) & (speeds >= 0)):
+        raise UserError(
+            f"faster_than: found {list(faster_than)}, expected {robot.n} speeds in rad/s, one per "
+            f"joint of {robot.name}, 0 for all samples"
+        )
+    return speeds
+
+
+def check_motion(
+    seen: Excitation,
+    recordings: Sequence[Recording],
+    faster_than: NDArray[np.float64] | None = None,
+) -> Excitation:
+    """Refuse data in which no joint moves, or none fast enough, or no torque was measured."""
+    if faster_than is not None:
+        check_fast(seen, faster_than)
     names = ", ".join(r.name for r in recordings)
     if not np.any(seen.seconds > 0):
         raise UserError(f"{names}: no joint moves, expected motion of the joints to be identified")
     if not any(np.any(r.tau) for r in recordings):
         raise UserError(f"{names}: torque is zero throughout, expected measured torque")
     return seen
+
+
+def check_fast(seen: Excitation, faster_than: NDArray[np.float64]) -> None:
+    """Refuse a threshold above which a moving joint hardly ever is."""
+    for j in np.flatnonzero((seen.seconds < FAST_TIME) & (seen.speed > 0) & (faster_than > 0)):
+        raise UserError(
+            f"joint {j + 1} is faster than {faster_than[j]:.3g} rad/s for {seen.seconds[j]:.2g} s "
+            f"only, expected at least {FAST_TIME:g} s: a faster trajectory (this one reaches "
+            f"{seen.speed[j]:.3g} rad/s), or a lower threshold"
+        )

@@ -52,7 +52,7 @@ def rows_of(piece: Piece, layout: Layout, bent: NDArray[np.bool_] | None = None)
         found = piece.filtered([*slots, smooth, sharp], j)
         slope = (found[:, -2] - found[:, -1]) / (2 * STEP)
         columns.append(np.column_stack([piece.rigid[j], found[:, :-2], slope]))
-    return Rows(columns, piece.tau, piece.moving, piece.inside[:, None] & ~piece.moving)
+    return Rows(columns, piece.tau, piece.moving, piece.inside & ~piece.moving)
 
 
 def all_rows(

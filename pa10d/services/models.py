@@ -70,6 +70,7 @@ def identify_runs(
     name: str,
     cutoff: float | None = None,
     with_effects: Sequence[str] = (),
+    faster_than: Sequence[float] | None = None,
     replace: bool = False,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -87,6 +88,7 @@ def identify_runs(
         name=name,
         cutoff=cutoff,
         with_effects=tuple(with_effects),
+        faster_than=faster_than,
         progress=progress,
         cancel=cancel,
     )

@@ -43,9 +43,10 @@ def test_gradient_of_the_regressor_on_random_trees(seed):
         Criterion(1.0, 2.0, 3.0),
         Criterion(scaled=True, noise=np.array([1.0, 2.0, 0.5, 3.0])),
         Criterion(boundary=np.array([0.25, 0.27, 0.3, 0.6])),
+        Criterion(boundary=np.array([0.25, 0.27, 0.3, 0.6]), above=0.4),
         Criterion(determinant=True),
     ],
-    ids=["cond", "one base", "even", "scaled and weighed", "boundary", "determinant"],
+    ids=["cond", "one base", "even", "scaled and weighed", "boundary", "both", "determinant"],
 )
 def test_gradient_of_the_cost(criterion):
     problem = Problem.of(pa10(), (0, 1, 2, 3), criterion=criterion)

@@ -47,6 +47,7 @@ class Criterion:
 
     condition, smallest, evenness: λ1, λ2, λ3; determinant: minus mean log σ instead of these
     noise (n,) N·m: rows divided by it; boundary (n,) rad/s: only rows of joints faster than it
+    above: share of the rows above the boundary in the (geometric) mean with all rows, 0 … 1
     scaled: columns to unit norm, so that units do not count
     second: share of the second base in the (geometric) mean of the costs, 0 … 1
     """
@@ -57,6 +58,7 @@ class Criterion:
     determinant: bool = False
     noise: Array | None = None
     boundary: Array | None = None
+    above: float = 1.0
     scaled: bool = False
     second: float = 0.5
 
@@ -71,23 +73,36 @@ class Criterion:
 
         sharpness: p of the norms that stand in for largest and smallest.
         """
-        row, row_slope = self._rows(dq)
+        if self.boundary is None:
+            return self._of_rows(matrix, dq, None, bases, sharpness)
+        value, push, from_dq = self._of_rows(matrix, dq, self.boundary, bases, sharpness)
+        if self.above < 1.0:
+            whole, pull, _ = self._of_rows(matrix, dq, None, bases, sharpness)
+            value = self.above * value + (1.0 - self.above) * whole
+            push = self.above * push + (1.0 - self.above) * pull
+            from_dq = self.above * from_dq
+        return value, push, from_dq
+
+    def _of_rows(
+        self, matrix: Array, dq: Array, boundary: Array | None, bases: Bases, sharpness: float
+    ) -> tuple[float, Array, Array]:
+        row, row_slope = self._weights(dq, boundary)
         weighed = (matrix * row[:, :, None]).reshape(-1, matrix.shape[2])
         value, slope = self._of_gram(weighed.T @ weighed, bases, sharpness)
         from_weighed = (2.0 * weighed @ slope).reshape(matrix.shape)
         from_dq = np.zeros_like(dq)
-        if self.boundary is not None:
+        if boundary is not None:
             from_dq = np.einsum("snc,snc->sn", from_weighed, matrix) * row_slope
         return value, from_weighed * row[:, :, None], from_dq
 
-    def _rows(self, dq: Array) -> tuple[Array, Array]:
+    def _weights(self, dq: Array, boundary: Array | None) -> tuple[Array, Array]:
         """Weight of each row, and its derivative in dq."""
         weight, slope = np.ones_like(dq), np.zeros_like(dq)
         if self.noise is not None:
             weight = weight / self.noise
-        if self.boundary is not None:
-            width = np.maximum(EDGE * self.boundary, 1e-4)
-            rise = 0.5 * (1.0 + np.tanh((np.abs(dq) - self.boundary) / width))
+        if boundary is not None:
+            width = np.maximum(EDGE * boundary, 1e-4)
+            rise = 0.5 * (1.0 + np.tanh((np.abs(dq) - boundary) / width))
             slope = weight * 2.0 * rise * (1.0 - rise) / width * np.sign(dq)
             weight = weight * rise
         return weight, slope

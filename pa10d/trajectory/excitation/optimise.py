@@ -102,7 +102,8 @@ def excitation_problem(
     **weights: Any,
 ) -> Problem:
     """A problem from what a person says: joints from 1, boundary velocity and noise per chosen
-    joint; weights: ``condition, smallest, evenness, determinant, scaled, second`` of Criterion."""
+    joint; weights: ``condition, smallest, evenness, determinant, above, scaled, second`` of
+    Criterion."""
     base = Excitation(joints=joints, pose=pose)
     around = Surroundings.of(robot, floor)
     chosen = base.chosen(around)
