@@ -393,7 +393,7 @@ class VersusPlot(Plot):
 
 
 class Sheet(BaseModel):
-    """Plots and words of an analysis as blocks, each with its ``kind``."""
+    """Plots and words of an analysis as a tree of blocks, each with its sort in ``block``."""
 
     sections: list[dict[str, Any]]
     findings: list[dict[str, Any]] | None = Field(None, description="Of a diagnosis, best first")

@@ -12,11 +12,17 @@ from pa10d.compare import Comparison
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.staircase import Step
+from pa10d.figures.texts import Reading
+from pa10d.report.blocks import Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.compare_page import joint_section, summary_sections
 from pa10d.report.diagnosis_page import diagnosis_sections
+from pa10d.report.facts import Command, Facts, Verdict
 from pa10d.report.finding_section import Asked
 
 Sheet = dict[str, Any]
+KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, Verdict)
+BLOCKS: dict[str, Any] = {block.__name__.lower(): block for block in KINDS}
+OWN_KIND = "kind_of"  # where a block has a field of that name itself
 
 
 def comparison_sheet(comparison: Comparison, steps: Sequence[Step] = ()) -> dict[str, Sheet]:
@@ -36,11 +42,31 @@ def diagnosis_sheet(found: Diagnosis, seen: HeldOut, asked: Asked) -> dict[str, 
     return {"summary": {"sections": sections, "findings": _plain(parts.findings)}}
 
 
+def sections_of(sheet: Sheet) -> list[Section]:
+    """A sheet as blocks again, for a report of whoever has it by HTTP: findings come second."""
+    verdict, *rest = sheet["sections"]
+    return [_block(part) for part in (verdict, *sheet.get("findings", ()), *rest)]
+
+
+def _block(plain: Any) -> Any:
+    """The reverse of ``_plain``; figures stay as they are."""
+    if isinstance(plain, list):
+        return [_block(item) for item in plain]
+    if not isinstance(plain, dict) or plain.get("kind") not in BLOCKS:
+        return plain
+    own = {key: _block(item) for key, item in plain.items() if key != "kind"}
+    if OWN_KIND in own:
+        own["kind"] = own.pop(OWN_KIND)
+    return BLOCKS[plain["kind"]](**own)
+
+
 def _plain(value: Any) -> Any:
-    """Blocks as ``{"kind": "plot", …}``; everything else as JSON knows it."""
+    """Blocks as ``{"block": "plot", …}``; everything else as JSON knows it."""
     if is_dataclass(value) and not isinstance(value, type):
         plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-        return {"kind": type(value).__name__.lower(), **plain}
+        if "kind" in plain:
+            plain[OWN_KIND] = plain.pop("kind")
+        return {"block": type(value).__name__.lower(), **plain}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,0 +1,27 @@
+// Elements in one line: el("button", { class: "primary", onclick: f }, "Start").
+export function el(tag, props = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [key, value] of Object.entries(props)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "dataset") Object.assign(made.dataset, value);
+    else if (key in made && key !== "list" && key !== "form" && !key.startsWith("aria")) {
+      if (key === "class") made.className = value;
+      else made[key] = value;
+    } else if (key === "class") made.className = value;
+    else made.setAttribute(key, value === true ? "" : value);
+  }
+  made.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
+  return made;
+}
+
+/** Put children in the place of what an element holds. */
+export function fill(box, ...children) {
+  box.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
+  return box;
+}
+
+/** Change text only where it differs, so that nothing flickers. */
+export function say(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}

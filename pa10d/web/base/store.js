@@ -1,0 +1,64 @@
+// What the page knows, in one place; sections are told when a part of it changes.
+import { get } from "./api.js";
+
+export const state = {
+  connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
+  jobs: new Map(), comparisons: [], diagnoses: [], ready: false,
+};
+const listeners = new Set();
+
+/** f() now and whenever one of the keys changes; with `owner` only while that element is shown. */
+export function watch(keys, f, owner = null) {
+  listeners.add({ keys, f, owner, met: false });
+  f();
+}
+
+export function change(part) {
+  Object.assign(state, part);
+  const keys = Object.keys(part);
+  for (const listener of listeners) {
+    listener.met ||= listener.owner?.isConnected ?? false;
+    if (listener.met && !listener.owner.isConnected) listeners.delete(listener);
+    else if (listener.keys.some((key) => keys.includes(key))) listener.f();
+  }
+}
+
+const everything = async (path) => {
+  const items = [];
+  for (let cursor; ;) {
+    const page = await get(path, { limit: 500, cursor });
+    items.push(...page.items);
+    if (!page.next) return items;
+    cursor = page.next;
+  }
+};
+
+export const loadRobot = async () => change({ robot: await get("robot") });
+export const loadRuns = async () => change({ runs: await everything("runs") });
+export const loadModels = async () => change({ models: await everything("models") });
+export const loadAnalyses = async () => change({
+  comparisons: (await get("comparisons", { limit: 100 })).items,
+  diagnoses: (await get("diagnoses", { limit: 100 })).items,
+});
+const loadKinds = async () => {
+  const found = await get("experiments");
+  change({ kinds: found.items, startingSet: found.starting_set });
+};
+const loadJobs = async () => {
+  const found = (await get("jobs", { limit: 50 })).items;
+  change({ jobs: new Map(found.reverse().map((job) => [job.id, job])) });
+};
+
+/** All of it: at the start, and after the connection was lost. */
+export async function loadEverything() {
+  await Promise.all([loadRobot(), loadRuns(), loadModels(), loadAnalyses(), loadKinds(), loadJobs()]);
+  change({ ready: true });
+}
+
+export const tagged = (tag) =>
+  state.runs.filter((run) => run.tags.includes(tag) && run.status !== "started").reverse();
+export const current = () => state.models.filter((model) => !model.replaced);
+export const mayCommand = (me) => {
+  const holder = state.robot?.lease.holder;
+  return state.connected && (!holder || holder === me);
+};

@@ -1,0 +1,81 @@
+// Starts the page: header, sections by the address's hash, and what keeps them up to date.
+import { el, fill } from "./base/dom.js";
+import { followEvents } from "./base/live.js";
+import { change, loadAnalyses, loadEverything, loadModels, loadRobot, loadRuns, state } from "./base/store.js";
+import { failed } from "./base/notices.js";
+import { header, SECTIONS } from "./parts/header.js";
+import { askForToken } from "./parts/token.js";
+import { jobChanged, tray } from "./parts/jobs.js";
+import * as robot from "./sections/robot.js";
+import * as experiments from "./sections/experiments.js";
+import * as runs from "./sections/runs.js";
+import * as compare from "./sections/compare.js";
+import * as diagnose from "./sections/diagnose.js";
+import * as models from "./sections/models.js";
+
+const rooms = { robot, experiments, runs, compare, diagnose, models };
+const LOOK_EVERY = 1000; // ms between looks at the arm's state
+const content = document.getElementById("content");
+const made = new Map();
+
+/** #/compare/ID/4 shows the section "compare" with ["ID", "4"]. */
+function route() {
+  const [name, ...rest] = location.hash.replace(/^#\//, "").split("/").map(decodeURIComponent);
+  const section = rooms[name] ? name : "robot";
+  if (!made.has(section)) {
+    const box = el("section", { id: section, "aria-labelledby": `${section}-title` });
+    made.set(section, box);
+    content.append(box);
+    rooms[section].mount(box);
+  }
+  for (const [other, box] of made) box.hidden = other !== section;
+  rooms[section].show?.(rooms[name] ? rest : []);
+  document.title = `${SECTIONS[section]} – pa10d`;
+  change({ section });
+}
+
+function happened(event) {
+  if (event.kind === "job") jobChanged(event.data);
+  if (event.kind === "job" && event.data.finished) {
+    if (["compare", "diagnose"].includes(event.data.kind)) loadAnalyses().catch(() => {});
+    if (["identify", "add", "improve", "improvement"].includes(event.data.kind)) loadModels().catch(() => {});
+  }
+  if (event.kind === "run") loadRuns().catch(() => {});
+  if (event.kind === "robot" || event.kind === "lease") loadRobot().catch(() => {});
+}
+
+async function lookAtRobot() {
+  try {
+    if (state.ready) await loadRobot();
+  } catch (error) {
+    if (error.status === 0) change({ connected: false });
+  }
+  setTimeout(lookAtRobot, LOOK_EVERY);
+}
+
+async function start() {
+  header(document.getElementById("header"));
+  tray(document.getElementById("jobs"));
+  try {
+    await loadEverything();
+  } catch (error) {
+    if (error.status === 401) await askForToken();
+    else failed("The page could not be filled.", error);
+  }
+  followEvents({
+    open: () => {
+      const lost = !state.connected;
+      change({ connected: true });
+      if (lost || !state.ready) loadEverything().catch((e) => failed("The page could not be filled.", e));
+    },
+    close: () => change({ connected: false }),
+    event: happened,
+  });
+  addEventListener("hashchange", route);
+  route();
+  lookAtRobot();
+}
+
+addEventListener("unhandledrejection", (event) => failed("Something went wrong.", event.reason));
+fill(content);
+start();

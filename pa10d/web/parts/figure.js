@@ -1,0 +1,93 @@
+// One plot in a card: title, figure, how to read it; with `load`, full detail on zoom.
+import { el, fill } from "../base/dom.js";
+
+const SETTLED = 60; // ms without further zooming before more detail is asked for
+
+/** Draw when it comes near the window: most plots of a page are never looked at. */
+const watcher = new IntersectionObserver((entries) => {
+  for (const entry of entries) {
+    if (!entry.isIntersecting) continue;
+    watcher.unobserve(entry.target);
+    entry.target.drawNow?.();
+  }
+}, { rootMargin: "300px" });
+
+export const draw = (box, figure) => pa10dPlots.draw(box, figure);
+
+/** A plot block of a report: {title, figures, reading, advice}. */
+export function plot({ title, figures, reading, advice }) {
+  const named = "data" in figures ? { "": figures } : figures;
+  const names = Object.keys(named);
+  const height = Math.max(...names.map((name) => named[name].layout.height ?? 300));
+  const canvas = el("div", { class: "canvas" });
+  canvas.style.height = `${height}px`;
+  const choice = names.length > 1
+    ? el("select", { "aria-label": `${title}: choose`, onchange: () => draw(canvas, named[choice.value]) },
+      names.map((name) => el("option", { value: name }, name)))
+    : null;
+  canvas.drawNow = () => draw(canvas, named[choice?.value ?? names[0]]);
+  watcher.observe(canvas);
+  return card(title, choice, canvas, reading, advice);
+}
+
+export function card(title, tools, canvas, reading, advice) {
+  return el("figure", { class: "plot" },
+    el("figcaption", {}, el("span", {}, title), tools), canvas, reading ? words(reading, advice) : null);
+}
+
+export function words(reading, advice = "") {
+  return el("details", { class: "words", open: true }, el("summary", {}, "How to read this"),
+    el("p", {}, reading.read),
+    el("p", {}, el("b", {}, "What to do next: "), advice ? el("b", {}, `${advice} `) : null, reading.then));
+}
+
+/** A plot that asks `load({begin, end})` for what is seen, also after every zoom along x. */
+export class Zoomable {
+  constructor(height, load) {
+    this.box = el("div", { class: "canvas" });
+    this.box.style.height = `${height}px`;
+    this.load = load;
+    this.asked = 0;
+  }
+
+  /** Draw the whole, or a stretch of it. */
+  async show(span = null) {
+    const mine = ++this.asked;
+    this.box.classList.add("waiting");
+    try {
+      const found = await this.load(span ? { begin: span[0], end: span[1] } : {});
+      if (mine !== this.asked) return null;
+      await draw(this.box, found.figure);
+      this.listen();
+      return found;
+    } finally {
+      if (mine === this.asked) this.box.classList.remove("waiting");
+    }
+  }
+
+  listen() {
+    if (this.listening) return;
+    this.listening = true;
+    this.box.on("plotly_relayout", (changed) => {
+      const span = spanOf(changed);
+      if (span === undefined) return;
+      clearTimeout(this.later);
+      this.later = setTimeout(() => this.show(span), SETTLED);
+    });
+    this.box.on("plotly_doubleclick", () => { this.show(); return false; });
+  }
+}
+
+/** [begin, end] of a zoom, null for the whole, undefined where x did not change. */
+function spanOf(changed) {
+  if (changed["xaxis.autorange"]) return null;
+  if ("xaxis.range[0]" in changed) return [changed["xaxis.range[0]"], changed["xaxis.range[1]"]].map(Number);
+  if (changed["xaxis.range"]) return changed["xaxis.range"].map(Number);
+  return undefined;
+}
+
+/** Empty state: what is not there, and what to do about it. */
+export const empty = (text, link) =>
+  el("div", { class: "empty" }, el("p", {}, text), link ? el("a", { class: "button", href: link.href }, link.label) : null);
+
+export const clear = (box) => fill(box);

@@ -1,0 +1,92 @@
+// The one next step from an empty bench to a lower error, at the head of every section.
+import { el, fill } from "../base/dom.js";
+import { get } from "../base/api.js";
+import { current, state, tagged, watch } from "../base/store.js";
+import { moves, running } from "./jobs.js";
+
+const diagnosed = new Map(); // id of a diagnosis -> its result, or the promise of it
+
+/** The newest diagnosis of this model that is done, with its result; undefined while unknown. */
+export function lastDiagnosis(model, changed = () => {}) {
+  const job = state.diagnoses.find((one) =>
+    one.status === "succeeded" && [model.name, model.id].includes(one.request.model));
+  if (!job) return null;
+  const known = diagnosed.get(job.id);
+  if (known?.result) return known;
+  if (!known) {
+    diagnosed.set(job.id, get(`diagnoses/${job.id}`).then((whole) => {
+      diagnosed.set(job.id, whole);
+      changed();
+    }, () => diagnosed.delete(job.id)));
+  }
+  return undefined;
+}
+
+/** The version in which a finding was added to this model already. */
+export const versionWith = (model, finding) => current().find((other) =>
+  other.parent === model.id && other.change.startsWith(`added ${finding.effect}`)
+  && finding.joints.every((j) => other.change.includes(`J${j}`)));
+
+function nextStep(again) {
+  const fit = tagged("fit"), judge = tagged("judge"), models = current();
+  if (running("identify", "compare", "diagnose", "add", "improve").length) {
+    return { text: "The daemon is computing; the bar below shows how far it is." };
+  }
+  const moving = moves();
+  if (moving) return { go: "robot", text: "The arm is moving; watch it, or abort below.", label: "Watch" };
+  if (!state.runs.length) {
+    return canMove()
+      ? { go: "experiments", text: "Nothing is recorded yet. Record the starting set: four motions, two to fit a model to and two to judge it by.", label: "Record" }
+      : { go: "runs", text: "Nothing is recorded yet. Drop recordings (CSV) into Runs: at least one to fit a model to, one of another motion to judge it by.", label: "Import" };
+  }
+  if (!fit.length || !judge.length) {
+    const what = !fit.length && !judge.length ? "which runs models are fitted to ('fit'), and which others they are judged by ('judge')"
+      : fit.length ? "a run that models are judged by ('judge'), of another motion" : "a run that models are fitted to ('fit')";
+    return { go: "runs", text: `Mark ${what}.`, label: "Mark" };
+  }
+  if (!models.length) return { go: "models", text: `Fit the first model: rigid bodies and textbook friction, to ${fit.length} run${fit.length > 1 ? "s" : ""}.`, label: "Fit" };
+  const newest = models[0];
+  const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));
+  if (!compared && !newest.parent) return { go: "compare", text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
+  const parent = models.find((one) => one.id === newest.parent);
+  const found = lastDiagnosis(newest, again);
+  if (found === undefined) return { text: "" };
+  if (found) return afterDiagnosis(newest, found);
+  const before = parent && lastDiagnosis(parent, again);
+  if (before === undefined) return { text: "" };
+  if (before && before.result.findings.every((one) => versionWith(parent, one))) {
+    return { go: "models", text: `${newest.name} has what was missing. See how far the error fell, then diagnose it again: is anything left?`, label: "See" };
+  }
+  return { go: "diagnose", text: `Ask which physical effect is missing in ${newest.name}.`, label: "Diagnose" };
+}
+
+function afterDiagnosis(model, diagnosis) {
+  const { findings, verdict } = diagnosis.result;
+  if (findings.some((one) => !versionWith(model, one))) {
+    return { go: "diagnose", text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };
+  }
+  if (verdict === "none") {
+    return { go: "models", text: `Nothing significant is missing in ${model.name}. Load it into the controller, or export it.`, label: "Models" };
+  }
+  return { go: "diagnose", text: `What is left in ${model.name} is like no known effect: the map shows where it is.`, label: "Map" };
+}
+
+const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
+
+/** Head of a section: its title, and the next step. `here` says what to press, in this section. */
+export function heading(section, title, here = {}) {
+  const words = el("span", {}), link = el("a", { class: "button small" });
+  const line = el("p", { class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
+  const refresh = () => {
+    if (!state.ready) return;
+    const step = nextStep(refresh);
+    line.style.visibility = step.text ? "visible" : "hidden";
+    line.dataset.go = step.go ?? "";
+    fill(words, step.text, step.go === section && here[step.label] ? ` ${here[step.label]}` : "");
+    link.hidden = !step.go || step.go === section;
+    link.textContent = step.label ?? "";
+    link.href = `#/${step.go}`;
+  };
+  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "robot", "ready"], refresh);
+  return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);
+}

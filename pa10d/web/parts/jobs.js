@@ -1,0 +1,89 @@
+// What the daemon is working on: the bar at the bottom, and following one job to its end.
+import { el, fill, say } from "../base/dom.js";
+import { get, post } from "../base/api.js";
+import { change, state, watch } from "../base/store.js";
+import { guarded } from "../base/notices.js";
+
+const OVER = ["succeeded", "failed", "cancelled"];
+const WORDS = {
+  experiment: "Experiment", series: "Experiments", check: "Pre-check", identify: "Fit",
+  compare: "Comparison", diagnose: "Diagnosis", add: "Adding an effect", improve: "Improvement",
+  improvement: "Improvement",
+};
+const waiting = new Map();
+
+export const over = (job) => OVER.includes(job.status);
+export const running = (...kinds) =>
+  [...state.jobs.values()].filter((job) => !over(job) && (!kinds.length || kinds.includes(job.kind)));
+export const moves = () => running("experiment", "series", "improvement")[0];
+
+export function jobChanged(job) {
+  state.jobs.set(job.id, job);
+  change({ jobs: state.jobs });
+  if (over(job)) settle(job);
+}
+
+/** The whole job once it has succeeded; throws its error otherwise. Survives a lost event. */
+export async function finished(job) {
+  jobChanged(job);
+  if (!over(job)) {
+    await new Promise((done) => {
+      waiting.set(job.id, done);
+      const look = async () => {
+        if (!waiting.has(job.id)) return;
+        try {
+          const now = await get(`jobs/${job.id}`);
+          if (over(now)) return jobChanged({ ...now, result: undefined });
+        } catch { /* the connection is lost: look again */ }
+        setTimeout(look, 3000);
+      };
+      setTimeout(look, 3000);
+    });
+  }
+  const whole = await get(`jobs/${job.id}`);
+  if (whole.status === "succeeded") return whole;
+  throw new Error(whole.status === "cancelled" ? "It was cancelled." : whole.error);
+}
+
+function settle(job) {
+  waiting.get(job.id)?.();
+  waiting.delete(job.id);
+}
+
+/** A bar with message and cancel button, for the job that `pick` gives. */
+export function progress(pick) {
+  const bar = el("progress", { max: 1, value: 0 });
+  const text = el("span", { class: "grow" });
+  const cancel = el("button", { type: "button", class: "small" }, "Cancel");
+  const box = el("div", { class: "progress", hidden: true }, bar, text, cancel);
+  cancel.addEventListener("click", guarded("It could not be cancelled.", async () => {
+    const job = pick();
+    if (job) jobChanged(await post(`jobs/${job.id}/cancel`));
+  }));
+  watch(["jobs"], () => {
+    const job = pick();
+    box.hidden = !job;
+    if (!job) return;
+    bar.value = job.progress;
+    say(text, `${WORDS[job.kind] ?? job.kind}: ${job.message || job.status}, ${Math.round(100 * job.progress)} %`);
+    say(cancel, ["experiment", "series", "improvement"].includes(job.kind) ? "Abort" : "Cancel");
+  });
+  return box;
+}
+
+export function tray(box) {
+  const idle = el("span", { class: "muted grow" });
+  const bar = progress(() => running().sort((a, b) => moving(b) - moving(a))[0]);
+  const more = el("span", { class: "muted" });
+  fill(box, idle, bar, more);
+  watch(["jobs"], () => {
+    const now = running();
+    idle.hidden = now.length > 0;
+    say(more, now.length > 1 ? `and ${now.length - 1} more` : "");
+    const last = [...state.jobs.values()].filter(over).sort((a, b) => (a.finished < b.finished ? -1 : 1)).at(-1);
+    say(idle, last ? `Last: ${WORDS[last.kind] ?? last.kind} ${last.status}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
+    idle.classList.toggle("bad", last?.status === "failed");
+  });
+}
+
+const moving = (job) => Number(["experiment", "series", "improvement"].includes(job.kind));

@@ -1,0 +1,60 @@
+// Choose a model, and runs: those marked 'fit' or 'judge' are chosen until somebody chooses others.
+import { el, fill } from "../base/dom.js";
+import { current, state, tagged, watch } from "../base/store.js";
+import { seconds } from "../base/units.js";
+
+export function modelPicker(label, onChange = () => {}) {
+  const select = el("select", { onchange: () => { select.dataset.chosen = "yes"; onChange(); } });
+  let wanted = null;
+  watch(["models"], () => {
+    const names = current().map((model) => model.name);
+    const keep = wanted ?? (names.includes(select.value) && select.dataset.chosen ? select.value : names[0]);
+    fill(select, names.map((name) => el("option", { value: name }, name)));
+    if (!names.length) fill(select, el("option", { value: "" }, "no model yet"));
+    if (keep && names.includes(keep)) {
+      select.value = keep;
+      if (keep === wanted) wanted = null;
+    }
+    onChange();
+  }, select);
+  return {
+    box: el("label", { class: "picker" }, el("span", {}, label), select),
+    get value() { return select.value; },
+    set value(name) {
+      select.dataset.chosen = "yes";
+      wanted = current().some((model) => model.name === name) ? null : name;
+      if (!wanted) select.value = name;
+    },
+  };
+}
+
+/** Several runs; `tag` says which are chosen at first. */
+export function runPicker(label, tag, onChange = () => {}) {
+  const list = el("div", { class: "choices" });
+  const summary = el("summary", {});
+  let own = null; // ids chosen by hand
+  const chosen = () => own ?? tagged(tag).map((run) => run.id);
+  const refresh = () => {
+    const ids = chosen();
+    const runs = state.runs.filter((run) => run.status !== "started");
+    const names = runs.filter((run) => ids.includes(run.id)).reverse().map((run) => run.name);
+    fill(summary, el("span", {}, label), el("b", {}, names.length ? names.join(", ") : "none yet"));
+    fill(list, runs.map((run) => el("label", {},
+      el("input", { type: "checkbox", checked: ids.includes(run.id), onchange: (event) => {
+        const now = new Set(chosen());
+        if (event.target.checked) now.add(run.id);
+        else now.delete(run.id);
+        own = [...now];
+        refresh();
+      } }), `${run.name} `, el("small", {}, `${run.kind}, ${seconds(run.duration)}`))));
+    onChange();
+  };
+  watch(["runs"], refresh);
+  return {
+    box: el("details", { class: "picker runs" }, summary, list),
+    get ids() { return chosen().filter((id) => state.runs.some((run) => run.id === id)); },
+    set ids(value) { own = value; refresh(); },
+  };
+}
+
+export const nameOf = (run) => state.runs.find((one) => one.id === run || one.name === run)?.name ?? run;

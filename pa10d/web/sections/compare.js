@@ -1,0 +1,177 @@
+// Where does a model fail? Measured over model per joint, sentences that jump to the place, plots.
+import { el, fill } from "../base/dom.js";
+import { get, post } from "../base/api.js";
+import { state, watch } from "../base/store.js";
+import { failed, guarded } from "../base/notices.js";
+import { fixed } from "../base/units.js";
+import { block, section as sectionOf } from "../parts/blocks.js";
+import { card, empty, words, Zoomable } from "../parts/figure.js";
+import { heading } from "../parts/guide.js";
+import { finished, progress, running } from "../parts/jobs.js";
+import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
+
+const view = { id: null, model: "", runs: [], run: "", joint: 1, raw: false, result: null, place: null };
+let parts = null;
+
+export function mount(box) {
+  const model = modelPicker("Model"), runs = runPicker("Runs", "judge");
+  const start = el("button", { class: "primary", type: "button", id: "compare-start", onclick: guarded("It could not be compared.", () => compare(model.value, runs.ids)) }, "Compare");
+  parts = {
+    model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: el("div", { class: "joints", role: "tablist", "aria-label": "joints" }),
+    time: el("div", {}), maps: el("div", {}), tail: el("div", {}), work: el("div", { hidden: true }),
+    none: empty("Choose a model and the runs to judge it by: runs that it was not fitted to, of other motions. Then press Compare."),
+  };
+  fill(parts.work, el("div", { class: "compare" }, el("div", {}, el("h2", {}, "Where it fails"), parts.sentences), parts.summary),
+    parts.joints, parts.time, parts.maps, parts.tail);
+  fill(box, heading("compare", "Compare", { Compare: "Press Compare." }), el("div", { class: "panel row pickers" }, model.box, runs.box, start),
+    progress(() => running("compare")[0]), parts.none, parts.work);
+  parts.zoom = new Zoomable(430, loadTorque);
+  watch(["models", "runs"], () => { start.disabled = !model.value || !runs.ids.length; });
+}
+
+/** #/compare/ID/joint opens a comparison that was made before. */
+export function show([id, joint]) {
+  if (id && id !== view.id) open(id, Number(joint) || null).catch((error) => failed("This comparison cannot be shown.", error));
+  else if (!id && view.id) history.replaceState(null, "", `#/compare/${view.id}/${view.joint}`);
+}
+
+async function compare(model, runs) {
+  begin(model, runs);
+  drawTime(); // the first plot needs no more than the model and one run
+  const job = await post("comparisons", { model, runs });
+  await open(job.id, null, job);
+}
+
+function begin(model, runs) {
+  Object.assign(view, { id: null, model, runs, run: runs[0], result: null, place: null });
+  parts.work.hidden = false;
+  parts.none.hidden = true;
+  fill(parts.sentences, el("p", { class: "muted" }, "Looking for where the error piles up …"));
+  fill(parts.summary);
+  fill(parts.maps);
+  fill(parts.tail);
+  tabs();
+  frame();
+}
+
+async function open(id, joint, started = null) {
+  const job = started ?? await get(`comparisons/${id}`);
+  if (!started) {
+    begin(job.request.model, job.request.runs);
+    if (joint) view.joint = joint;
+    tabs();
+    drawTime();
+  }
+  view.id = id;
+  parts.model.value = nameOfModel(view.model);
+  parts.runs.ids = job.request.runs.map((run) => state.runs.find((one) => [one.id, one.name].includes(run))?.id ?? run);
+  history.replaceState(null, "", `#/compare/${id}/${view.joint}`);
+  let whole;
+  try {
+    whole = await finished(job);
+  } catch (error) {
+    fill(parts.sentences, el("p", { class: "bad" }, error.message));
+    return;
+  }
+  if (view.id !== id) return;
+  view.result = whole.result;
+  if (!joint) choose(worst());
+  else tabs();
+  sentences();
+  const sheet = await get(`comparisons/${id}/sheet`);
+  const [glance, ...rest] = sheet.sections;
+  fill(parts.summary, glance.blocks.map(block));
+  fill(parts.tail, rest.map((one) => sectionOf(one)));
+  drawMaps();
+}
+
+const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;
+const ratios = () => view.result.pooled.rms.map((rms, j) => rms / view.result.pooled.noise_floor[j]);
+const worst = () => ratios().reduce((best, ratio, j, all) => (ratio > all[best] ? j : best), 0) + 1;
+
+function choose(joint) {
+  const changed = joint !== view.joint;
+  view.joint = joint;
+  view.place = null;
+  tabs();
+  if (view.id) history.replaceState(null, "", `#/compare/${view.id}/${joint}`);
+  if (!changed) return;
+  drawTime();
+  drawMaps();
+}
+
+function tabs() {
+  const names = view.result?.joint_names ?? state.models.find((one) => one.name === nameOfModel(view.model))?.joints ?? [];
+  const known = view.result ? ratios() : [];
+  fill(parts.joints, names.map((name, j) => el("button", {
+    type: "button", role: "tab", "aria-selected": String(j + 1 === view.joint), onclick: () => choose(j + 1), dataset: { joint: j + 1 },
+    class: known[j] > 1.5 ? "high" : "",
+  }, `${j + 1} ${name}`, el("small", {}, known.length ? `${fixed(known[j], 1)} × noise` : "…"))));
+}
+
+function frame() {
+  const run = el("select", { "aria-label": "run", onchange: () => { view.run = run.value; drawTime(); } },
+    view.runs.map((one) => el("option", { value: one }, nameOf(one))));
+  const raw = el("input", { type: "checkbox", checked: view.raw, onchange: () => { view.raw = raw.checked; drawTime(); } });
+  parts.reading = el("div", {});
+  fill(parts.time, card("Measured, modelled, and what is between them",
+    el("span", { class: "row" }, el("label", {}, raw, " every sample, unfiltered"), run), parts.zoom.box, null), parts.reading);
+}
+
+const loadTorque = (span) => get("plots/torque", {
+  model: view.model, run: view.run, joint: view.joint, raw: view.raw, ...span,
+  ...(view.place ? { variable: view.place.variable, low: view.place.range[0], high: view.place.range[1] } : {}),
+});
+
+async function drawTime(span = null) {
+  try {
+    const found = await parts.zoom.show(span);
+    if (found && !parts.reading.firstChild) fill(parts.reading, el("figure", { class: "plot flat" }, words(found)));
+    return found;
+  } catch (error) {
+    fill(parts.sentences, el("p", { class: "bad" }, error.message));
+    return null;
+  }
+}
+
+async function drawMaps() {
+  if (!view.id || !view.result) return;
+  const { id, joint } = view;
+  const sheet = await get(`comparisons/${id}/sheet`, { joint });
+  if (view.id !== id || view.joint !== joint) return;
+  const plots = sheet.sections[0].blocks.filter((one) => one.block === "plot");
+  fill(parts.maps, plots.map(block));
+}
+
+function sentences() {
+  const where = view.result.where;
+  if (!where.length) {
+    fill(parts.sentences, el("p", {}, "No region and no dependence stands out: what is left looks like noise, or is spread evenly."));
+    return;
+  }
+  fill(parts.sentences, el("ol", { class: "ranked" }, where.map((place) => el("li", {},
+    el("button", { type: "button", class: "link sentence", title: "Show the place", onclick: guarded("It cannot be shown.", () => jump(place)) }, place.sentence)))));
+}
+
+/** Show where it is: the panel of the quantity, and the stretch of time in red. */
+async function jump(place) {
+  choose(place.joint);
+  const region = place.kind === "region" && place.variable !== "constant";
+  view.place = region ? place : null;
+  const found = await drawTime();
+  if (found?.jump) await drawTime(found.jump);
+  await drawMaps();
+  const canvas = parts.maps.querySelector(".canvas");
+  await canvas?.drawNow?.();
+  if (region && place.variable !== "time") highlight(canvas, place);
+  (region ? parts.joints : parts.maps).scrollIntoView({ behavior: "smooth", block: "start" });
+}
+
+function highlight(canvas, place) {
+  const panels = canvas.layout.meta?.panels ?? {};
+  const axis = panels[place.variable] ?? panels[place.variable.replaceAll("|", "")];
+  if (!axis) return;
+  const y = axis.replace("xaxis", "y"), x = axis.replace("xaxis", "x");
+  const frameOf = { type: "rect", xref: `${x} domain`, yref: `${y} domain`, x0: 0, x1: 1, y0: 0, y1: 1, line: { color: "#d8475c", width: 2 } };
+  Plotly.relayout(canvas, { shapes: [...canvas.layout.shapes, frameOf] });
+}

@@ -1,0 +1,143 @@
+// Which effect is missing? Findings as cards, with what to do about them.
+import { el, fill } from "../base/dom.js";
+import { client, get, post } from "../base/api.js";
+import { current, loadModels, mayCommand, state, watch } from "../base/store.js";
+import { failed, guarded, notice } from "../base/notices.js";
+import { nextModelName, when } from "../base/units.js";
+import { block, section as sectionOf } from "../parts/blocks.js";
+import { empty } from "../parts/figure.js";
+import { heading, versionWith } from "../parts/guide.js";
+import { finished, moves, progress, running } from "../parts/jobs.js";
+import { modelPicker, runPicker } from "../parts/picker.js";
+
+let parts = null, shown = null;
+
+export function mount(box) {
+  const model = modelPicker("Model"), fit = runPicker("Fit to", "fit"), judge = runPicker("Judge by", "judge");
+  const frozen = el("input", { type: "checkbox", id: "frozen" });
+  const start = el("button", { class: "primary", type: "button", id: "diagnose-start", onclick: guarded("The diagnosis could not be started.", async () => {
+    const job = await post("diagnoses", { model: model.value, fit: fit.ids, validate: judge.ids, frozen: frozen.checked });
+    await open(job.id, job);
+  }) }, "What is missing?");
+  frozen.addEventListener("change", () => { start.textContent = frozen.checked ? "What has changed?" : "What is missing?"; });
+  const earlier = el("select", { "aria-label": "earlier diagnoses", onchange: () => { if (earlier.value) location.hash = `#/diagnose/${earlier.value}`; } });
+  parts = { model, fit, judge, body: el("div", { id: "findings" }) };
+  fill(box, heading("diagnose", "Diagnose", { Diagnose: "Press 'What is missing?'.", Read: "It is below." }),
+    el("div", { class: "panel row pickers" }, model.box, fit.box, judge.box,
+      el("label", { title: "Nothing is refitted: for an arm that was well described before" }, frozen, " what changed since?"), start, earlier),
+    progress(() => running("diagnose")[0]), progress(() => running("add")[0]), parts.body);
+  fill(parts.body, empty("A model that was fitted is asked here which physical effect it lacks. Every effect of the library is tried on every joint and judged on runs that the fit has not seen."));
+  watch(["models", "runs"], () => { start.disabled = !model.value || !fit.ids.length; });
+  watch(["diagnoses"], () => {
+    fill(earlier, el("option", { value: "" }, "earlier ones"), state.diagnoses.map((job) =>
+      el("option", { value: job.id }, `${nameOfModel(job.request.model)}, ${when(job.created)}${job.status === "succeeded" ? "" : ` (${job.status})`}`)));
+    earlier.hidden = !state.diagnoses.length;
+  });
+}
+
+/** #/diagnose/ID; without an id the newest one, running or done. */
+export function show([id]) {
+  const wanted = id ?? shown ?? state.diagnoses.find((job) => ["succeeded", "running"].includes(job.status))?.id;
+  if (wanted && wanted !== shown) open(wanted).catch((error) => failed("This diagnosis cannot be shown.", error));
+}
+
+async function open(id, started = null) {
+  shown = id;
+  history.replaceState(null, "", `#/diagnose/${id}`);
+  fill(parts.body, el("p", { class: "muted pad" }, "Every effect of the library is being tried on every joint …"));
+  const job = started ?? await get(`diagnoses/${id}`);
+  parts.model.value = nameOfModel(job.request.model);
+  const ids = (runs) => runs.map((run) => state.runs.find((one) => [one.id, one.name].includes(run))?.id ?? run);
+  parts.fit.ids = ids(job.request.fit);
+  parts.judge.ids = ids(job.request.validate);
+  let whole;
+  try {
+    whole = await finished(job);
+  } catch (error) {
+    if (shown === id) fill(parts.body, empty(error.message));
+    return;
+  }
+  const sheet = await get(`diagnoses/${id}/sheet`);
+  if (shown !== id) return;
+  const [verdict, ...rest] = sheet.sections;
+  fill(parts.body, verdict.blocks.map(block),
+    sheet.findings.map((finding, k) => card(finding, whole, k)), rest.map((one) => sectionOf(one)));
+}
+
+const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;
+
+/** One finding: what, where, how much, the evidence, doubts, and two buttons. */
+function card(section, diagnosis, k) {
+  const finding = diagnosis.result.findings[k];
+  const [sentence, facts, evidence, ...more] = section.blocks;
+  const inner = more.filter((one) => one.block !== "command");
+  return el("article", { class: "finding", dataset: { effect: finding.effect } },
+    el("header", {}, el("h2", {}, section.title), el("p", { class: "share" }, section.mark), actions(diagnosis, k)),
+    block(sentence), block(facts), doubts(finding), block(evidence),
+    el("details", {}, el("summary", {}, "Questions and answers, parameters, all joints"), inner.map(block)));
+}
+
+function doubts(finding) {
+  if (!finding.confounded_with.length) return el("p", { class: "good" }, "This data tells it from every other effect of the library.");
+  return el("div", { class: "doubt" }, el("b", {}, "This data alone cannot tell it from: "),
+    el("ul", {}, finding.confounded_with.map((one) => el("li", {},
+      `${one.effect.replaceAll("_", " ")}${one.joints.length ? ` in joint ${one.joints.join(", ")}` : ""}: ${one.why}`))));
+}
+
+function actions(diagnosis, k) {
+  const finding = diagnosis.result.findings[k];
+  const box = el("div", { class: "row" });
+  const settle = el("button", { type: "button", class: "settle", onclick: guarded("The experiment could not be started.", () => settleIt(finding)) }, "Run the experiment that settles it");
+  const add = el("button", { type: "button", class: "primary add", onclick: guarded("It could not be added.", () => addTo(diagnosis, k)) }, "Add to model");
+  const done = el("a", { class: "button" });
+  watch(["models", "robot", "jobs"], () => {
+    const version = madeFrom(diagnosis, k + 1);
+    done.hidden = !version;
+    if (version) {
+      done.textContent = `Added as ${version.name}: see how far the error fell`;
+      done.href = `#/models/${version.name}`;
+    }
+    add.hidden = Boolean(version) || diagnosis.result.frozen;
+    add.disabled = running("add").length > 0;
+    settle.hidden = !finding.next_experiment;
+    settle.disabled = !mayCommand(client) || Boolean(moves()) || !["inactive", "holding"].includes(state.robot?.state);
+    settle.title = settle.disabled ? "the arm cannot be moved now" : finding.next_experiment?.kind ?? "";
+  }, box);
+  fill(box, add, done, settle);
+  return box;
+}
+
+/** The version of the model with the first `count` findings in it; the model itself for none. */
+function madeFrom(diagnosis, count) {
+  let model = state.models.find((one) => [one.id, one.name].includes(diagnosis.request.model));
+  for (const finding of diagnosis.result.findings.slice(0, count)) model = model && versionWith(model, finding);
+  return model;
+}
+
+/** Add it, and the findings before it: each was judged on top of those. */
+async function addTo(diagnosis, k) {
+  const { fit } = diagnosis.request;
+  let made = null;
+  for (let step = 0; step <= k; step += 1) {
+    if (madeFrom(diagnosis, step + 1)) continue;
+    const base = madeFrom(diagnosis, step), finding = diagnosis.result.findings[step];
+    const name = nextModelName(current().map((model) => model.name));
+    const job = await post(`models/${base.id}/effects`, { effect: finding.effect, joints: finding.joints, fit, name });
+    made = (await finished(job)).result;
+    await loadModels();
+  }
+  if (!made) return;
+  for (const text of made.warnings) notice(text, { kind: "error" });
+  notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
+}
+
+async function settleIt(finding) {
+  const { kind, parameters } = finding.next_experiment;
+  const job = await post("experiments", { kind, parameters, tags: ["fit", "judge"] });
+  notice("The arm moves.", { detail: "Its run will be marked 'fit' and 'judge' (it is then split by time): diagnose again when it is done." });
+  finished(job).then(() => {
+    parts.fit.ids = null;
+    parts.judge.ids = null;
+    notice("The experiment is recorded.", { detail: "Press 'What is missing?' again: the answer now has this run, too." });
+  }, (error) => failed("The experiment did not end well.", error));
+}

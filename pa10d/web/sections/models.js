@@ -1,0 +1,146 @@
+// Torque models: fit the first one, see the error fall from version to version, use them.
+import { el, fill } from "../base/dom.js";
+import { client, download, get, post, put } from "../base/api.js";
+import { current, loadRobot, mayCommand, state, watch } from "../base/store.js";
+import { guarded, notice } from "../base/notices.js";
+import { nextModelName, number, when } from "../base/units.js";
+import { table } from "../parts/blocks.js";
+import { empty, plot } from "../parts/figure.js";
+import { heading } from "../parts/guide.js";
+import { finished, progress, running } from "../parts/jobs.js";
+import { modelPicker, runPicker } from "../parts/picker.js";
+
+let parts = null, chosen = null, wanted = null, drawn = "";
+
+export function mount(box) {
+  parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "models" }), detail: el("div", { class: "grow" }),
+            judge: runPicker("Judged by", "judge", () => refreshPlots()) };
+  fill(box, heading("models", "Models", { Fit: "Press 'Fit'.", See: "It is below." }), fitForm(), progress(() => running("identify")[0]),
+    el("div", { class: "columns" }, parts.list, parts.detail));
+  watch(["models", "ready"], refresh);
+}
+
+/** #/models/NAME */
+export function show([name]) {
+  wanted = name ?? wanted;
+  refresh();
+}
+
+function refresh() {
+  const models = current();
+  const found = models.find((one) => [one.name, one.id].includes(wanted)) ?? models.find((one) => one.id === chosen) ?? models[0];
+  if (found?.name === wanted) wanted = null;
+  fill(parts.list, models.map((model) => el("button", {
+    type: "button", role: "tab", class: "kind", "aria-selected": String(model.id === found?.id), dataset: { model: model.name },
+    onclick: () => { chosen = model.id; history.replaceState(null, "", `#/models/${model.name}`); refresh(); },
+  }, el("b", {}, model.name), el("small", {}, model.change), el("small", {}, `${model.parent_name ? `from ${model.parent_name}, ` : ""}${when(model.created)}`))));
+  if (!found) {
+    drawn = "";
+    fill(parts.detail, state.ready ? empty("There is no model yet. Choose the runs to fit one to above, and press Fit.") : null);
+  } else if (chosen !== found.id || !drawn) {
+    chosen = found.id;
+    fill(parts.detail, details(found));
+    drawn = "";
+    refreshPlots();
+  }
+}
+
+function fitForm() {
+  const runs = runPicker("Fit to", "fit");
+  const name = el("input", { id: "model-name", maxLength: 100, size: 12, required: true });
+  const start = el("button", { class: "primary", id: "fit-start", type: "button", onclick: guarded("The model could not be fitted.", async () => {
+    const job = await post("models", { runs: runs.ids, name: name.value.trim() });
+    const made = (await finished(job)).result;
+    wanted = made.name;
+    notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: "#/compare", label: "See where it fails" } });
+  }) }, "Fit");
+  watch(["models", "runs"], () => {
+    if (document.activeElement !== name) name.value = nextModelName(current().map((model) => model.name));
+    start.disabled = !runs.ids.length;
+    start.title = start.disabled ? "choose at least one run" : "";
+  });
+  return el("div", { class: "panel row pickers" }, el("h2", {}, "New model"), runs.box,
+    el("label", { class: "picker" }, el("span", {}, "Name"), name), start);
+}
+
+function details(model) {
+  parts.stairs = el("div", { class: "stairs" });
+  parts.versus = el("div", {});
+  parts.parameters = el("div", {}, el("p", { class: "muted" }, "Loading …"));
+  parts.other = modelPicker("Compare with", () => drawVersus(model));
+  if (model.parent_name) parts.other.value = model.parent_name;
+  get(`models/${model.id}`).then((found) => fill(parts.parameters, parameters(found)),
+    (error) => fill(parts.parameters, el("p", { class: "bad" }, error.message)));
+  const load = el("button", { type: "button", class: "load", onclick: guarded("The controller stays as it was.", async () => {
+    await put("robot/controller", { controller: "computed_torque", model: model.name });
+    await loadRobot();
+    notice("Loaded.", { detail: `The arm is now moved by computed torque with ${model.name}.`, action: { href: "#/robot", label: "Robot" } });
+  }) }, "Load into the controller");
+  watch(["robot"], () => {
+    const loaded = state.robot?.model === model.name;
+    load.disabled = loaded || !mayCommand(client) || !["inactive", "holding"].includes(state.robot?.state);
+    load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
+  }, load);
+  const exports = [["urdf", "urdf"], ["python", "py"]].map(([format, ending]) => el("button", {
+    type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
+  return [
+    el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, el("small", {}, model.change)),
+      el("div", { class: "row" }, load, "Export", exports)),
+    el("p", { class: "muted" }, `${model.effects.length} effects: ${model.effects.join(", ")}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz; ${model.feasible ? "physically feasible" : "not physically feasible"}.`),
+    parts.judge.box),
+    parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
+    el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters", el("small", {}, "with 95 % intervals"))), parts.parameters),
+  ];
+}
+
+async function refreshPlots() {
+  const runs = parts?.judge?.ids ?? [], model = state.models.find((one) => one.id === chosen);
+  if (!model || !parts.stairs) return;
+  const key = `${model.id}:${runs}`;
+  if (drawn === key) return;
+  drawn = key;
+  if (!runs.length) {
+    fill(parts.stairs, empty("Mark a run as 'judge' (one that the model was not fitted to), and the error of every version appears here.", { href: "#/runs", label: "Runs" }));
+    return;
+  }
+  try {
+    const found = await get("plots/staircase", { model: model.id, run: runs });
+    if (drawn !== key) return;
+    fill(parts.stairs, plot({ title: "Every version on the same runs", figures: found.figure, reading: found, advice: fell(found) }), stepsTable(found, model.joints));
+    drawVersus(model);
+  } catch (error) {
+    drawn = "";
+    fill(parts.stairs, el("p", { class: "bad pad" }, error.message));
+  }
+}
+
+/** The joint whose error fell most, in a sentence. */
+function fell({ steps, noise_floor: floor }) {
+  if (steps.length < 2) return "This is the first version: diagnose it to learn what is missing.";
+  const first = steps[0].rms, last = steps.at(-1).rms;
+  const j = first.reduce((best, rms, k) => (rms / last[k] > first[best] / last[best] ? k : best), 0);
+  if (first[j] <= last[j]) return "No joint's error fell: go back to the parent.";
+  return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} N·m; the noise is ${number(floor[j])} N·m.`;
+}
+
+const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "The same in N·m"),
+  table(["joint", ...found.steps.map((step) => step.model), "noise floor"], joints.map((name, j) =>
+    [`${j + 1} ${name}`, ...found.steps.map((step) => number(step.rms[j])), number(found.noise_floor[j])])));
+
+async function drawVersus(model) {
+  const runs = parts?.judge?.ids ?? [], other = parts?.other?.value;
+  if (!runs.length || !other || other === model.name || model.id !== chosen) return;
+  try {
+    const found = await get("plots/versus", { one: other, other: model.id, run: runs });
+    fill(parts.versus, plot({ title: `${other} and ${model.name}`, figures: found.figure, reading: found }));
+  } catch (error) {
+    fill(parts.versus, el("p", { class: "bad" }, error.message));
+  }
+}
+
+function parameters(model) {
+  return table(["parameter", "value", "± standard error", "95 % interval", "unit"], model.parameters.map((one) => [
+    one.name, number(one.value, 4), number(one.std_error, 2),
+    one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–",
+    one.unit === "1" ? "" : one.unit]));
+}

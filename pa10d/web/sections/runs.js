@@ -1,0 +1,119 @@
+// Recordings: bring in, look, mark what they are for, take out.
+import { el, fill } from "../base/dom.js";
+import { download, get, patch, remove, upload } from "../base/api.js";
+import { loadRuns, state, watch } from "../base/store.js";
+import { failed, guarded, notice } from "../base/notices.js";
+import { number, seconds, when } from "../base/units.js";
+import { card, empty, Zoomable } from "../parts/figure.js";
+import { heading } from "../parts/guide.js";
+
+const MARKS = ["fit", "judge"];
+let selected = null, filter = "";
+let showRun = () => {};
+
+export function mount(box) {
+  const body = el("tbody", {}), detail = el("div", { id: "run-detail" });
+  const search = el("input", { type: "search", placeholder: "filter by name, kind or tag", "aria-label": "filter runs", oninput: () => { filter = search.value.toLowerCase(); refresh(); } });
+  const none = el("div", {});
+  const table = el("div", { class: "scroll" }, el("table", { class: "list" }, el("thead", {}, el("tr", {},
+    ["run", "kind", "recorded", "length", "status", "fit", "judge"].map((head) => el("th", { scope: "col" }, head)))), body));
+  const refresh = () => {
+    const shown = state.runs.filter((run) => [run.name, run.kind, ...run.tags].join(" ").toLowerCase().includes(filter));
+    fill(body, shown.map((run) => row(run, run.id === selected, select)));
+    fill(none, state.ready && !state.runs.length ? empty("There are no runs yet. Drop a recording above, or let the arm move.", { href: "#/experiments", label: "Experiments" }) : null);
+    table.hidden = !state.runs.length;
+    search.hidden = state.runs.length < 6;
+  };
+  const select = (run) => {
+    selected = run.id;
+    history.replaceState(null, "", `#/runs/${run.id}`);
+    refresh();
+    fill(detail, details(run));
+  };
+  showRun = (id) => {
+    const run = state.runs.find((one) => one.id === id || one.name === id);
+    if (run && run.id !== selected) select(run);
+  };
+  fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone(), search, table, none, detail);
+  watch(["runs", "ready"], () => {
+    refresh();
+    if (selected && !state.runs.some((run) => run.id === selected)) { selected = null; fill(detail); }
+  });
+}
+
+export function show([id]) {
+  if (!id) return;
+  watchOnce(() => showRun(id));
+}
+
+const watchOnce = (f) => {
+  let done = false;
+  watch(["runs"], () => { if (!done && state.runs.length) { done = true; setTimeout(f); } });
+};
+
+function row(run, isSelected, select) {
+  const marks = MARKS.map((tag) => el("td", { class: "mark" }, el("input", {
+    type: "checkbox", checked: run.tags.includes(tag), "aria-label": `${run.name}: ${tag}`, dataset: { tag, run: run.name },
+    onclick: (event) => event.stopPropagation(),
+    onchange: guarded("The mark could not be changed.", async (event) => {
+      const tags = run.tags.filter((one) => one !== tag);
+      if (event.target.checked) tags.push(tag);
+      await patch(`runs/${run.id}`, { tags });
+      await loadRuns();
+    }),
+  })));
+  const other = run.tags.filter((tag) => !MARKS.includes(tag));
+  return el("tr", { class: isSelected ? "selected" : "", onclick: () => select(run) },
+    el("td", {}, el("button", { type: "button", class: "link", onclick: (event) => { event.stopPropagation(); select(run); } }, run.name),
+      other.map((tag) => el("span", { class: "tag" }, tag))),
+    el("td", {}, run.kind), el("td", {}, when(run.created)), el("td", {}, seconds(run.duration)),
+    el("td", { class: run.status === "success" ? "" : "bad", title: run.reason }, run.status), marks);
+}
+
+function details(run) {
+  const plot = new Zoomable(400, (span) => get("plots/run", { run: run.id, ...span }));
+  plot.show().catch((error) => fill(plot.box, el("p", { class: "bad pad" }, error.message)));
+  const name = el("input", { value: run.name, "aria-label": "name of the run" });
+  const rename = el("button", { type: "button", class: "small", onclick: guarded("It keeps its name.", async () => {
+    await patch(`runs/${run.id}`, { name: name.value.trim() });
+    await loadRuns();
+    notice("Renamed.");
+  }) }, "Rename");
+  const exports = ["csv", "mcap", "parquet", "mat"].map((format) => el("button", {
+    type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`runs/${run.id}/export`, { format }, `${run.name}.${format}`)),
+  }, format.toUpperCase()));
+  const gone = el("button", { type: "button", class: "small danger", onclick: guarded("It could not be deleted.", async () => {
+    if (!confirm(`Delete run ${run.name} and its measurements? This cannot be undone.`)) return;
+    await remove(`runs/${run.id}`);
+    await loadRuns();
+  }) }, "Delete");
+  return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, el("span", { class: "grow" }), "Export", exports, gone),
+    el("p", { class: "muted" }, `${run.samples} samples, ${number(run.rate, 4)} Hz, from ${run.source || run.profile}. ${run.reason ?? ""}`),
+    run.warnings.length ? el("ul", { class: "levels" }, run.warnings.map((text) => el("li", { class: "warning" }, text))) : null,
+    card("Positions and measured torques", null, plot.box, null),
+    el("p", { class: "muted" }, "Drag to zoom: the whole detail is loaded. Double-click to return. Click a joint in the legend to hide it."));
+}
+
+function dropZone() {
+  const input = el("input", { type: "file", accept: ".csv,.gz", multiple: true, id: "files", class: "hidden", onchange: () => { take([...input.files]); input.value = ""; } });
+  const text = el("span", {}, "Drop recordings here (CSV with time, q1 …, tau1 …), or ");
+  const zone = el("div", { class: "drop" }, text, el("label", { htmlFor: "files", class: "button small" }, "choose files"), input);
+  const take = async (files) => {
+    for (const file of files) {
+      text.textContent = `Reading ${file.name} … `;
+      try {
+        const run = await upload(file);
+        notice(`Imported ${run.name}.`, { detail: run.warnings.join(" ") });
+      } catch (error) {
+        failed(`${file.name} was not imported.`, error);
+      }
+    }
+    text.textContent = "Drop recordings here (CSV with time, q1 …, tau1 …), or ";
+    await loadRuns().catch(() => {});
+  };
+  const over = (on) => (event) => { event.preventDefault(); zone.classList.toggle("over", on); };
+  zone.addEventListener("dragover", over(true));
+  zone.addEventListener("dragleave", over(false));
+  zone.addEventListener("drop", (event) => { over(false)(event); take([...event.dataTransfer.files]); });
+  return zone;
+}
