@@ -22,6 +22,7 @@ from pa10d.control.reference import Motion
 from pa10d.control.states import POWERED, ArmState, Refused, require
 from pa10d.control.stop import Progress, Stop
 from pa10d.control.torque_path import TorquePath
+from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 State = ArmState
@@ -49,7 +50,7 @@ class Arm:
         self.motion: Motion | None = None
         self._gravity = gravity
         self._stop: Stop | None = None
-        self._maybe_powered = False
+        self.maybe_powered = False  # the drives were told to switch off and have not obeyed yet
 
     @property
     def recording(self) -> bool:
@@ -64,7 +65,8 @@ class Arm:
         try:
             self.backend.open()
         except Exception as error:
-            why = self._as_fault(error).sentence
+            wrong = isinstance(error, UserError)  # the profile, not a drive
+            why = str(error) if wrong else self._as_fault(error).sentence
             with contextlib.suppress(Exception):
                 self.backend.close()
             raise Refused("connect", self.state, (State.OFFLINE,), why) from error
@@ -122,7 +124,7 @@ class Arm:
             raise Refused("reset", self.state, (State.FAULT,), why) from error
         self.path.forget()
         self._clear_fault()
-        self._maybe_powered = False
+        self.maybe_powered = False
         self.state = State.INACTIVE
 
     def use(self, controller: Controller) -> None:
@@ -162,7 +164,7 @@ class Arm:
                 self._act()
         except Exception as error:
             self._on_fault(error)
-        if self._maybe_powered:
+        if self.maybe_powered:
             self._switch_off()
         self.journal.publish(self)
 
@@ -238,10 +240,10 @@ class Arm:
 
     def _switch_off(self) -> None:
         """A drive that could not be told is told again, in every cycle until it obeys."""
-        self._maybe_powered = True
+        self.maybe_powered = True
         try:
             self.backend.disable()
-            self._maybe_powered = False
+            self.maybe_powered = False
         except Exception as error:
             self._latch(self._as_fault(error))
             with contextlib.suppress(Exception):

@@ -17,10 +17,15 @@ from pa10d.control.states import POWERED, ArmState
 IDLE = 0.05  # s between looks at the pipe while offline
 SILENCE = 5.0  # s without a word from the daemon: it hangs
 PATIENCE = 2.0  # s that simulated time waits for a recorder that does not keep up
+SETTLE = 1.0  # s of simulated time that pass after each command and each change of state
 
 
 class Loop:
-    """Runs until the daemon closes the pipe, or ``end`` is called; then the arm is at rest."""
+    """Runs until the daemon closes the pipe, or ``end`` is called; then the arm is at rest.
+
+    In simulated time an arm that is not moving settles, and then time stands still until somebody
+    asks for something: what is recorded depends on what was asked, not on when.
+    """
 
     def __init__(self, arm: Arm, ring: Ring, commands: Commands, connection: socket.socket) -> None:
         self._arm, self._ring, self._commands = arm, ring, commands
@@ -29,6 +34,8 @@ class Loop:
         self._told: tuple[Any, ...] = ()
         self._ending = ""
         self._heard = time.monotonic()
+        self._settle = round(SETTLE / arm.backend.period)
+        self._unsettled = 0  # cycles to go until simulated time stands still
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send an event to the daemon."""
@@ -41,26 +48,41 @@ class Loop:
     def run(self) -> None:
         """Returns once the arm is safe and the bus is left."""
         while not (self._ending and self._arm.state not in POWERED):
-            if self._arm.state == ArmState.OFFLINE:
+            if self._stands_still():
                 select.select([self._connection], [], [], IDLE)
                 self._clock.restart()
+                self._listen()
             else:
                 self._wait()
-            self._listen()
-            self._arm.cycle()
-            self._clock.done()
+                if not self._settling():
+                    self._listen()
+                self._arm.cycle()
+                self._clock.done()
             self._tell_changes()
         if self._arm.state != ArmState.OFFLINE:
             self._arm.disconnect()
             self._tell_changes()
 
+    def _stands_still(self) -> bool:
+        """Whether no cycle is due until somebody asks for something."""
+        return self._arm.state == ArmState.OFFLINE or (self._calm() and not self._unsettled)
+
+    def _settling(self) -> bool:
+        """Whether commands wait until simulated time stands still; counts the cycles."""
+        settling = self._calm() and self._unsettled > 0
+        self._unsettled -= settling
+        return settling
+
+    def _calm(self) -> bool:
+        arm = self._arm
+        moving = arm.state in (ArmState.RUNNING, ArmState.STOPPING)
+        return not (arm.backend.realtime or moving or arm.maybe_powered)
+
     def _wait(self) -> None:
         arm, clock = self._arm, self._clock
         arm.journal.timing(clock.late, clock.busy, clock.missed)
-        moving = arm.state in (ArmState.RUNNING, ArmState.STOPPING)
-        fast = moving and not arm.backend.realtime
-        clock.wait(paced=not fast)
-        if fast and arm.recording:
+        clock.wait(paced=arm.backend.realtime)
+        if arm.recording and not arm.backend.realtime:
             self._await_recorder()
 
     def _await_recorder(self) -> None:
@@ -84,6 +106,7 @@ class Loop:
             self._tell_changes()  # before the answer: who asked then knows the new state
             self._mailbox.tell(answer)
             self._clock.restart()
+            self._unsettled = self._settle
         if self._mailbox.closed:
             self._orphaned("the daemon is gone")
         elif self._arm.backend.realtime and time.monotonic() - self._heard > SILENCE:
@@ -101,6 +124,7 @@ class Loop:
         state = (arm.state, arm.fault, arm.path.controller)
         if state != self._told:
             self._told = state
+            self._unsettled = self._settle
             self._mailbox.tell(describe(arm))
         else:
             self._mailbox.flush()

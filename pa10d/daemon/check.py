@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from backends.bus_budget import profile_budget
+from backends.protocol import Backend
 from backends.registry import open_backend
 from pa10d.control.build import build_arm
 from pa10d.control.clock import Clock
@@ -102,6 +103,13 @@ def _drives(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[
     if daemon is not None:
         text = f"the daemon at {daemon.url} holds the bus; look at its robot's notes"
         return [Check("warning", "drives", text)]
+    try:
+        return _asked(profile, robot, seconds)
+    except UserError as error:
+        return [Check("error", "drives", str(error))]
+
+
+def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
     with contextlib.ExitStack() as stack:
         stack.enter_context(simulated_bus(profile))
         backend = open_backend(profile)
@@ -112,13 +120,24 @@ def _drives(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[
         except Refused as refusal:
             return [Check("error", "drives", str(refusal).removeprefix("connect: "))]
         stack.callback(arm.disconnect)
-        found = [Check("ok", "drives", r.identity) for r in getattr(backend, "reports", ())]
-        found += [Check("warning", "drives", warning) for warning in backend.warnings]
+        found = _who_answers(backend)
         with _real_time():
             late = _late(profile, seconds, arm.cycle)
         if arm.fault is not None:
             return [*found, Check("error", "drives", arm.fault.sentence)]
         return [*found, _judged("loop with the drives", late, profile)]
+
+
+def _who_answers(backend: Backend) -> list[Check]:
+    """Identity of every drive; what it lacks, or that it lacks nothing."""
+    reports = getattr(backend, "reports", ())
+    found = [Check("ok", "drives", report.identity) for report in reports]
+    found += [Check("warning", "safety", warning) for warning in backend.warnings]
+    for report in reports:
+        if not report.lacks:
+            text = f"node {report.node}: has every safety object, and took every setting"
+            found.append(Check("ok", "safety", text))
+    return found
 
 
 def _late(profile: Profile, seconds: float, cycle: Callable[[], None]) -> tuple[np.ndarray, int]:
@@ -156,4 +175,5 @@ def _real_time() -> Iterator[list[str]]:
         yield notes
     finally:
         gc.enable()
-        os.sched_setscheduler(0, *before)
+        policy, parameters = before  # the flag is for root alone to take away
+        os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, parameters)

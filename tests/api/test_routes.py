@@ -172,10 +172,14 @@ def test_telemetry_with_history(arm):
     assert rows[0, 0] == 0.0
     assert np.all(np.diff(rows[:, 0]) > 0)
     assert len(rows) > 25  # the past, at once
-    live = arm.telemetry()
-    seen = [next(live) for _ in range(3)]
-    assert seen[0][1] < seen[1][1] < seen[2][1]
-    assert seen[0][1] > start
+    live = arm.telemetry(history=5.0)
+    next(live)
+    seen = []
+    for command in (arm.enable, arm.disable, arm.enable):  # simulated time passes
+        command()
+        seen.append(next(live)[1])
+    arm.disable()
+    assert start < seen[0] < seen[1] < seen[2]
 
 
 def test_events_tell_what_happened_before(arm):
@@ -208,10 +212,12 @@ def test_twenty_listeners_do_not_disturb_the_loop(arm):
         for stream in streams:
             next(stream)
         before = arm._http.get("/metrics").text
+        job = arm.start("experiments", {"kind": "tracking", "parameters": {"cycles": 4}})
         for _ in range(10):
             for stream in streams:
                 next(stream)
         assert "pa10d_telemetry_listeners 20" in before
+        assert arm.wait(job)["runs"]
     finally:
         for stream in streams:
             stream.close()

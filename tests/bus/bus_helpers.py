@@ -56,6 +56,15 @@ def make_profile(folder: Path, axes: int = 3, **changes: Any) -> Profile:
     return load_profile(path)
 
 
+def patient_eds(folder: Path) -> str:
+    """Our drive, but one that waits a second for a SYNC: for machines that keep no deadlines."""
+    text = OWN_EDS.read_text()
+    at = text.index("[2F01]")
+    path = folder / "patient.eds"
+    path.write_text(text[:at] + text[at:].replace("DefaultValue=50", "DefaultValue=1000", 1))
+    return str(path)
+
+
 @contextmanager
 def virtual_arm(profile: Profile) -> Iterator[subprocess.Popen[str]]:
     """The profile's arm as a process of its own, ready on the bus."""

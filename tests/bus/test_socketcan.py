@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bus_helpers import Driver, inject_by_canopen, make_profile, virtual_arm
+from bus_helpers import Driver, inject_by_canopen, make_profile, patient_eds, virtual_arm
 
 from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State, state_of
@@ -37,7 +37,8 @@ def profile(tmp_path: Path, request: pytest.FixtureRequest) -> Profile:
         can=VCAN,
         simulation={"clock": request.param},
         control={"rate": 50.0},
-        safety={"stale_cycles": 5},
+        safety={"stale_cycles": 25},
+        drive={"eds": patient_eds(tmp_path), "heartbeat_ms": 500},
     )
 
 

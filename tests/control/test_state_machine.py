@@ -48,7 +48,7 @@ class Commander(RuleBasedStateMachine):
             write(torque)
 
         def watched_step(torque, dt):
-            told = not self.arm._maybe_powered  # else: the drives do not listen, and are told again
+            told = not self.arm.maybe_powered  # else: the drives do not listen, and are told again
             if np.any(torque != 0) and self.arm.state not in POWERED and told:
                 self.astray.append(("acts", self.arm.state, torque))
             step(torque, dt)
@@ -185,7 +185,7 @@ class Commander(RuleBasedStateMachine):
     @invariant()
     def unpowered_where_no_torque_may_be(self):
         if hasattr(self, "arm") and self.arm.state in (ArmState.FAULT, ArmState.INACTIVE):
-            off = not self.backend.powered or self.arm._maybe_powered
+            off = not self.backend.powered or self.arm.maybe_powered
             assert off, "drives left powered and nobody cares"
             assert np.all(self.arm.path.sent == 0)
 

@@ -1,0 +1,104 @@
+"""``pa10d check``: go or no-go before power, with what to do about it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+import yaml
+
+from backends.eds import OWN_EDS
+from pa10d.daemon import check as checks
+from pa10d.profile import find_profile, load_profile
+
+
+def profile_with(folder, **sections):
+    """The simulated arm on a bus of its own, some sections changed."""
+    base = find_profile("pa10-sim")
+    profile = yaml.safe_load(base.read_text())
+    profile["urdf"] = str(base.parent / profile["urdf"])
+    profile["can"]["channel"] = f"c{os.getpid()}-{time.time_ns() % 10**6}"
+    for key, value in sections.items():
+        profile[key] = value if value is None else {**profile[key], **value}
+    path = folder / "arm.yaml"
+    path.write_text(yaml.safe_dump(profile))
+    return path
+
+
+def check(path, data):
+    """→ exit status, whether it says go, checks by subject."""
+    command = [sys.executable, "-m", "pa10d", "--data", str(data), "check", "--json"]
+    done = subprocess.run(
+        [*command, "--profile", str(path), "--seconds", "0.3"],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.stdout, done.stderr
+    document = json.loads(done.stdout)
+    found = {}
+    for entry in document["checks"]:
+        found.setdefault(entry["subject"], []).append((entry["level"], entry["sentence"]))
+    return done.returncode, document["go"], found
+
+
+def test_a_healthy_arm_is_go(tmp_path):
+    status, go, found = check(profile_with(tmp_path), tmp_path)
+    assert (status, go) == (0, True)
+    assert set(found) >= {"bus", "limits", "disk", "clock", "timing", "drives", "safety"}
+    assert [level for level, _ in found["drives"]] == ["ok"] * 7
+    assert "node 7: pa10d virtual drive" in found["drives"][6][1]
+    assert "bare loop" in found["timing"][-2][1]
+    assert "loop with the drives" in found["timing"][-1][1]
+
+
+def test_too_fast_for_the_wire_is_no_go_and_says_what_fits(tmp_path):
+    path = profile_with(tmp_path, control={"rate": 1000.0})
+    status, go, found = check(path, tmp_path)
+    assert (status, go) == (1, False)
+    level, sentence = found["bus"][0]
+    assert level == "error"
+    assert "at most 585 Hz" in sentence
+
+
+def test_nobody_on_the_bus_is_no_go(tmp_path):
+    status, go, found = check(profile_with(tmp_path, simulation=None), tmp_path)
+    assert (status, go) == (1, False)
+    level, sentence = found["drives"][0]
+    assert level == "error"
+    assert "joint 1" in sentence
+
+
+def test_what_a_drive_lacks_is_a_warning_by_name(tmp_path):
+    eds = tmp_path / "poor.eds"
+    text = OWN_EDS.read_text(encoding="utf-8")
+    at = text.index("[6007]")
+    end = text.index("[", at + 1)
+    lines = [line for line in (text[:at] + text[end:]).splitlines() if not line.endswith("=0x6007")]
+    eds.write_text("\n".join(lines), encoding="utf-8")
+    path = profile_with(tmp_path)
+    profile = yaml.safe_load(path.read_text())
+    profile["drives"][2]["eds"] = str(eds)
+    path.write_text(yaml.safe_dump(profile))
+    status, go, found = check(path, tmp_path)
+    assert (status, go) == (0, True), "a warning is for a person to weigh"
+    warned = [sentence for level, sentence in found["safety"] if level == "warning"]
+    assert len(warned) == 1
+    assert "joint 3" in warned[0]
+    assert "0x6007" in warned[0]
+    assert len([1 for level, _ in found["safety"] if level == "ok"]) == 6
+
+
+def test_a_full_disk_is_a_warning(tmp_path, monkeypatch):
+    monkeypatch.setattr(checks, "SMALL_DISK", 1e9)
+    (found,) = checks._disk(tmp_path)
+    assert found.level == "warning"
+    assert "GB free" in found.sentence
+
+
+@pytest.mark.parametrize(("late", "level"), [(1e-5, "ok"), (1e-3, "warning")])
+def test_lateness_is_judged_against_the_period(late, level):
+    profile = load_profile("pa10-sim")
+    assert checks._judged("bare loop", (checks.np.full(100, late), 0), profile).level == level
