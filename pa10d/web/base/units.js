@@ -36,3 +36,6 @@ export function nextModelName(taken) {
   while (taken.includes(`m${k}`)) k += 1;
   return `m${k}`;
 }
+
+/** point_to_point as "Point to point". */
+export const titled = (id) => id[0].toUpperCase() + id.slice(1).replaceAll("_", " ");

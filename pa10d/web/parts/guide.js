@@ -47,6 +47,7 @@ function nextStep(again) {
   if (!models.length) return { go: "models", text: `Fit the first model: rigid bodies and textbook friction, to ${fit.length} run${fit.length > 1 ? "s" : ""}.`, label: "Fit" };
   const newest = models[0];
   const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));
+  const ask = { go: "diagnose", text: `Ask which physical effect is missing in ${newest.name}.`, label: "Diagnose" };
   if (!compared && !newest.parent) return { go: "compare", text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
   const parent = models.find((one) => one.id === newest.parent);
   const found = lastDiagnosis(newest, again);
@@ -55,9 +56,10 @@ function nextStep(again) {
   const before = parent && lastDiagnosis(parent, again);
   if (before === undefined) return { text: "" };
   if (before && before.result.findings.every((one) => versionWith(parent, one))) {
-    return { go: "models", text: `${newest.name} has what was missing. See how far the error fell, then diagnose it again: is anything left?`, label: "See" };
+    return { go: "models", text: `${newest.name} has what was missing. See how far the error fell.`, label: "See",
+             then: { go: "diagnose", text: `Below is how far the error fell. Ask whether anything is left in ${newest.name}.`, label: "Diagnose" } };
   }
-  return { go: "diagnose", text: `Ask which physical effect is missing in ${newest.name}.`, label: "Diagnose" };
+  return ask;
 }
 
 function afterDiagnosis(model, diagnosis) {
@@ -73,13 +75,16 @@ function afterDiagnosis(model, diagnosis) {
 
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
 
+/** Where the step is to look at something, and one is there already, the step after it. */
+const forSection = (step, section) => (step.go === section && step.then ? step.then : step);
+
 /** Head of a section: its title, and the next step. `here` says what to press, in this section. */
 export function heading(section, title, here = {}) {
   const words = el("span", {}), link = el("a", { class: "button small" });
   const line = el("p", { class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
   const refresh = () => {
     if (!state.ready) return;
-    const step = nextStep(refresh);
+    const step = forSection(nextStep(refresh), section);
     line.style.visibility = step.text ? "visible" : "hidden";
     line.dataset.go = step.go ?? "";
     fill(words, step.text, step.go === section && here[step.label] ? ` ${here[step.label]}` : "");

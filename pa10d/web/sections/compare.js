@@ -78,7 +78,8 @@ async function open(id, joint, started = null) {
   if (!joint) choose(worst());
   else tabs();
   sentences();
-  const sheet = await get(`comparisons/${id}/sheet`);
+  const sheet = await get(`comparisons/${id}/sheet`).catch(() => null);
+  if (!sheet || view.id !== id) return;
   const [glance, ...rest] = sheet.sections;
   fill(parts.summary, glance.blocks.map(block));
   fill(parts.tail, rest.map((one) => sectionOf(one)));

@@ -57,7 +57,11 @@ async function open(id, started = null) {
     if (shown === id) fill(parts.body, empty(error.message));
     return;
   }
-  const sheet = await get(`diagnoses/${id}/sheet`);
+  const sheet = await get(`diagnoses/${id}/sheet`).catch(() => null);
+  if (!sheet) {
+    fill(parts.body, empty("The plots of this diagnosis were not kept. Press 'What is missing?' to make it again."));
+    return;
+  }
   if (shown !== id) return;
   const [verdict, ...rest] = sheet.sections;
   fill(parts.body, verdict.blocks.map(block),

@@ -3,7 +3,7 @@ import { el, fill } from "../base/dom.js";
 import { client, post } from "../base/api.js";
 import { current, mayCommand, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
-import { seconds } from "../base/units.js";
+import { seconds, titled } from "../base/units.js";
 import { formOf } from "../parts/form.js";
 import { heading } from "../parts/guide.js";
 import { finished, moves, progress } from "../parts/jobs.js";
@@ -27,7 +27,7 @@ export function mount(box) {
         for (const other of kinds.children) other.setAttribute("aria-selected", String(other === event.currentTarget));
         fill(form, editor(kind, outcome));
       },
-    }, el("b", {}, kind.kind.replaceAll("_", " ")), el("small", {}, kind.title))));
+    }, el("b", {}, titled(kind.kind)), el("small", {}, kind.title))));
     fill(form, editor(state.kinds.find((kind) => kind.kind === chosen), outcome));
   });
 }
@@ -39,7 +39,7 @@ function startingSet(outcome) {
     await follow(await post("experiments/series", { experiments }), outcome);
   }) }, "Record the starting set");
   watch(["kinds"], () => fill(list, state.startingSet.map((one) =>
-    el("li", {}, el("b", {}, one.kind.replaceAll("_", " ")), ` ${one.why} `, one.tags.map((tag) => el("span", { class: "tag" }, tag))))));
+    el("li", {}, el("b", {}, `${titled(one.kind)}:`), ` ${one.why} `, one.tags.map((tag) => el("span", { class: "tag" }, tag))))));
   watch(["robot", "jobs", "connected"], () => allow(start));
   return el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, "Starting set"), start),
     el("p", { class: "muted" }, "For an arm of which nothing is known yet. Each motion is checked against limits, torque and collisions before it starts; the arm is powered for it, and left as it was found."), list);
@@ -76,7 +76,7 @@ function editor(kind, outcome) {
     if (job) fill(checks, verdict(job.result));
   }));
   const box = el("form", { onsubmit: (event) => event.preventDefault() },
-    el("h2", {}, kind.kind.replaceAll("_", " "), el("small", {}, kind.title)), el("p", { class: "muted" }, kind.description), form.box,
+    el("h2", {}, titled(kind.kind), el("small", {}, kind.title)), el("p", { class: "muted" }, kind.description), form.box,
     el("fieldset", {}, el("legend", {}, "The run"), el("div", { class: "fields" },
       el("div", { class: "field" }, el("label", { htmlFor: "run-name" }, "name"), name, el("small", {}, "under which it is stored")),
       el("div", { class: "field" }, el("label", { htmlFor: "run-controller" }, "controller"), controller, el("small", {}, "that moves the arm")),
@@ -111,7 +111,7 @@ async function follow(job, outcome) {
       const names = whole.result.runs.map(nameOf);
       notice(`Recorded ${names.join(", ")}.`, { action: { href: "#/runs", label: "Look" } });
       fill(outcome, el("div", { class: "panel" }, el("h2", {}, "What came out"), found.map((one) => [
-        el("p", {}, el("b", {}, one.recorded.map((run) => run.name).join(", ")), ` (${one.kind.replaceAll("_", " ")})`),
+        el("p", {}, el("b", {}, one.recorded.map((run) => run.name).join(", ")), ` (${titled(one.kind)})`),
         el("ul", {}, one.recommendation.map((sentence) => el("li", {}, sentence))),
       ])));
     },

@@ -15,7 +15,7 @@ let parts = null, chosen = null, wanted = null, drawn = "";
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "models" }), detail: el("div", { class: "grow" }),
             judge: runPicker("Judged by", "judge", () => refreshPlots()) };
-  fill(box, heading("models", "Models", { Fit: "Press 'Fit'.", See: "It is below." }), fitForm(), progress(() => running("identify")[0]),
+  fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(), progress(() => running("identify")[0]),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["models", "ready"], refresh);
 }
@@ -86,11 +86,24 @@ function details(model) {
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, el("small", {}, model.change)),
       el("div", { class: "row" }, load, "Export", exports)),
-    el("p", { class: "muted" }, `${model.effects.length} effects: ${model.effects.join(", ")}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz; ${model.feasible ? "physically feasible" : "not physically feasible"}.`),
+    el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz; ${model.feasible ? "physically feasible" : "not physically feasible"}.`),
     parts.judge.box),
     parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
+}
+
+/** "coulomb J1", "coulomb J2" … as "coulomb J1-7". */
+function grouped(labels) {
+  const joints = new Map();
+  for (const label of labels) {
+    const [effect, ...where] = label.split(" ");
+    joints.set(effect, [...(joints.get(effect) ?? []), where.join(" ").replace("J", "")]);
+  }
+  return [...joints].map(([effect, where]) => {
+    const plain = where.every((one) => /^\d+$/.test(one)) && where.length > 2 && Number(where.at(-1)) - Number(where[0]) === where.length - 1;
+    return `${effect.replaceAll("_", " ")}${where[0] ? ` J${plain ? `${where[0]}–${where.at(-1)}` : where.join(", J")}` : ""}`;
+  }).join(", ");
 }
 
 async function refreshPlots() {
