@@ -97,6 +97,14 @@ class Client:
         """Leave a fault."""
         return self._ask("POST", "/api/v1/robot/reset")
 
+    def connect(self) -> Document:
+        """Try to reach the drives now, and whenever they are away."""
+        return self._ask("POST", "/api/v1/robot/connect")
+
+    def disconnect(self) -> Document:
+        """Leave the bus; the arm must be unpowered."""
+        return self._ask("POST", "/api/v1/robot/disconnect")
+
     def use_controller(self, controller: str, model: str | None = None) -> Document:
         """``pid``, or ``computed_torque`` with a model."""
         body = {"controller": controller, "model": model}
@@ -240,6 +248,10 @@ class Client:
         body = {"model": model, "fit": list(fit), "validate": list(validate), **more}
         return self._result("diagnoses", body, progress)
 
+    def sheet(self, diagnosis: str) -> Document:
+        """Plots and words of a diagnosis, by the id of its job."""
+        return self._ask("GET", f"/api/v1/diagnoses/{diagnosis}/sheet")
+
     def add(
         self,
         model: str,
@@ -356,12 +368,17 @@ def local_daemon(
     from pa10d.profile import load_profile
 
     command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
-    command += ["--profile", profile, "--port", "0"]
+    command += ["--profile", profile, "--port", "0", "--attached"]
     if channel is None and wants_simulator(load_profile(profile)):
         channel = f"local-{os.getpid()}-{time.time_ns() % 10**9}"
     command += ["--channel", channel] if channel else []
     command += ["--clock", clock] if clock else []
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    # a group of its own: an interrupt from the terminal is for us, who end it in good order; should
+    # we be killed, the end of its input tells it
+    process = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0
+    )
+    assert process.stdin is not None
     assert process.stdout is not None
     try:
         line = process.stdout.readline()
@@ -376,6 +393,7 @@ def local_daemon(
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+        process.stdin.close()
         process.stdout.close()
 
 

@@ -7,8 +7,10 @@ import json
 import logging
 import os
 import secrets
+import signal
 import socket
 import sys
+import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -34,7 +36,10 @@ log = logging.getLogger("pa10d")
 
 @dataclass(frozen=True)
 class Settings:
-    """How to serve. Port 0: a free one. Without tokens only loopback addresses are allowed."""
+    """How to serve. Port 0: a free one. Without tokens only loopback addresses are allowed.
+
+    attached: end when standard input ends.
+    """
 
     data: Path
     host: str = "127.0.0.1"
@@ -43,6 +48,7 @@ class Settings:
     names: tuple[str, ...] = ()
     simulator: bool = True
     as_json: bool = False
+    attached: bool = False
 
 
 def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
@@ -79,7 +85,16 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
             server_header=False, access_log=False, ws="websockets-sansio",
             timeout_graceful_shutdown=MAY_TAKE,
         )  # fmt: skip
+        if settings.attached:
+            threading.Thread(target=_end_with_input, daemon=True).start()
         uvicorn.Server(config).run(sockets=[listener])
+
+
+def _end_with_input() -> None:
+    """Whoever started us has the other end, open for as long as they live."""
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _listen(host: str, port: int) -> socket.socket:

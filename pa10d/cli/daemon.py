@@ -33,6 +33,9 @@ def add_commands(commands: Commands) -> None:
     serving.add_argument(
         "--no-sim", action="store_true", help="do not start the virtual arm of the profile"
     )
+    serving.add_argument(
+        "--attached", action="store_true", help="end when standard input ends: with who started it"
+    )
     robot_options(serving)
     experimenting = commands.add("experiment", experiment, "run one experiment → run ids")
     experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
@@ -75,6 +78,7 @@ def serve(options: argparse.Namespace) -> Answer:
         names=tuple(options.names),
         simulator=not options.no_sim,
         as_json=options.json,
+        attached=options.attached,
     )
     run(_on_bus(profile, options), robot, settings)
     return Answer(None)

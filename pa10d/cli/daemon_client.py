@@ -102,6 +102,7 @@ def improve_by_daemon(options: argparse.Namespace) -> Answer:
             validate=options.validate, replace=options.replace, experiments=True,
         )  # fmt: skip
     for entry in found["experiments"]:
-        note(f"run to settle a doubt: {entry['plan']['kind']} -> {', '.join(entry['runs'])}")
+        came = ", ".join(entry["runs"]) or f"not run: {entry['error']}"
+        note(f"run to settle a doubt: {entry['plan']['kind']} -> {came}")
     made = ", ".join(f"{m['name']} ({m['change']})" for m in found["versions"])
     return Answer(found, f"stored: {made}" if made else "nothing stored: there is nothing to add")

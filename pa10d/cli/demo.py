@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import secrets
+import signal
 import tempfile
 import textwrap
 import time
@@ -14,10 +15,10 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.daemon_client import progress_line
 
 if TYPE_CHECKING:
-    from pa10d.services.demo import Told
-
+    from pa10d.demo.story import Told
 
 WIDTH = 92
 
@@ -39,39 +40,44 @@ def add_commands(commands: Commands) -> None:
 
 def demo(options: argparse.Namespace) -> Answer:
     """``demo``."""
-    from pa10d.services.demo import play
-    from pa10d.services.library import open_library
+    from pa10d.demo.bench import Bench
+    from pa10d.demo.hidden import hide
+    from pa10d.demo.report import write_report
+    from pa10d.demo.story import play
+    from pa10d.profile import load_profile
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as after Ctrl-C
     started = time.monotonic()
     seed = secrets.randbelow(10_000) if options.seed is None else options.seed
-    with _data(options.data) as data:
-        told = play(
-            open_library(data), options.profile, asked=options.hide, seed=seed,
-            report=options.report.absolute(), tell=_tell, progress=Slowly(),
-        )  # fmt: skip
+    profile = load_profile(options.profile)
+    hidden = hide(options.hide, seed, profile)
+    bench = Bench(profile, hidden, seed)
+    _tell(
+        f"1. A simulated {profile.name} and its daemon start, on a bus of their own (seed {seed})."
+    )
+    with _data(options.data) as data, bench.running(data):
+        told = play(bench, hidden, seed, _tell, progress_line())
+    report = write_report(told, profile.name, options.report.absolute())
     seconds = time.monotonic() - started
-    return Answer({**told.document(), "seconds": seconds}, in_words(told, seconds))
+    document = {**told.document(), "report": str(report), "seconds": seconds}
+    return Answer(document, in_words(told, report, seconds))
 
 
-def in_words(told: Told, seconds: float) -> str:
+def in_words(told: Told, report: Path, seconds: float) -> str:
     """The end of the story, for the terminal."""
-    found = told.diagnosis
-    labels = [finding.term.label for finding in found.findings]
-    last = found.versions[-1].held_out["held out"]
-    rows = [
-        [str(j + 1), f"{found.rms[j]:.4g}", f"{last[j]:.4g}", f"{found.noise_floor[j]:.4g}"]
-        for j in range(len(last))
-    ]
-    head = ["joint", "RMS before", "RMS after", "noise floor"]
+    last, known = told.last, told.hidden.in_words()
+    labels = [f"{f['effect']} {f['joints'] or ''}".strip() for f in last.found["findings"]]
+    columns = zip(last.before, last.after, last.found["noise_floor"], strict=True)
+    rows = [[str(j), *(f"{v:.4g}" for v in row)] for j, row in enumerate(columns, 1)]
     return "\n".join(
         [
-            f"\nhidden: {told.hidden.in_words()}",
-            f"found:  {', '.join(labels) or found.verdict}",
+            f"\nhidden: {known}",
+            f"found:  {', '.join(labels) or last.found['verdict']}",
             "",
             "Error in N·m on runs that the fit has not seen:",
-            table(head, rows),
+            table(["joint", "RMS before", "RMS after", "noise floor"], rows),
             "",
-            f"{seconds:.0f} s. Report: {told.report}",
+            f"{seconds:.0f} s. Report: {report}",
             f"Another arm: pa10d demo. This one again: pa10d demo --seed {told.seed}",
         ]
     )
@@ -81,29 +87,14 @@ def _tell(words: str) -> None:
     note(textwrap.fill(words, WIDTH, subsequent_indent="   ", break_long_words=False))
 
 
-class Slowly:
-    """Progress on stderr, a line every few seconds."""
-
-    EVERY = 3.0  # s
-
-    def __init__(self) -> None:
-        self._last = time.monotonic()
-
-    def __call__(self, share: float, what: str) -> None:
-        now = time.monotonic()
-        if now - self._last >= self.EVERY:
-            self._last = now
-            note(f"   {share:4.0%}  {what}")
-
-
 @contextlib.contextmanager
-def _data(given: str | None) -> Iterator[str]:
+def _data(given: str | None) -> Iterator[Path]:
     """The folder that was asked for, or one that is gone afterwards."""
     if given is not None:
-        yield given
+        yield Path(given)
         return
     with tempfile.TemporaryDirectory(prefix="pa10d-demo-") as folder:
-        yield folder
+        yield Path(folder)
 
 
 def _seed(text: str) -> int:

@@ -52,7 +52,7 @@ def request_of(plan: Mapping[str, Any], **more: Any) -> dict[str, Any]:
 
 
 class Experiment:
-    """One request carried out; ``result`` grows as it goes."""
+    """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check."""
 
     numbers = itertools.count(1)
 
@@ -60,6 +60,7 @@ class Experiment:
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
+        self.moved = False
         self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
 
     async def carry_out(self) -> dict[str, Any]:
@@ -127,6 +128,7 @@ class Experiment:
             await self._robot.use({"name": "pid"})
 
     async def _move(self, prepared: dict[str, Any]) -> None:
+        self.moved = True
         motions = prepared["motions"]
         total = sum(m["seconds"] for m in motions)
         before = 0.0

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import IO
 
 from pa10d.daemon.child import ENVIRONMENT
+from pa10d.errors import UserError
 from pa10d.profile import Profile
 
 START_TIME = 120.0  # s; the plant may have to be compiled
@@ -136,7 +137,8 @@ def simulated_bus(profile: Profile) -> Iterator[None]:
         assert process.stdout is not None
         process.stdin.write(profile.model_dump_json())
         process.stdin.close()
-        process.stdout.readline()
+        if process.stdout.readline().strip() != READY:
+            raise UserError("the virtual arm did not start; its messages are above")
         yield
     finally:
         os.close(writing)
@@ -167,7 +169,10 @@ def main() -> None:
         gone.set()
 
     threading.Thread(target=watch, daemon=True).start()
-    serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
+    try:
+        serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
+    except UserError as error:
+        sys.exit(str(error))
 
 
 if __name__ == "__main__":

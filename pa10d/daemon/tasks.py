@@ -160,12 +160,13 @@ def improve(
     name: str,
     replace: bool,
     progress: Progress,
+    tried: list[dict[str, Any]] | None = None,
 ) -> dict[str, Any]:
-    """New versions until nothing significant is left."""
+    """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
     from pa10d.services.diagnoses import improve_model
     from pa10d.services.library import open_library
 
     return improve_model(
         open_library(data), model, fit, validate, name=name, replace_model=replace,
-        progress=progress,
+        tried=tried, progress=progress,
     ).document()  # fmt: skip

@@ -22,7 +22,6 @@ from pa10d.report.finding_section import Asked
 Sheet = dict[str, Any]
 KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, Verdict)
 BLOCKS: dict[str, Any] = {block.__name__.lower(): block for block in KINDS}
-OWN_KIND = "kind_of"  # where a block has a field of that name itself
 
 
 def comparison_sheet(comparison: Comparison, steps: Sequence[Step] = ()) -> dict[str, Sheet]:
@@ -52,20 +51,16 @@ def _block(plain: Any) -> Any:
     """The reverse of ``_plain``; figures stay as they are."""
     if isinstance(plain, list):
         return [_block(item) for item in plain]
-    if not isinstance(plain, dict) or plain.get("kind") not in BLOCKS:
+    if not isinstance(plain, dict) or "block" not in plain:
         return plain
-    own = {key: _block(item) for key, item in plain.items() if key != "kind"}
-    if OWN_KIND in own:
-        own["kind"] = own.pop(OWN_KIND)
-    return BLOCKS[plain["kind"]](**own)
+    own = {key: _block(item) for key, item in plain.items() if key != "block"}
+    return BLOCKS[plain["block"]](**own)
 
 
 def _plain(value: Any) -> Any:
     """Blocks as ``{"block": "plot", …}``; everything else as JSON knows it."""
     if is_dataclass(value) and not isinstance(value, type):
         plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-        if "kind" in plain:
-            plain[OWN_KIND] = plain.pop("kind")
         return {"block": type(value).__name__.lower(), **plain}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}

@@ -57,12 +57,15 @@ def finding_words(finding: Finding) -> str:
 
 def place(finding: Finding) -> str:
     """`` in joint 4``, `` between joints 5 and 6``, or nothing where it is of the whole arm."""
-    joints = [str(j + 1) for j in finding.term.joints]
+    return place_words([j + 1 for j in finding.term.joints])
+
+
+def place_words(joints: Sequence[int]) -> str:
+    """The same of joints numbered from 1."""
     if not joints:
         return ""
-    return (
-        f" in joint {joints[0]}" if len(joints) == 1 else f" between joints {' and '.join(joints)}"
-    )
+    named = " and ".join(map(str, joints))
+    return f" in joint {named}" if len(joints) == 1 else f" between joints {named}"
 
 
 def gain_words(found: Diagnosis) -> str:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.diagnose.procedure import add, diagnose
+from pa10d.effects import all_effects
 from pa10d.errors import UserError
 from pa10d.model import TorqueModel
+from pa10d.services.doubts import new_plan
 from pa10d.services.library import Library
 from pa10d.services.models import read_runs, write_file
 from pa10d.store.models import ModelInfo
@@ -26,16 +28,20 @@ Cancel = Callable[[], bool]
 
 @dataclass(frozen=True)
 class Improved:
-    """The stored versions, the given model's successor first, and the diagnosis behind them."""
+    """The stored versions, the given model's successor first, and the diagnosis behind them.
+
+    doubt: the plan of an experiment that should be run first; then nothing was stored
+    """
 
     infos: tuple[ModelInfo, ...]
     diagnosis: Diagnosis
+    doubt: dict[str, Any] | None = None
 
     def document(self) -> dict[str, Any]:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
             {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
-            for i, m in zip(self.infos, self.diagnosis.versions[1:], strict=True)
+            for i, m in zip(self.infos, self.diagnosis.versions[1:], strict=False)
         ]
         for entry in made:
             entry["held_out"] = [float(v) for v in entry["held_out"]]
@@ -44,6 +50,7 @@ class Improved:
             "id": last.id if last else None,
             "name": last.name if last else None,
             "versions": made,
+            "doubt": self.doubt,
             **self.diagnosis.document(),
         }
 
@@ -87,16 +94,44 @@ def add_effect(
     replace_model: bool = False,
     progress: Progress | None = None,
 ) -> tuple[ModelInfo, TorqueModel, list[str]]:
-    """Store a new version with an effect fitted in; the old one stays."""
+    """Store a new version with an effect fitted in; the old one stays.
+
+    What only a comparison with an earlier model shows (a payload, a tilted base …) is added to the
+    model as it was: a refit would take it for a trait of the arm.
+    """
     if not replace_model:
         library.models.refuse_taken(name)
-    info = library.models.find(model)
-    loaded = library.models.load(info)
-    made, warnings = add(
-        loaded, effect, [j - 1 for j in joints], read_runs(library, fit)[1], name=name,
-        progress=progress,
-    )  # fmt: skip
+    if effect in all_effects() and all_effects()[effect].question == "changed":
+        made = _changed(library, model, effect, joints, fit, name, progress)
+        warnings: list[str] = []
+    else:
+        loaded = library.models.load(library.models.find(model))
+        runs = read_runs(library, fit)[1]
+        made, warnings = add(
+            loaded, effect, [j - 1 for j in joints], runs, name=name, progress=progress
+        )
     return library.models.save(made, replace=replace_model), made, warnings
+
+
+def _changed(
+    library: Library,
+    model: str,
+    effect: str,
+    joints: Sequence[int],
+    fit: Sequence[str],
+    name: str,
+    progress: Progress | None,
+) -> TorqueModel:
+    found = diagnose_runs(
+        library, model, fit, frozen=True, effect=effect, joints=joints, progress=progress
+    )
+    if not found.findings:
+        raise UserError(
+            f"{effect}: these runs do not show it against model '{model}' as it is; expected runs "
+            "of the arm after the change, and a model identified before it"
+        )
+    parent = library.models.find(model).name
+    return replace(found.versions[-1], name=name, parent=parent)
 
 
 def improve_model(
@@ -107,16 +142,23 @@ def improve_model(
     *,
     name: str,
     replace_model: bool = False,
+    tried: Sequence[Mapping[str, Any]] | None = None,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
 ) -> Improved:
     """Diagnose and add until nothing significant is left; every step is a stored version.
 
     The last version has the given name, the ones before it NAME.1, NAME.2 …
+    tried: plans that were run to settle doubts; where the diagnosis asks for another one, nothing
+    is stored. None: doubts are left as they are.
     """
     if not replace_model:
         library.models.refuse_taken(name)
     found = diagnose_runs(library, model, fit, validate, progress=progress, cancel=cancel)
+    if tried is not None:
+        doubtful = new_plan([finding.document() for finding in found.findings], tried)
+        if doubtful is not None:
+            return Improved((), found, dict(doubtful["next_experiment"]))
     infos = store_versions(library, model, found, name=name, replace_model=replace_model)
     return Improved(infos, found)
 

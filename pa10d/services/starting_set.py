@@ -12,13 +12,13 @@ STARTING_SET: tuple[dict[str, Any], ...] = (
         "kind": "excitation",
         "parameters": {},
         "tags": [FIT],
-        "why": "All joints at once, fast and slow: masses, inertias, gravity.",
+        "why": "All joints at once, fast: masses, inertias, gravity.",
     },
     {
-        "kind": "velocity_sweep",
-        "parameters": {"count": 5, "longest": 1.5},
+        "kind": "excitation",
+        "parameters": {"fundamental": 0.025, "harmonics": 3, "cycles": 1, "seed": 2},
         "tags": [FIT],
-        "why": "Constant speeds in both directions: friction.",
+        "why": "All joints at once, slowly: friction, and what depends on the angle.",
     },
     {
         "kind": "point_to_point",
@@ -28,7 +28,7 @@ STARTING_SET: tuple[dict[str, Any], ...] = (
     },
     {
         "kind": "excitation",
-        "parameters": {"seed": 9},
+        "parameters": {"fundamental": 0.125, "seed": 9},
         "tags": [JUDGE],
         "why": "Another fast motion, with the loads of daily work.",
     },

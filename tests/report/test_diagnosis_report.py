@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import figure_reader as reader
@@ -19,8 +20,10 @@ from pa10d.figures.structure_map import variable_label
 from pa10d.figures.views import GENERAL, SPECIAL
 from pa10d.identify.procedure import identify
 from pa10d.profile import load_profile
-from pa10d.report.diagnosis_page import diagnosis_page
+from pa10d.report.blocks import Numbers
+from pa10d.report.diagnosis_page import diagnosis_page, diagnosis_sections
 from pa10d.report.finding_section import Asked
+from pa10d.report.sheet import diagnosis_sheet, sections_of
 from pa10d.report.verdict import headline
 
 STRIBECK = {"effect": "stribeck", "joint": 4, "Fs": 3.5, "vs": 0.08, "delta": 1.0}
@@ -200,3 +203,12 @@ def test_every_effect_has_a_view():
     for kind in all_effects().values():
         known = kind.id in SPECIAL or (kind.example and kind.example.against in GENERAL)
         assert known, kind.id
+
+
+def test_a_sheet_becomes_the_same_report_again(stribeck):
+    """What travels by HTTP is all there is to the report."""
+    parts = diagnosis_sections(*stribeck[:2], ASKED)
+    sheet = json.loads(json.dumps(diagnosis_sheet(*stribeck[:2], ASKED)["summary"]))
+    there, back = Numbers(), Numbers()
+    own = [section.render(there) for section in (parts.verdict, *parts.findings, *parts.rest)]
+    assert [section.render(back) for section in sections_of(sheet)] == own

@@ -1,27 +1,26 @@
-"""The simulated arm of the demo: what is hidden in it, and its recordings in the store."""
+"""What the simulated arm of the demo hides, and how it came by it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from backends.virtual.datasets import KINDS, figures_of, foreign_runs, make_runs, random_effect
+from backends.virtual.datasets import Figures, figures_of, random_effect
 from backends.virtual.plant.catalogue import ALL, LISTED
-from pa10d.dynamics import Robot
 from pa10d.effects import all_effects
 from pa10d.errors import UserError
 from pa10d.profile import Profile, Simulation
-from pa10d.recording import Recording
-from pa10d.services.library import Library
-from pa10d.store import Channels, Samples
 
-REFERENCE = ("ref_a", "ref_b")
-FIT, VALIDATE = KINDS[:2], KINDS[2:]
 DRAWS = 400  # until an effect falls on the joint that was asked for
 OWN_PLANT = str(Simulation().plant)
+NOT_SHOWN = {
+    "thermal_friction": "the arm warms up in its first minute and stays warm",
+    "backlash": "the knocks behind a gap drown its own torque",
+}
+"""Effects that the demo's experiments do not show reliably: hidden on request only."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,8 @@ class Hidden:
         return tuple(entry.get("joints", [entry["joint"]] if "joint" in entry else []))
 
     @property
-    def changed(self) -> bool:
-        """Does it ask what changed (a refit would absorb it), not what is missing?"""
+    def comes_later(self) -> bool:
+        """Is it something that changes on an arm, such as a payload, not a trait of it?"""
         kind = all_effects().get(self.name or "")
         return kind is not None and kind.question == "changed"
 
@@ -66,7 +65,7 @@ class Hidden:
 
 def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
     """EFFECT, EFFECT:JOINT, ``none``, or (None) what the profile hides in its simulation, else any
-    effect that the library knows, at random."""
+    effect that the library knows and the experiments can show, at random."""
     if profile.simulation is not None and profile.simulation.plant != OWN_PLANT:
         if asked is not None:
             raise UserError(
@@ -80,16 +79,16 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
     if own and asked is None:
         return Hidden(tuple(own))
     rng = np.random.default_rng([seed, 4])
-    name, _, joint = (asked or str(rng.choice(list(LISTED)))).partition(":")
+    shown = [name for name in LISTED if name not in NOT_SHOWN]
+    name, _, joint = (asked or str(rng.choice(shown))).partition(":")
     if name not in ALL:
         raise UserError(f"--hide {asked}: no such effect, expected none or one of {', '.join(ALL)}")
-    return Hidden((_placed(rng, name, joint, asked or name, profile),))
+    return Hidden((_placed(rng, name, joint, asked or name, figures_of(profile)),))
 
 
 def _placed(
-    rng: np.random.Generator, name: str, joint: str, asked: str, profile: Profile
+    rng: np.random.Generator, name: str, joint: str, asked: str, figures: Figures
 ) -> dict[str, Any]:
-    figures = figures_of(profile)
     if not joint:
         return random_effect(rng, name, figures)
     if ALL[name].where == "robot":
@@ -105,31 +104,3 @@ def _placed(
         seen |= places
     fit = ", ".join(map(str, sorted(seen)))
     raise UserError(f"--hide {asked}: {name} cannot be seen there, expected one of joints {fit}")
-
-
-def record(
-    hidden: Hidden, seed: int, noise: str, profile: Profile, seconds: float
-) -> dict[str, Recording]:
-    """Measurements, and nothing but measurements, of the arm that the seed draws."""
-    if hidden.foreign:
-        return foreign_runs(seed, KINDS, profile, seconds=seconds)
-    kinds = (*REFERENCE, *KINDS) if hidden.changed else KINDS
-    return make_runs(seed, hidden.effects, noise, kinds, profile, seconds=seconds)[0]
-
-
-def store_runs(
-    library: Library, runs: Mapping[str, Recording], robot: Robot, profile: Profile, prefix: str
-) -> None:
-    """Put them where every command finds them, under prefix + kind."""
-    for kind, run in runs.items():
-        stamps = np.round(run.t * 1e9).astype(np.int64)
-        with library.runs.building(
-            prefix + kind, kind, Channels(joints=robot.joint_names), profile,
-            source="simulated", tags=("demo",), replace=True,
-        ) as writer:  # fmt: skip
-            writer.append(Samples(stamps, run.q, run.tau))
-
-
-def names(prefix: str, kinds: Sequence[str]) -> list[str]:
-    """As stored."""
-    return [prefix + kind for kind in kinds]

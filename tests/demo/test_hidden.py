@@ -1,0 +1,81 @@
+"""What the demo hides stays with the simulator, and is of the seed alone."""
+
+from __future__ import annotations
+
+import pytest
+
+from backends.virtual.plant.catalogue import LISTED
+from pa10d.demo.bench import Bench
+from pa10d.demo.hidden import NOT_SHOWN, Hidden, hide
+from pa10d.errors import UserError
+from pa10d.profile import Simulation, load_profile
+
+PROFILE = load_profile("pa10-sim")
+PAYLOAD = Hidden(({"effect": "payload", "mass": 1.0},))
+SPRING = Hidden(({"effect": "spring", "joint": 2, "k": 12.0},))
+
+
+def with_simulation(**more):
+    return PROFILE.model_copy(update={"simulation": Simulation(**more)})
+
+
+def test_it_follows_from_the_seed_alone():
+    drawn = [hide(None, seed, PROFILE) for seed in range(40)]
+    assert drawn == [hide(None, seed, PROFILE) for seed in range(40)]
+    assert {h.name for h in drawn} <= set(LISTED) - set(NOT_SHOWN)
+    assert len({h.name for h in drawn}) > 10
+
+
+@pytest.mark.parametrize(
+    ("asked", "joints"), [("stribeck:4", (4,)), ("torque_ripple:1", (1,)), ("none", ())]
+)
+def test_an_effect_sits_where_it_was_asked_for(asked, joints):
+    assert hide(asked, 5, PROFILE).joints == joints
+
+
+def test_a_pair_holds_the_joint_asked_for():
+    assert 6 in hide("coupling_friction:6", 5, PROFILE).joints
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ("gremlins", "no such effect, expected none or one of torque_offset"),
+        ("stribeck:8", "joint '8', expected a number from 1 to 7"),
+        ("stribeck:x", "joint 'x', expected a number from 1 to 7"),
+        ("payload:3", "payload is of the whole arm, expected no joint"),
+    ],
+)
+def test_what_cannot_be_hidden_is_refused(asked, says):
+    with pytest.raises(UserError, match=says):
+        hide(asked, 1, PROFILE)
+
+
+def test_a_profile_may_hide_something_itself():
+    entry = dict(SPRING.effects[0])
+    assert hide(None, 1, with_simulation(options={"effects": [entry]})) == SPRING
+
+
+def test_a_foreign_plant_keeps_its_secret():
+    profile = with_simulation(plant="somewhere:plant", options={"weight": 3})
+    hidden = hide(None, 1, profile)
+    assert hidden == Hidden(foreign=True)
+    with pytest.raises(UserError, match="brings a plant of its own"):
+        hide("stribeck", 1, profile)
+    assert Bench(profile, hidden, 1)._secret(changed=True).simulation.options == {"weight": 3}
+
+
+@pytest.mark.parametrize(("hidden", "first"), [(PAYLOAD, []), (SPRING, list(SPRING.effects))])
+def test_a_change_happens_between_the_two_days(hidden, first):
+    """The arm itself stays the same one; a trait is there from the beginning."""
+    bench = Bench(PROFILE, hidden, 5)
+    days = [bench._secret(changed).simulation for changed in (False, True)]
+    assert [day.options["effects"] for day in days] == [first, list(hidden.effects)]
+    assert days[0].options["dynamics"] == days[1].options["dynamics"]
+    assert days[0].seed != days[1].seed
+    assert PROFILE.simulation.options == {}, "the daemon's profile knows nothing of it"
+
+
+def test_a_real_arm_is_not_moved():
+    with pytest.raises(UserError, match="expected a profile with 'simulation'"):
+        Bench(load_profile("pa10-7c"), Hidden(), 1)
