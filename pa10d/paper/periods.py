@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from pa10d.errors import UserError
+from pa10d.recording import Recording
 from pa10d.signals import Lowpass
 from pa10d.trajectory.fourier import fourier_basis
 
@@ -55,7 +56,7 @@ def average_periods(t: Array, values: Array, fundamental: float, start: float = 
     """
     rate = (len(t) - 1) / float(t[-1] - t[0])
     period = 1.0 / fundamental
-    periods = int(np.floor((t[-1] - start + 0.5 / rate) / period))
+    periods = int(np.floor((t[-1] - start + 1.5 / rate) / period))  # the last sample lasts, too
     if periods < 2:
         raise UserError(
             f"{t[-1] - start:.3g} s are {periods} whole periods of {period:.3g} s; expected at "
@@ -81,6 +82,16 @@ def average_periods(t: Array, values: Array, fundamental: float, start: float = 
     drift = np.sqrt(np.mean(slow**2, axis=0))
     expected = noise * np.sqrt(2.0 / half / width)
     return Averaged(phase, mean, noise, periods, drift, drift > DRIFT * expected)
+
+
+def mean_period(q: Averaged, tau: Averaged, edge: float, name: str) -> Recording:
+    """One mean period as a recording that goes on for ``edge`` s at both ends as periodic motion
+    does: filters settle there, and what is left in between is the period, once."""
+    step = float(q.t[1] - q.t[0])
+    around = int(np.ceil(edge / step))
+    which = np.arange(-around, len(q.t) + around) % len(q.t)
+    t = step * np.arange(float(len(which)))
+    return Recording(name, t, q.mean[which], tau.mean[which])
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,142 @@
+"""What a case study finds, step by step; the report draws it, the command prints it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PID, MODEL, WITH_EFFECTS = "pid", "computed_torque", "computed_torque_with_effects"
+
+
+@dataclass(frozen=True)
+class Boundaries:
+    """found: one document of ``BoundaryVelocity`` per joint; limit (n,) rad/s, the upper end of
+    each interval (at least the slowest speed that was resolved): what design and estimation use"""
+
+    found: tuple[dict[str, Any], ...]
+    limit: Array
+
+    @property
+    def values(self) -> list[float]:
+        """rad/s, one per joint; 0 where friction is linear as far down as the data reach."""
+        return [float(one["threshold"]) for one in self.found]
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """The exciting motion as it was run, and what averaging and the Fourier fit make of it.
+
+    t (P,) s, q, dq (P, n) one period as designed, tau (P, n) N·m as measured on average
+    noise (n,) N·m of a single period, outside (n,) share of acceleration that the series misses
+    fourier_rms: RMS on the other trajectory with the fitted motion, and measured_rms with the
+    differentiated one, (n,) N·m each
+    """
+
+    t: Array
+    q: Array
+    dq: Array
+    tau: Array
+    periods: int
+    noise: Array
+    outside: Array
+    trusted: NDArray[np.bool_]
+    cutoff: float
+    warnings: tuple[str, ...]
+    fourier_rms: Array
+    measured_rms: Array
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """Torque of the other trajectory, filtered alike: t (M,) s; measured, set_a, set_b (M, n)
+    N·m."""
+
+    t: Array
+    measured: Array
+    set_a: Array
+    set_b: Array
+
+
+@dataclass(frozen=True)
+class Following:
+    """One sine experiment: t (N,) s and error (N, n) rad over whole cycles."""
+
+    t: Array
+    error: Array
+
+    @property
+    def rms(self) -> Array:
+        """(n,) rad."""
+        return np.asarray(np.sqrt(np.mean(self.error**2, axis=0)))
+
+
+@dataclass(frozen=True)
+class CaseStudy:
+    """Everything.
+
+    excitation: ``about`` of the exciting trajectory; variants: what ``estimation_variants`` says
+    slow_rms: of both sets on the sines of 40 s; following: "4s" and "40s", by controller
+    diagnosis: its document, answer: the same in words; seconds: of each step
+    """
+
+    seed: int
+    joints: tuple[str, ...]
+    hidden: tuple[Mapping[str, Any], ...]
+    boundaries: Boundaries
+    excitation: dict[str, Any]
+    preparation: Preparation
+    variants: dict[str, Any]
+    reconstruction: Reconstruction
+    slow_rms: dict[str, list[float]]
+    identified: dict[str, Any]
+    following: dict[str, dict[str, Following]]
+    diagnosis: dict[str, Any]
+    answer: str
+    models: dict[str, str]
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def rms_set_a(self) -> list[float]:
+        """(n,) N·m on the other trajectory, fitted to the samples above the boundary."""
+        return list(self.variants["A"]["feasible"]["rms"])
+
+    @property
+    def rms_set_b(self) -> list[float]:
+        """(n,) N·m on the other trajectory, fitted to all samples."""
+        return list(self.variants["B"]["feasible"]["rms"])
+
+    def document(self) -> dict[str, Any]:
+        """JSON of ``case-study``, without the report's path."""
+        return {
+            "inertial_base_parameters": self.identified["inertial_base_parameters"],
+            "condition_number": self.excitation["condition_number"],
+            "boundary_velocity": self.boundaries.values,
+            "feasible": self.identified["feasible"],
+            "rms_set_a": self.rms_set_a,
+            "rms_set_b": self.rms_set_b,
+            "tracking_rms": {
+                pace: {how: run.rms.tolist() for how, run in runs.items()}
+                for pace, runs in self.following.items()
+            },
+            "boundary_used": self.boundaries.limit.tolist(),
+            "share_of_set_a": self.variants["share_of_samples"],
+            "rms_above_boundary": {
+                name: self.variants[name]["feasible"]["rms_above_boundary"] for name in "AB"
+            },
+            "rms_40s": self.slow_rms,
+            "answer": self.answer,
+            "findings": [
+                {key: found[key] for key in ("effect", "joints", "parameters", "p_value")}
+                for found in self.diagnosis["findings"]
+            ],
+            "hidden": [dict(one) for one in self.hidden],
+            "models": self.models,
+            "seed": self.seed,
+            "seconds": self.seconds,
+        }
