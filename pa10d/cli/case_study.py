@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands
-from pa10d.cli.story import Slowly, data_folder_or_none, seed, tell
+from pa10d.cli.daemon_client import progress_line
+from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
 if TYPE_CHECKING:
     from pa10d.paper.results import CaseStudy
@@ -20,7 +21,9 @@ def add_commands(commands: Commands) -> None:
     parser = commands.add(
         "case-study", case_study, "the paper's chapter 3 on the virtual arm, joints 1-4"
     )
-    parser.add_argument("--seed", type=seed, default=1, metavar="N", help="which arm (default: 1)")
+    parser.add_argument(
+        "--seed", type=seed_number, default=1, metavar="N", help="which arm (default: 1)"
+    )
     parser.add_argument("--quick", action="store_true", help="a short form: fewer, shorter runs")
     parser.add_argument(
         "--report", type=Path, default=Path("case-study.html"), metavar="FILE",
@@ -32,12 +35,13 @@ def case_study(options: argparse.Namespace) -> Answer:
     """``case-study``."""
     from pa10d.case_study import carry_out
 
+    end_as_after_interrupt()
     began = time.monotonic()
     report = options.report.absolute()
-    with data_folder_or_none(options.data) as data:
+    with study_folder(options.data) as data:
         found = carry_out(
-            Path(data), report, seed=options.seed, quick=options.quick, tell=tell,
-            progress=Slowly(),
+            data, report, seed=options.seed, quick=options.quick, tell=tell,
+            progress=progress_line(),
         )  # fmt: skip
     took = time.monotonic() - began
     document = {**found.document(), "report": str(report), "total_seconds": round(took, 1)}

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import secrets
-import signal
-import tempfile
-import textwrap
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pa10d.cli.answer import Answer, note, table
+from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands, profile_option
 from pa10d.cli.daemon_client import progress_line
+from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
 if TYPE_CHECKING:
     from pa10d.demo.story import Told
-
-WIDTH = 92
 
 
 def add_commands(commands: Commands) -> None:
@@ -31,7 +25,7 @@ def add_commands(commands: Commands) -> None:
         "--hide", metavar="EFFECT[:JOINT]",
         help="what the arm hides, or 'none' (default: drawn at random)",
     )  # fmt: skip
-    parser.add_argument("--seed", type=_seed, metavar="N", help="same seed, same story")
+    parser.add_argument("--seed", type=seed_number, metavar="N", help="same seed, same story")
     parser.add_argument(
         "--report", type=Path, default=Path("report.html"), metavar="FILE",
         help="the HTML report (default: report.html)",
@@ -46,17 +40,17 @@ def demo(options: argparse.Namespace) -> Answer:
     from pa10d.demo.story import play
     from pa10d.profile import load_profile
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as after Ctrl-C
+    end_as_after_interrupt()
     started = time.monotonic()
     seed = secrets.randbelow(10_000) if options.seed is None else options.seed
     profile = load_profile(options.profile)
     hidden = hide(options.hide, seed, profile)
     bench = Bench(profile, hidden, seed)
-    _tell(
+    tell(
         f"1. A simulated {profile.name} and its daemon start, on a bus of their own (seed {seed})."
     )
-    with _data(options.data) as data, bench.running(data):
-        told = play(bench, hidden, seed, _tell, progress_line())
+    with study_folder(options.data) as data, bench.running(data):
+        told = play(bench, hidden, seed, tell, progress_line())
     report = write_report(told, profile.name, options.report.absolute())
     seconds = time.monotonic() - started
     document = {**told.document(), "report": str(report), "seconds": seconds}
@@ -81,23 +75,3 @@ def in_words(told: Told, report: Path, seconds: float) -> str:
             f"Another arm: pa10d demo. This one again: pa10d demo --seed {told.seed}",
         ]
     )
-
-
-def _tell(words: str) -> None:
-    note(textwrap.fill(words, WIDTH, subsequent_indent="   ", break_long_words=False))
-
-
-@contextlib.contextmanager
-def _data(given: str | None) -> Iterator[Path]:
-    """The folder that was asked for, or one that is gone afterwards."""
-    if given is not None:
-        yield Path(given)
-        return
-    with tempfile.TemporaryDirectory(prefix="pa10d-demo-") as folder:
-        yield Path(folder)
-
-
-def _seed(text: str) -> int:
-    if not text.isdigit():
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number from 0")
-    return int(text)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import signal
 import tempfile
 import textwrap
-import time
 from collections.abc import Iterator
+from pathlib import Path
 
 from pa10d.cli.answer import note
 
@@ -19,32 +20,22 @@ def tell(words: str) -> None:
     note(textwrap.fill(words, WIDTH, subsequent_indent="   ", break_long_words=False))
 
 
-class Slowly:
-    """Progress on stderr, a line every few seconds."""
-
-    EVERY = 3.0  # s
-
-    def __init__(self) -> None:
-        self._last = time.monotonic()
-
-    def __call__(self, share: float, what: str) -> None:
-        now = time.monotonic()
-        if now - self._last >= self.EVERY:
-            self._last = now
-            note(f"   {share:4.0%}  {what}")
+def end_as_after_interrupt() -> None:
+    """SIGTERM ends a story as Ctrl-C does: with every process that it started."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 @contextlib.contextmanager
-def data_folder_or_none(given: str | None) -> Iterator[str]:
+def study_folder(given: str | None) -> Iterator[Path]:
     """The folder that was asked for, or one that is gone afterwards."""
     if given is not None:
-        yield given
+        yield Path(given)
         return
     with tempfile.TemporaryDirectory(prefix="pa10d-") as folder:
-        yield folder
+        yield Path(folder)
 
 
-def seed(text: str) -> int:
+def seed_number(text: str) -> int:
     """Of an option."""
     if not text.isdigit():
         raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number from 0")
