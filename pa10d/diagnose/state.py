@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.fit import Fit, Prior, iterated_fit, predict, weighted_fit
+from pa10d.diagnose.majority import agreed
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.model import Term, TorqueModel
 
@@ -43,6 +44,8 @@ class State:
         state.prior = own_uncertainty(model) if frozen else None
         for term in model.terms:
             state.push(term)
+        state.refit()
+        state.relook()
         state.refit()
         return state
 
@@ -96,22 +99,18 @@ class State:
             sigma = None if self.fit is None else self.fit.rms()
             self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.prior)
         self.held_matrix = self.matrix(1)
-        b = len(self.model.h)
-        values, start = self.fit.beta, b
-        fitted = []
-        for term in self.terms:
-            k = len(term.effect.coefficients)
-            fitted.append(replace(term, coefficients=values[start : start + k].copy()))
-            start += k
-        self.terms = fitted
-        self.model = replace(
-            self.model, h=values[:b].copy(), terms=tuple(fitted), covariance=self.fit.covariance()
-        )
+        self.model = self._with(self.fit.beta)
+        self.terms = list(self.model.terms)
 
     def relook(self) -> None:
-        """Loads have changed: columns that depend on the model are made again."""
-        self.train.look_through(self.model)
-        self.held.look_through(self.model)
+        """Loads have changed: columns that depend on the model are made again.
+
+        Loads are those of the coefficients that most samples agree on; a model that brings its
+        own knowledge is not bent by a few samples anyway.
+        """
+        model = self.model if self.prior is not None else self._with(agreed(self.fit))
+        self.train.look_through(model)
+        self.held.look_through(model)
         for index, term in enumerate(self.terms):
             if term.effect.uses_model:
                 self.blocks[index] = self._columns(term)
@@ -152,6 +151,16 @@ class State:
         for j, c in columns.items():
             moved[j] = moved[j] + c @ theta
         return moved
+
+    def _with(self, beta: Array) -> TorqueModel:
+        """The model with its terms and these coefficients."""
+        start, fitted = len(self.model.h), []
+        for term in self.terms:
+            k = len(term.effect.coefficients)
+            fitted.append(replace(term, coefficients=beta[start : start + k].copy()))
+            start += k
+        h, covariance = beta[: len(self.model.h)].copy(), self.fit.covariance()
+        return replace(self.model, h=h, terms=tuple(fitted), covariance=covariance)
 
     def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:
         return (

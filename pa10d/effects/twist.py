@@ -12,6 +12,8 @@ Spong, Modeling and control of elastic joint robots (1987).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
@@ -24,18 +26,20 @@ SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 
 
 def twisted_torque(
-    context: Context, joint: int, stiffness: float, zeta: float, gap: float
+    context: Context, joint: int, stiffness: float, zeta: float, gaps: Sequence[float] = (0.0,)
 ) -> Array:
     """Δτ (N, n) N·m that a compliant joint adds to the rigid model.
 
-    stiffness N·m/rad, zeta: damping ratio on that stiffness at the joint's typical inertia, gap:
-    half width in rad.
+    stiffness N·m/rad, zeta: damping ratio on that stiffness at the joint's typical inertia, gaps:
+    half widths in rad, over which the motion of the link is averaged.
     """
     inertia = context.inertia_seen(joint)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * context.typical_inertia[joint]))
     by_q, by_dq, by_ddq = context.sensitivity(joint)
     link = [np.ascontiguousarray(a[:, joint]) for a in (context.load, by_q, by_dq)]
-    delta, rate, acceleration = lag(*link, inertia, stiffness, damping, gap, context.dt)
+    delta, rate, acceleration = np.mean(
+        [lag(*link, inertia, stiffness, damping, gap, context.dt) for gap in gaps], axis=0
+    )
     # far from the model's validity the integration may run away: no torque is better than inf
     if not np.isfinite(delta).all() or np.max(np.abs(delta)) > 1.0:
         return np.zeros_like(context.load)

@@ -45,7 +45,7 @@ class JointElasticity(Effect):
     )
 
     def columns(self, context, joints, shape):
-        return twisted_torque(context, joints[0], shape["K"], shape["zeta"], gap=0.0)[..., None]
+        return twisted_torque(context, joints[0], shape["K"], shape["zeta"])[..., None]
 
     def starts(self, context, joints):
         inertia = float(np.median(context.inertia_seen(joints[0])))
