@@ -132,9 +132,9 @@ def simulated_bus(profile: Profile) -> Iterator[None]:
         env={**os.environ, **ENVIRONMENT},
     )  # fmt: skip
     os.close(reading)
+    assert process.stdin is not None
+    assert process.stdout is not None
     try:
-        assert process.stdin is not None
-        assert process.stdout is not None
         process.stdin.write(profile.model_dump_json())
         process.stdin.close()
         if process.stdout.readline().strip() != READY:
@@ -144,6 +144,7 @@ def simulated_bus(profile: Profile) -> Iterator[None]:
         os.close(writing)
         process.terminate()
         process.wait()
+        process.stdout.close()
 
 
 LINGER = 5.0  # s for which the arm outlives its daemon: it has to come to rest first

@@ -41,7 +41,7 @@ class Bench:
     def running(self, data: Path) -> Iterator[Bench]:
         """With its processes; all of them have ended after the block."""
         with self._simulator:
-            self._switch_on(changed=False)
+            self._switch_on(later=False)
             with local_daemon(
                 data, str(self.profile.path), channel=self.channel, clock="simulated"
             ) as self.client:
@@ -51,24 +51,23 @@ class Bench:
         """The arm is switched off and, later, on again; something may have changed meanwhile."""
         self.client.disconnect()
         self._simulator.close()
-        self._switch_on(changed=True)
+        self._switch_on(later=True)
         self.client.connect()
         self.client.wait_for_robot("inactive", timeout=CONNECT)
 
-    def _switch_on(self, changed: bool) -> None:
-        self._simulator.enter_context(simulated_bus(self._secret(changed)))
+    def _switch_on(self, later: bool) -> None:
+        self._simulator.enter_context(simulated_bus(self._secret(later)))
 
-    def _secret(self, changed: bool) -> Profile:
+    def _secret(self, later: bool) -> Profile:
         """The profile as the simulator alone gets it."""
         assert self.profile.simulation is not None
         given: dict[str, Any] = {"clock": "simulated"}
         if not self._hidden.foreign:
-            present = changed or not self._hidden.comes_later
-            given["seed"] = 2 * self._seed + changed  # of the noise: no two days are alike
+            given["seed"] = 2 * self._seed + later  # of the noise: no two days are alike
             given["options"] = {
                 "dynamics": {"spread": SPREAD, "seed": self._seed},
                 **self.profile.simulation.options,
-                "effects": [dict(entry) for entry in self._hidden.effects] if present else [],
+                "effects": self._hidden.present(later),
             }
         simulation = self.profile.simulation.model_copy(update=given)
         can = self.profile.can.model_copy(update={"channel": self.channel})

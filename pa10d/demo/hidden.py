@@ -46,11 +46,9 @@ class Hidden:
         entry = self.effects[0]
         return tuple(entry.get("joints", [entry["joint"]] if "joint" in entry else []))
 
-    @property
-    def comes_later(self) -> bool:
-        """Is it something that changes on an arm, such as a payload, not a trait of it?"""
-        kind = all_effects().get(self.name or "")
-        return kind is not None and kind.question == "changed"
+    def present(self, later: bool) -> list[dict[str, Any]]:
+        """What the arm has on the first day, or later: a payload and the like come in between."""
+        return [dict(entry) for entry in self.effects if later or not _a_change(entry)]
 
     def in_words(self) -> str:
         """With its parameters."""
@@ -61,6 +59,12 @@ class Hidden:
         given = {k: v for k, v in entry.items() if k not in ("effect", "joint", "joints")}
         values = ", ".join(f"{k} = {v}" for k, v in given.items())
         return f"{self.name}{where} ({values})"
+
+
+def _a_change(entry: Mapping[str, Any]) -> bool:
+    """Is it something that happens to an arm, not a trait of it?"""
+    kind = all_effects().get(str(entry["effect"]))
+    return kind is not None and kind.question == "changed"
 
 
 def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:

@@ -62,14 +62,14 @@ def test_a_foreign_plant_keeps_its_secret():
     assert hidden == Hidden(foreign=True)
     with pytest.raises(UserError, match="brings a plant of its own"):
         hide("stribeck", 1, profile)
-    assert Bench(profile, hidden, 1)._secret(changed=True).simulation.options == {"weight": 3}
+    assert Bench(profile, hidden, 1)._secret(later=True).simulation.options == {"weight": 3}
 
 
 @pytest.mark.parametrize(("hidden", "first"), [(PAYLOAD, []), (SPRING, list(SPRING.effects))])
 def test_a_change_happens_between_the_two_days(hidden, first):
     """The arm itself stays the same one; a trait is there from the beginning."""
     bench = Bench(PROFILE, hidden, 5)
-    days = [bench._secret(changed).simulation for changed in (False, True)]
+    days = [bench._secret(later).simulation for later in (False, True)]
     assert [day.options["effects"] for day in days] == [first, list(hidden.effects)]
     assert days[0].options["dynamics"] == days[1].options["dynamics"]
     assert days[0].seed != days[1].seed
