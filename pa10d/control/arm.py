@@ -164,6 +164,7 @@ class Arm:
                 self._act()
         except Exception as error:
             self._on_fault(error)
+            self._go_on_blindly()
         if self.maybe_powered:
             self._switch_off()
         self.journal.publish(self)
@@ -193,6 +194,12 @@ class Arm:
         if stop.after == State.HOLDING:
             self._hold()
         else:
+            self._power_off()
+
+    def _go_on_blindly(self) -> None:
+        """Nobody may ever report the end of the drives' own stop: it is given its time."""
+        self.path.time += self.backend.period
+        if self._stop is not None and self._stop.by_drives and self._stop.overtime:
             self._power_off()
 
     def _hold_while_opening(self, feedback: Feedback) -> Array:

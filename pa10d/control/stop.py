@@ -46,7 +46,12 @@ class Stop:
             self._rest_since = self._path.time
         if self._path.time - self._rest_since >= REST_TIME:
             return Progress.AT_REST
-        return Progress.OVERDUE if self._path.time > self._deadline else Progress.MOVING
+        return Progress.OVERDUE if self.overtime else Progress.MOVING
+
+    @property
+    def overtime(self) -> bool:
+        """Whether it takes longer than it may."""
+        return self._path.time > self._deadline
 
     def overdue(self) -> Violation:
         """What to latch when the arm did not come to rest."""

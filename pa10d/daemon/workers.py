@@ -38,7 +38,7 @@ class Workers:
     async def run(self, call: str, progress: Progress, **arguments: Any) -> Any:
         """The function's result; UserError where the request was at fault."""
         async with self._most:
-            worker = self._idle.pop() if self._idle else await Worker.start()
+            worker = self._take_idle() or await Worker.start()
             try:
                 answer = await worker.carry_out(call, arguments, progress)
             except BaseException:
@@ -59,6 +59,15 @@ class Workers:
         for worker in self._idle:
             worker.kill()
         self._idle.clear()
+
+    def _take_idle(self) -> Worker | None:
+        """One that is still alive."""
+        while self._idle:
+            worker = self._idle.pop()
+            if worker.process.returncode is None:
+                return worker
+            worker.kill()
+        return None
 
     def _keep(self, worker: Worker) -> None:
         if self._closed:

@@ -24,6 +24,7 @@ class FakeBackend:
         self.written: list[np.ndarray] = []  # every torque since the last clear
         self.calls: list[str] = []
         self.fail: dict[str, list[BackendFault]] = {}
+        self.unplugged = False  # every call fails
         self.frozen = np.zeros(self.n, dtype=bool)  # axes that do not answer
         self._age = np.zeros(self.n, dtype=np.int64)
         self._q = plant.measure()[0]
@@ -70,6 +71,9 @@ class FakeBackend:
 
     def _enter(self, call: str) -> None:
         self.calls.append(call)
+        if self.unplugged:
+            self.quick = True  # the drives notice that nobody speaks to them
+            raise BackendFault("the interface is gone", kind="interface_down")
         if self.fail.get(call):
             raise self.fail[call].pop(0)
 

@@ -154,6 +154,10 @@ class Commander(RuleBasedStateMachine):
     def fail_next(self, call, fault):
         self.backend.fail.setdefault(call, []).append(fault)
 
+    @rule(unplugged=st.booleans())
+    def plug(self, unplugged):
+        self.backend.unplugged = unplugged
+
     @rule(axis=AXES, frozen=st.booleans())
     def freeze(self, axis, frozen):
         self.backend.frozen[axis] = frozen
@@ -205,6 +209,7 @@ class Commander(RuleBasedStateMachine):
         if not hasattr(self, "arm"):
             return
         self.backend.fail.clear()
+        self.backend.unplugged = False
         if self.arm.fault is not None:
             self.wait()
         if self.arm.state in (ArmState.FAULT, ArmState.INACTIVE):
@@ -248,7 +253,15 @@ def assert_thorough(seen, steps):
         assert seen[f"cycle {state.label}"] >= floor, (state, seen)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
         assert seen[f"done {command}"] > steps // 500, (command, seen)
-    for kind in ("device", "controller", "following_error", "stale", "daemon_gone", "not_finite"):
+    for kind in (
+        "device",
+        "interface_down",
+        "controller",
+        "following_error",
+        "stale",
+        "daemon_gone",
+        "not_finite",
+    ):
         assert seen[f"fault {kind}"], (kind, seen)
 
 

@@ -46,14 +46,20 @@ class Bench:
         self.client = self._stack.enter_context(running_at(url, self.data))
 
     def pid_of(self, module: str) -> int:
-        """A child of the daemon."""
+        """The daemon's only child of this kind."""
+        (pid,) = self.pids_of(module)
+        return pid
+
+    def pids_of(self, module: str) -> list[int]:
+        """Children of the daemon."""
+        found = []
         for path in Path("/proc").glob("[0-9]*"):
             with contextlib.suppress(OSError):
                 words = (path / "cmdline").read_bytes().split(b"\0")
                 parent = int((path / "stat").read_text().rpartition(")")[2].split()[1])
                 if parent == self.server.pid and module.encode() in words:
-                    return int(path.name)
-        raise AssertionError(f"no process {module}")
+                    found.append(int(path.name))
+        return found
 
     def start_moving(self, seconds: float) -> dict:
         """An experiment whose arm has moved for this long."""

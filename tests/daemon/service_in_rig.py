@@ -71,8 +71,8 @@ def profile() -> Path:
         made["limits"][section] = made["limits"][section][:AXES]
     made["joints"], made["drives"] = made["joints"][:AXES], made["drives"][:AXES]
     made["can"] = {"interface": "socketcan", "channel": "vcan0", "bitrate": 1000000}
-    made["control"] = {"rate": 50.0, "controller": "pid", "bandwidth_hz": 0.8}
-    made["safety"] = {"stale_cycles": 25, "following_error": [1.0] * AXES}
+    made["control"] = {"rate": 20.0, "controller": "pid", "bandwidth_hz": 0.8}
+    made["safety"] = {"stale_cycles": 10, "following_error": [1.0] * AXES}
     PLACE.mkdir(exist_ok=True)
     for drive in made["drives"]:
         drive |= {"eds": patient_eds(PLACE), "heartbeat_ms": 500}
@@ -152,19 +152,9 @@ def installed(path: Path) -> None:
     done = shell(f"{sys.executable} {install} --profile {path} --user root --port {PORT}")
     ready = done.returncode == 0 and show("ActiveState") == "active"
     took = f"{time.monotonic() - began:.1f} s, {show('StatusText')}"
-    check("start blocks until READY=1", ready, took if ready else done.stderr)
+    check("start blocks until READY=1", ready, took)
+    assert ready, done.stderr
     answers()
-
-
-def stopped_while_moving() -> None:
-    start_moving()
-    began = time.monotonic()
-    shell("systemctl stop pa10d")
-    check("stop while moving", show("Result") == "success", f"{time.monotonic() - began:.1f} s")
-    check_rest("stopped", 2.0)
-    check_run("stopped", "aborted")
-    shell("systemctl start pa10d")
-    answers(" after a new start")
 
 
 def killed_while_moving() -> None:
@@ -203,6 +193,15 @@ def unplugged_while_moving() -> None:
     answers(" after that")
 
 
+def stopped_while_moving() -> None:
+    start_moving()
+    began = time.monotonic()
+    shell("systemctl stop pa10d")
+    check("stop while moving", show("Result") == "success", f"{time.monotonic() - began:.1f} s")
+    check_rest("stopped", 2.0)
+    check_run("stopped", "aborted")
+
+
 def analysed() -> None:
     done = shell("systemd-analyze verify pa10d.service")
     check("systemd-analyze verify", done.returncode == 0, done.stderr.strip()[:300])
@@ -216,7 +215,7 @@ def main() -> int:
     try:
         installed(path)
         for trial in (
-            stopped_while_moving, killed_while_moving, hung_while_moving, unplugged_while_moving
+            killed_while_moving, hung_while_moving, unplugged_while_moving, stopped_while_moving
         ):  # fmt: skip
             began = time.monotonic()
             trial()
@@ -224,7 +223,6 @@ def main() -> int:
         analysed()
     except Exception as error:
         check("carried on", False, repr(error))
-    shell("systemctl stop pa10d")
     arm.kill()
     if bad:
         print(shell("journalctl -u pa10d --no-pager -o cat | tail -150").stdout)

@@ -81,17 +81,37 @@ def test_recorder(bench, moment):
     assert run.repaired
 
 
+def kill_workers(bench):
+    """The one that works and those that idle."""
+    pids = bench.pids_of("pa10d.daemon.worker")
+    assert pids
+    for pid in pids:
+        os.kill(pid, signal.SIGKILL)
+
+
 def test_worker(bench, moment):
-    """A job ends, nothing else."""
-    plan = {"kind": "excitation", "parameters": {}}
-    job = bench.client.start("experiments/check", plan)
-    time.sleep(0.05 + 0.2 * moment)
-    os.kill(bench.pid_of("pa10d.daemon.worker"), signal.SIGKILL)
+    """A job ends, nothing else: the arm goes on until it is stopped."""
+    moving = bench.start_moving(0.0)
+    long = {"kind": "excitation", "parameters": {"cycles": 60}}
+    job = bench.client.start("experiments/check", long)
+    time.sleep(0.05 + moment)
+    kill_workers(bench)
     with pytest.raises(JobFailed, match="worker process was ended by signal 9"):
         bench.client.wait(job)
-    assert bench.client.robot()["state"] == "inactive"
-    found = bench.client.check_experiment({"kind": "tracking", "parameters": {"cycles": 1}})
-    assert found["go"]
+    assert bench.client.robot()["state"] == "running"
+    bench.client.stop()
+    with pytest.raises(JobFailed, match="stopped"):
+        bench.client.wait(moving)
+    bench.observer.wait_for_rest(REST)
+    assert wait_for_run(bench).status == "stopped"
+
+
+def test_an_idle_worker_is_not_missed(bench):
+    asked = {"kind": "tracking", "parameters": {"cycles": 1}}
+    assert bench.client.check_experiment(asked)["go"]
+    kill_workers(bench)
+    time.sleep(0.5)
+    assert bench.client.check_experiment(asked)["go"]
 
 
 def test_virtual_arm(bench, moment):
