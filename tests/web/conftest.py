@@ -1,0 +1,103 @@
+"""Daemons with something to show, and browsers to look at them."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+from browsers import Visitor, chromium
+
+from backends.virtual.datasets import make_runs
+from pa10d.client import Client, local_daemon
+from pa10d.profile import find_profile
+from pa10d.services.library import open_library
+from pa10d.services.models import identify_runs
+from pa10d.services.robots import load_robot
+from pa10d.store import Channels, Samples
+
+HIDDEN = {"effect": "stribeck", "joint": 3, "Fs": 4.0, "vs": 0.1}
+"""In the third of three joints, which is the fourth of the whole arm."""
+
+
+@pytest.fixture(scope="package")
+def browser():
+    with chromium() as made:
+        yield made
+
+
+@pytest.fixture
+def visit(browser):
+    """visit(url) opens another window."""
+    with contextlib.ExitStack() as stack:
+
+        def opened(url: str, **options) -> Visitor:
+            visitor = Visitor(browser, url, **options)
+            stack.callback(visitor.close)
+            return visitor
+
+        yield opened
+
+
+@pytest.fixture(scope="package")
+def arm(browser, tmp_path_factory) -> Iterator[Client]:
+    """An arm of three joints that hides something, in simulated time."""
+    folder = tmp_path_factory.mktemp("web")
+    with local_daemon(folder / "data", str(small_arm(folder)), clock="simulated") as client:
+        yield client
+
+
+def small_arm(folder: Path) -> Path:
+    """Shoulder and elbow of the simulated arm."""
+    base = find_profile("pa10-sim")
+    profile = yaml.safe_load(base.read_text())
+    chosen = [0, 1, 3]
+    profile["urdf"] = str(base.parent / profile["urdf"])
+    for place in (profile, profile["limits"]):
+        for key in ("joints", "drives", "velocity", "acceleration", "torque"):
+            if key in place:
+                place[key] = [place[key][j] for j in chosen]
+    profile["simulation"]["options"] = {
+        "effects": [HIDDEN], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
+    }  # fmt: skip
+    path = folder / "small.yaml"
+    path.write_text(yaml.safe_dump(profile))
+    return path
+
+
+@pytest.fixture(scope="package")
+def archive(browser, tmp_path_factory) -> Iterator[tuple[str, Path]]:
+    """(url, data): a daemon without an arm, with runs of 7 × 30 000 samples and a model."""
+    data = tmp_path_factory.mktemp("archive")
+    library = open_library(data)
+    profile, robot = load_robot("pa10-sim")
+    hidden = [{"effect": "stribeck", "joint": 4, "Fs": 4.0, "vs": 0.1}]
+    runs = make_runs(5, hidden, "white", ("train_a", "valid_a"), profile, seconds=60.0)[0]
+    for (name, run), tag in zip(runs.items(), ("fit", "judge"), strict=True):
+        channels = Channels(joints=robot.joint_names)
+        stamps = (run.t * 1e9).round().astype("int64")
+        with library.runs.building(name, name, channels, profile, tags=(tag,)) as writer:
+            writer.append(Samples(stamps, run.q, run.tau))
+        assert len(run.t) >= 30_000
+    identify_runs(library, ["train_a"], str(profile.path), name="m0")
+    with served(data, f"void-{data.name}") as url:
+        yield url, data
+
+
+@contextlib.contextmanager
+def served(data: Path, channel: str, *options: str) -> Iterator[str]:
+    """``pa10d serve`` without an arm: its address."""
+    command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
+    command += ["--port", "0", "--no-sim", "--channel", channel, *options]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        yield json.loads(process.stdout.readline())["url"]
+    finally:
+        process.terminate()
+        process.wait(30)
+        process.stdout.close()

@@ -1,0 +1,141 @@
+"""Looking at recordings: speed with 7 × 30 000 samples, import by dropping, no foreign request."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+from browsers import until
+
+from pa10d.report import compare_page
+from pa10d.services.library import open_library
+from pa10d.services.models import compare_runs
+
+FIRST, ZOOM = 5.0, 1.5  # s; on a quiet machine 0.5 and 0.1, see docs/benchmarks.md
+DROP = """async (text) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], "dropped.csv"));
+  const zone = document.querySelector(".drop");
+  for (const kind of ["dragover", "drop"])
+    zone.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true }));
+}"""
+
+
+def test_compare_is_quick_with_long_runs(archive, visit, record_property):
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("compare")
+    page.locator("#compare-start:enabled").wait_for()
+    began = time.monotonic()
+    page.click("#compare-start")
+    page.locator("#compare .canvas .main-svg").first.wait_for()
+    first = time.monotonic() - began
+    page.get_by_label("every sample, unfiltered").click()
+    until(page, "document.querySelector('#compare .canvas').data[0].y.length > 2900")
+    took = page.evaluate(
+        """async () => {
+          const canvas = document.querySelector("#compare .canvas");
+          const began = performance.now();
+          Plotly.relayout(canvas, { "xaxis.range[0]": 20, "xaxis.range[1]": 23 });
+          while (!(canvas.data[0].dx < 0.003)) await new Promise(requestAnimationFrame);
+          return (performance.now() - began) / 1000;
+        }"""
+    )
+    record_property("first_plot_s", first)
+    record_property("zoom_s", took)
+    print(f"first plot {first:.2f} s, zoom {took:.3f} s")
+    shown = page.evaluate("document.querySelector('#compare .canvas').data[0].y.length")
+    assert 1500 <= shown <= 1600, "3 s at 500 Hz in full resolution"
+    assert first < FIRST
+    assert took < ZOOM
+    assert not visitor.foreign()
+    assert not visitor.errors
+
+
+def test_a_recording_is_dropped_and_marked_and_shown(archive, visit, csv_text):
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("runs")
+    page.evaluate(DROP, csv_text)
+    page.locator("#runs tbody tr", has_text="dropped").wait_for()
+    page.get_by_label("dropped: fit").check()
+    page.locator(".notice", has_text="Imported").wait_for()
+    page.get_by_role("button", name="dropped").click()
+    page.locator("#run-detail .main-svg").first.wait_for()
+    page.reload()
+    page.locator("#runs tbody tr", has_text="dropped").wait_for()
+    assert page.get_by_label("dropped: fit").is_checked()
+    page.evaluate(DROP, "time,q1\n0,1\n")
+    page.locator(".notice.error", has_text="dropped.csv was not imported").wait_for()
+    page.on("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("button", name="dropped").click()
+    page.get_by_role("button", name="Delete").click()
+    page.locator("#runs tbody tr", has_text="dropped").wait_for(state="detached")
+    assert not visitor.errors
+
+
+def test_the_page_can_be_used_by_keyboard(archive, visit):
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("robot")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    for _ in range(4):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.locator("#runs").wait_for()
+    unnamed = page.evaluate(
+        """[...document.querySelectorAll("button, input, select, a")].filter((one) =>
+          !one.textContent.trim() && !one.ariaLabel && !one.labels?.length && !one.title)
+          .map((one) => one.outerHTML)"""
+    )
+    assert not unnamed
+
+
+@pytest.mark.parametrize("width", [1024, 1360])
+def test_nothing_sticks_out_on_a_tablet(archive, visit, width):
+    url, _ = archive
+    visitor = visit(url, viewport={"width": width, "height": 768})
+    for section in ("robot", "experiments", "runs", "compare", "diagnose", "models"):
+        visitor.open(section)
+        visitor.page.wait_for_timeout(150)
+        wide = visitor.page.evaluate("document.documentElement.scrollWidth")
+        assert wide <= width, section
+        stop = visitor.page.locator("#stop").bounding_box()
+        assert stop["width"] >= 90
+        assert stop["height"] >= 44
+
+
+def test_the_docs_ask_nobody_else(archive, visit):
+    url, _ = archive
+    visitor = visit(url)
+    visitor.page.goto(f"{url}/docs")
+    visitor.page.locator(".opblock").first.wait_for()
+    assert not visitor.foreign()
+
+
+def test_a_report_asks_nobody_at_all(archive, visit, tmp_path):
+    _, data = archive
+    found = compare_runs(open_library(data), "m0", ["valid_a"])
+    path = tmp_path / "report.html"
+    path.write_text(compare_page(found.comparison, found.staircase))
+    visitor = visit("file://")
+    visitor.page.goto(f"file://{path}")
+    visitor.page.locator(".canvas .main-svg").first.wait_for()
+    assert [Path(a.removeprefix("file://")) for a in visitor.asked if a[:4] == "file"] == [path]
+    assert not visitor.foreign()
+
+
+@pytest.fixture
+def csv_text() -> str:
+    joints = range(1, 8)
+    head = ",".join(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
+    rows = [
+        ",".join([f"{0.002 * k:.3f}", *[f"{0.001 * (k % 100):.4f}"] * 7, *["1.5"] * 7])
+        for k in range(500)
+    ]
+    return "\n".join([head, *rows]) + "\n"
