@@ -4,7 +4,7 @@ from pa10d.compare.comparison import Comparison, RunScores, compare
 from pa10d.compare.document import document
 from pa10d.compare.noise import NoiseFloor, noise_floor
 from pa10d.compare.places import Place, places
-from pa10d.compare.residuals import RunResidual, run_residual
+from pa10d.compare.residuals import RunResidual, residual_of, run_residual
 from pa10d.compare.scores import Scores, scores
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "document",
     "noise_floor",
     "places",
+    "residual_of",
     "run_residual",
     "scores",
 ]

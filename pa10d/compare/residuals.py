@@ -65,11 +65,15 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
             f"run {recording.name!r} has {recording.joints} joints, "
             f"expected {model.robot.n} as in model {model.name!r}"
         )
-    equation = prepare(recording, model.robot, model.cutoff, model.shift)
+    return residual_of(model, prepare(recording, model.robot, model.cutoff, model.shift))
+
+
+def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
+    """The same of a run whose torque was filtered already."""
     predicted = model.predict(equation.context)
     counts, rested = _judged(equation)
     return RunResidual(
-        name=recording.name,
+        name=equation.name,
         equation=equation,
         seen=model.contextualise(equation.context),
         measured=equation.tau,

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.compare import noise_floor, residual_of
 from pa10d.diagnose.candidates import Candidate, places, suspects
 from pa10d.diagnose.errors_of import full_covariance, term_covariance
-from pa10d.diagnose.floor import noise_floor
 from pa10d.diagnose.next_experiment import settle_doubt
 from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
 from pa10d.diagnose.search import STEPS, Judged, Search, Suspects, rms
@@ -67,7 +67,7 @@ def diagnose(
     say(0.85, "looking for structure that the library does not know")
     unexplained = tuple(find_structure(state)) if only is None else ()
     say(0.9, "standard errors and doubts")
-    floor = noise_floor(state)
+    floor = noise_floor([residual_of(state.model, run) for run in state.held.runs]).values
     versions = _versions(model, state, given)
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
