@@ -22,7 +22,6 @@ from typing import Any
 
 from pa10d.errors import UserError
 
-NICENESS = 10
 ALLOWED = ("pa10d.daemon.tasks", "pa10d.services.")
 
 Progress = Callable[[float, str], None]
@@ -32,11 +31,12 @@ def main() -> None:
     """Serve until the daemon closes the pipe."""
     parser = argparse.ArgumentParser(prog="pa10d-worker")
     parser.add_argument("--pipe", type=int, required=True)
+    parser.add_argument("--nice", type=int, required=True)
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="worker: %(message)s")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    os.nice(NICENESS)
+    os.nice(given.nice)
     connection = socket.socket(fileno=given.pipe)
     lines = connection.makefile("rb")
 

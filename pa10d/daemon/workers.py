@@ -14,6 +14,7 @@ from typing import Any
 from pa10d.daemon.child import ENVIRONMENT
 from pa10d.errors import UserError
 
+NICENESS = 10  # of what computes for long
 LARGEST_ANSWER = 1 << 28  # bytes
 
 Progress = Callable[[float, str], None]
@@ -26,19 +27,20 @@ class TaskFailed(Exception):
 class Workers:
     """``run`` a service function in a process of its own; idle processes are kept for the next."""
 
-    def __init__(self, most: int | None = None) -> None:
+    def __init__(self, most: int | None = None, niceness: int = NICENESS) -> None:
+        self._niceness = niceness
         self._most = asyncio.Semaphore(most or max(2, os.cpu_count() or 1))
         self._idle: list[Worker] = []
         self._closed = False
 
     async def warm_up(self) -> None:
         """Have one ready before it is needed."""
-        self._idle.append(await Worker.start())
+        self._idle.append(await Worker.start(self._niceness))
 
     async def run(self, call: str, progress: Progress, **arguments: Any) -> Any:
         """The function's result; UserError where the request was at fault."""
         async with self._most:
-            worker = self._take_idle() or await Worker.start()
+            worker = self._take_idle() or await Worker.start(self._niceness)
             try:
                 answer = await worker.carry_out(call, arguments, progress)
             except BaseException:
@@ -88,11 +90,12 @@ class Worker:
         self.process, self._reader, self._writer = process, reader, writer
 
     @staticmethod
-    async def start() -> Worker:
+    async def start(niceness: int) -> Worker:
         """A fresh one."""
         ours, theirs = socket.socketpair()
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "pa10d.daemon.worker", "--pipe", str(theirs.fileno()),
+            "--nice", str(niceness),
             pass_fds=(theirs.fileno(),),
             stdin=asyncio.subprocess.DEVNULL,
             env={**os.environ, **ENVIRONMENT},
