@@ -11,7 +11,7 @@ from backends.virtual.plant import build
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.estimator import SpeedEstimator
-from pa10d.control.gains import nominal_inertia, pid_gains
+from pa10d.control.gains import ROTOR, nominal_inertia, pid_gains
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import LiveModel, live_model, remainder
 from pa10d.control.pid import Pid
@@ -41,6 +41,30 @@ def test_gain_rule_places_three_equal_poles(robot, profile):
     for j in range(robot.n):
         poles = np.roots([inertia[j], gains.kd[j], gains.kp[j], gains.ki[j]])
         np.testing.assert_allclose(poles, -w, rtol=1e-4)
+
+
+@pytest.mark.parametrize("elbow", [0.0, 0.5, 1.5])
+def test_no_pose_makes_the_servo_swing_up(robot, profile, elbow):
+    """The loop as it is, with its filter and a cycle of delay, on rigid bodies and light rotors:
+    a stretched arm is a quarter as heavy about its third joint as a bent one."""
+    period = 1.0 / profile.control.rate
+    q = np.full((1, robot.n), 0.3)
+    q[0, 3] = elbow
+    still, weightless = np.zeros_like(q), robot.with_gravity(np.zeros(3))
+    mass = np.stack(
+        [inverse_dynamics(weightless, robot.parameters, q, still, unit[None])[0]
+         for unit in np.eye(robot.n)]
+    ) + np.diag(0.8 * ROTOR * robot.effort**1.75)  # fmt: skip
+    law = Pid(pid_gains(robot, profile.control), 1e6 * np.ones(robot.n), period)
+    speed, rest = SpeedEstimator(robot.n, period), Reference(robot.n)
+    angle, rate, sent = 1e-4 * np.ones(robot.n), np.zeros(robot.n), np.zeros(robot.n)
+    for cycle in range(1000):
+        speed.update(angle, np.zeros(robot.n, np.int64), cycle * period)
+        wanted = law.torque(rest, angle, speed.dq)
+        push = np.linalg.solve(mass, sent)
+        angle = angle + period * rate + 0.5 * period**2 * push
+        rate, sent = rate + period * push, wanted
+    assert np.abs(angle).max() < 1e-6
 
 
 def test_given_gains_are_taken(robot, profile):
