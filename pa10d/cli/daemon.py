@@ -1,4 +1,4 @@
-"""``pa10d serve``, ``sim``, ``experiment``, ``check``: the robot."""
+"""``pa10d serve``, ``sim``, ``experiment``, ``controller``, ``check``: the robot."""
 
 from __future__ import annotations
 
@@ -53,6 +53,13 @@ def add_commands(commands: Commands) -> None:
     experimenting.add_argument("--check", action="store_true", help="the pre-check only")
     replace_option(experimenting, "the run of this name")
     robot_options(experimenting)
+    controlling = commands.add(
+        "controller", controller, "which control law holds and moves the arm from now on"
+    )
+    controlling.add_argument(
+        "law", nargs="?", choices=("pid", "computed_torque"), help="absent: say which it is"
+    )
+    controlling.add_argument("--model", help="for computed torque: name, id or the start of an id")
     checking = commands.add("check", check, "go or no-go before power")
     checking.add_argument("--seconds", type=float, default=2.0, help="for each timing test")
     robot_options(checking)
@@ -100,6 +107,22 @@ def experiment(options: argparse.Namespace) -> Answer:
     for sentence in found["recommendation"]:
         note(sentence)
     return Answer(found, "\n".join(found["runs"]))
+
+
+def controller(options: argparse.Namespace) -> Answer:
+    """``controller``: asks the daemon that runs on this data."""
+    from pa10d.client import running_daemon
+    from pa10d.errors import UserError
+
+    client = running_daemon(options.data)
+    if client is None:
+        raise UserError("controller: no daemon runs on this data; expected 'pa10d serve' beside it")
+    with client:
+        law = options.law or ("computed_torque" if options.model else None)
+        robot = client.robot() if law is None else client.use_controller(law, options.model)
+    found = {key: robot[key] for key in ("controller", "model", "state")}
+    with_model = f" with model {found['model']}" if found["model"] else ""
+    return Answer(found, f"{found['controller']}{with_model}; the arm is {found['state']}")
 
 
 def check(options: argparse.Namespace) -> Answer:

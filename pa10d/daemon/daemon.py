@@ -48,7 +48,7 @@ class Daemon:
         self.events = Events()
         self.runs, self.models = RunStore(data), ModelStore(data)
         self.jobs = Jobs(data / "jobs", self.events)
-        self.workers, self.viewer = Workers(), Workers(most=1)
+        self.workers, self.viewer = Workers(), Workers(most=1, niceness=0)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
         self.runtime = runtime
@@ -138,7 +138,7 @@ class Daemon:
         if model is None:
             raise UserError("controller 'computed_torque': expected 'model', a model's name")
         live = await self.answer("live_model_of", model=model)
-        await self.robot.use({"name": "computed_torque", "model": live})
+        await self.robot.use({"name": "computed_torque", "model": live}, model)
 
     def stop(self) -> None:
         """Rest, whoever asks; a running experiment ends as stopped."""

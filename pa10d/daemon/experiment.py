@@ -101,7 +101,7 @@ class Experiment:
             profile=str(self._daemon.profile.path),
             folder=str(self._folder),
             start=self._robot.pose().tolist(),
-            model=self._request["model"],
+            model=self._model(),
         )
         self.result["checks"] = prepared["checks"]
         wrong = [c["sentence"] for c in prepared["checks"] if c["level"] == "error"]
@@ -120,10 +120,18 @@ class Experiment:
             return await self._prepare()
         return prepared
 
+    def _model(self) -> str | None:
+        """Whose torque the motion carries along: the model asked for, or the one that is loaded, so
+        that the effects which the loop does not evaluate itself are not lost."""
+        if self._request["controller"] is None:
+            return self._robot.model
+        model: str | None = self._request["model"]
+        return model
+
     async def _use_controller(self, prepared: dict[str, Any]) -> None:
         name = self._request["controller"]
         if name == "computed_torque":
-            await self._robot.use({"name": name, "model": prepared["live"]})
+            await self._robot.use({"name": name, "model": prepared["live"]}, self._model())
         elif name == "pid":
             await self._robot.use({"name": "pid"})
 

@@ -62,6 +62,7 @@ class RobotProcess:
         self.notes: list[str] = []
         self.why_offline = "the control process is starting"
         self.controller: Message = {"name": "pid"}
+        self.model: str | None = None
         self.inherit: Sequence[int] = ()
         self._told: Message = {"state": "offline", "fault": None, "controller": "pid"}
         self._gone: Message | None = None
@@ -181,10 +182,11 @@ class RobotProcess:
             return
         await self.command("reset", timeout=30.0)
 
-    async def use(self, controller: Message) -> None:
-        """``{"name": "pid"}`` or ``{"name": "computed_torque", "model": {live model}}``."""
+    async def use(self, controller: Message, model: str | None = None) -> None:
+        """``{"name": "pid"}`` or ``{"name": "computed_torque", "model": {live model}}``; model: the
+        id under which the whole of it is stored."""
         await self.command("controller", **controller)
-        self.controller = controller
+        self.controller, self.model = controller, model
 
     def stop(self) -> None:
         """At once, without waiting for an answer."""

@@ -105,7 +105,10 @@ def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
     asked = request.model_dump()
     if request.model is not None:
         asked["model"] = find_model(daemon, request.model).id
-    if request.controller == "computed_torque" and request.model is None:
+        asked["controller"] = request.controller or "computed_torque"
+    elif request.controller == "computed_torque":
+        asked["model"] = daemon.robot.model
+    if asked["controller"] == "computed_torque" and asked["model"] is None:
         raise Problem("refused", "computed_torque: expected 'model', the name of a model")
     taken = request.name is not None and not request.replace
     if taken and any(info.name == request.name for info in daemon.runs.all()):

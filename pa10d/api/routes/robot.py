@@ -9,6 +9,7 @@ from fastapi import APIRouter
 from backends.cia402 import state_of
 from pa10d.api.deps import Client, Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.models import find_model
 from pa10d.api.schemas import ControllerRequest, Lease, LeaseRequest, RobotState
 from pa10d.daemon.daemon import Daemon
 
@@ -73,13 +74,17 @@ async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
 
 
 @router.put(
-    "/controller", response_model=RobotState, responses=responses("state", "held", "refused")
+    "/controller",
+    response_model=RobotState,
+    responses=responses("state", "held", "refused", "not-found"),
 )
 async def controller(
     daemon: TheDaemon, _client: Commander, request: ControllerRequest
 ) -> dict[str, Any]:
-    """Choose the control law; computed torque needs a model."""
-    await daemon.use_controller(request.controller, request.model)
+    """Choose the control law; computed torque needs a model, whose effects go along in every
+    experiment from now on."""
+    model = None if request.model is None else find_model(daemon, request.model).id
+    await daemon.use_controller(request.controller, model)
     return describe(daemon)
 
 
