@@ -36,6 +36,11 @@ def add_commands(commands: Commands) -> None:
     serving.add_argument(
         "--attached", action="store_true", help="end when standard input ends: with who started it"
     )
+    serving.add_argument(
+        "--hide", metavar="EFFECT[:JOINT]",
+        help="let the virtual arm hide an effect, to be found out: 'any' draws one at random",
+    )  # fmt: skip
+    serving.add_argument("--seed", type=int, help="of what is hidden: same seed, same arm")
     robot_options(serving)
     experimenting = commands.add("experiment", experiment, "run one experiment → run ids")
     experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
@@ -87,7 +92,7 @@ def serve(options: argparse.Namespace) -> Answer:
         as_json=options.json,
         attached=options.attached,
     )
-    run(_on_bus(profile, options), robot, settings)
+    run(_with_secret(_on_bus(profile, options), options), robot, settings)
     return Answer(None)
 
 
@@ -154,6 +159,20 @@ def sim(options: argparse.Namespace) -> Answer:
     with lock:
         serve_arm(profile, lambda: note(f"virtual arm on '{profile.can.channel}'"))
     return Answer(None)
+
+
+def _with_secret(profile: Profile, options: argparse.Namespace) -> Profile:
+    """The profile whose virtual arm hides what was asked for; nobody is told."""
+    if options.hide is None:
+        return profile
+    from secrets import randbelow
+
+    from pa10d.demo.hidden import hide, with_secret
+
+    seed = randbelow(10_000) if options.seed is None else options.seed
+    asked = None if options.hide == "any" else options.hide
+    note(f"the virtual arm of seed {seed} may hide something")
+    return with_secret(profile, hide(asked, seed, profile), seed)
 
 
 def _on_bus(profile: Profile, options: argparse.Namespace) -> Profile:

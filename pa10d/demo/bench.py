@@ -11,15 +11,13 @@ import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from pa10d.client import Client, local_daemon
 from pa10d.daemon.simulator import simulated_bus, wants_simulator
-from pa10d.demo.hidden import Hidden
+from pa10d.demo.hidden import Hidden, with_secret
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 
-SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more
 CONNECT = 60.0  # s
 
 
@@ -60,15 +58,8 @@ class Bench:
 
     def _secret(self, later: bool) -> Profile:
         """The profile as the simulator alone gets it."""
-        assert self.profile.simulation is not None
-        given: dict[str, Any] = {"clock": "simulated"}
-        if not self._hidden.foreign:
-            given["seed"] = 2 * self._seed + later  # of the noise: no two days are alike
-            given["options"] = {
-                "dynamics": {"spread": SPREAD, "seed": self._seed},
-                **self.profile.simulation.options,
-                "effects": self._hidden.present(later),
-            }
-        simulation = self.profile.simulation.model_copy(update=given)
-        can = self.profile.can.model_copy(update={"channel": self.channel})
-        return self.profile.model_copy(update={"simulation": simulation, "can": can})
+        profile = with_secret(self.profile, self._hidden, self._seed, later)
+        assert profile.simulation is not None
+        simulation = profile.simulation.model_copy(update={"clock": "simulated"})
+        can = profile.can.model_copy(update={"channel": self.channel})
+        return profile.model_copy(update={"simulation": simulation, "can": can})

@@ -14,6 +14,7 @@ from pa10d.effects import all_effects
 from pa10d.errors import UserError
 from pa10d.profile import Profile, Simulation
 
+SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more
 DRAWS = 400  # until an effect falls on the joint that was asked for
 OWN_PLANT = str(Simulation().plant)
 NOT_SHOWN = {
@@ -88,6 +89,24 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
     if name not in ALL:
         raise UserError(f"--hide {asked}: no such effect, expected none or one of {', '.join(ALL)}")
     return Hidden((_placed(rng, name, joint, asked or name, figures_of(profile)),))
+
+
+def with_secret(profile: Profile, hidden: Hidden, seed: int, later: bool = True) -> Profile:
+    """The profile whose simulator has the secret, and bodies that the seed draws; later: what
+    happens to an arm has happened."""
+    if profile.simulation is None:
+        raise UserError(f"{profile.path}: no 'simulation'; only a simulated arm hides something")
+    if hidden.foreign:
+        return profile
+    given = {
+        "seed": 2 * seed + later,  # of the noise: no two days are alike
+        "options": {
+            "dynamics": {"spread": SPREAD, "seed": seed},
+            **profile.simulation.options,
+            "effects": hidden.present(later),
+        },
+    }
+    return profile.model_copy(update={"simulation": profile.simulation.model_copy(update=given)})
 
 
 def _placed(
