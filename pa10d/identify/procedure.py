@@ -21,7 +21,7 @@ from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
-from pa10d.identify.smoothing import find_smoothing, with_smoothing
+from pa10d.identify.smoothing import find_smoothing, sharp_where_unseen, with_smoothing
 from pa10d.identify.timing import find_shift
 from pa10d.model import Term, TorqueModel
 from pa10d.recording import Recording
@@ -90,13 +90,13 @@ def _identify(
     seen = check_motion(excitation(pieces), recordings, faster_than)
     layout = with_starting_shapes(layout, pieces)
     say(0.2, "smoothing speed of the friction sign")
-    smoothing = find_smoothing(pieces, layout)
+    smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
     layout = with_smoothing(layout, smoothing)
     say(0.4, "timing of torque against position")
     shift = find_shift(pieces, layout)
     if shift.seconds != 0.0:
         pieces.shift_by(shift.seconds)
-        smoothing = find_smoothing(pieces, layout)
+        smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
         layout = with_smoothing(layout, smoothing)
     say(0.6, "least squares")
     fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing)

@@ -71,6 +71,14 @@ def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
     return Smoothing(np.where(found, best, START_V0), found)
 
 
+def sharp_where_unseen(smoothing: Smoothing, faster_than: Array | None) -> Smoothing:
+    """Where every fitted sample is faster than v0 they cannot tell it: the sign itself is taken."""
+    if faster_than is None:
+        return smoothing
+    unseen = faster_than > smoothing.v0
+    return Smoothing(np.where(unseen, COARSE[0], smoothing.v0), smoothing.found & ~unseen)
+
+
 def with_smoothing(layout: Layout, smoothing: Smoothing) -> Layout:
     """The layout with these v0 in its Coulomb slots."""
     shapes = {

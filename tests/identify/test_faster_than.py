@@ -39,6 +39,8 @@ def test_fast_samples_give_the_friction_that_holds_above_the_limit():
     assert np.all(off_whole > 0.3)
     assert np.all(off_fast < 0.1)
     assert fast.notes["faster_than"] == list(LIMIT)
+    sharp = [t.shape["v0"] for t in fast.terms if t.effect_id == "coulomb"]
+    assert max(sharp) < 1e-3  # nothing slow was fitted that could tell it
     assert np.all(fast.noise < 0.5 * whole.noise)
 
 
