@@ -217,7 +217,7 @@ def test_twenty_listeners_do_not_disturb_the_loop(arm):
             for stream in streams:
                 next(stream)
         assert "pa10d_telemetry_listeners 20" in before
-        assert arm.wait(job)["runs"]
+        assert arm.wait(job)["result"]["runs"]
     finally:
         for stream in streams:
             stream.close()
