@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-REALTIME = {"api", "bus", "control", "daemon", "demo", "web"}
+REALTIME = {"api", "bus", "control", "daemon", "demo", "docs", "web"}
 """Folders whose tests keep real time with processes of their own: they run one after another."""
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 

@@ -1,0 +1,55 @@
+"""The clients of docs/http-guide.md, as they stand there, against a daemon of our own."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+
+import pytest
+from documents import blocks, commands
+
+from pa10d.client import local_daemon
+
+GUIDE = "docs/http-guide.md"
+ADDRESS = "http://127.0.0.1:8010"
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    with local_daemon(tmp_path_factory.mktemp("guide"), clock="simulated") as client:
+        yield client
+
+
+def test_the_guide_is_as_expected():
+    shell = commands(GUIDE)
+    assert shell[0].startswith("pa10d --data bench serve --port 8010")
+    assert ADDRESS in shell[1]
+    assert len(blocks(GUIDE, "python")) == 2
+
+
+def test_curl(arm, tmp_path):
+    if shutil.which("curl") is None:
+        pytest.skip("no curl here")
+    (script,) = [code for code in blocks(GUIDE, "sh") if "curl" in code]
+    made = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", script.replace(ADDRESS, arm.url)],
+        cwd=tmp_path, env={**os.environ, "no_proxy": "127.0.0.1"},
+        capture_output=True, text=True, timeout=240,
+    )  # fmt: skip
+    assert made.returncode == 0, made.stderr
+    assert (tmp_path / "first.csv").read_text().startswith("time,")
+    runs = {run["name"]: run for run in arm.runs()}
+    assert runs["first"]["tags"] == ["fit"]
+    assert runs["again"]["samples"] == runs["first"]["samples"]
+    assert json.loads(made.stdout.rpartition("}{")[2].join(["{", ""]))["state"] == "inactive"
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_python(arm, capsys, number):
+    arm._http.delete("/api/v1/robot/lease", headers={"X-Client": "me"})
+    code = blocks(GUIDE, "python")[number].replace(ADDRESS, arm.url)
+    exec(compile(code, GUIDE, "exec"), {})
+    said = capsys.readouterr().out
+    assert "worst joint:" in said if number == 0 else "time" in said
