@@ -13,7 +13,7 @@ from backends.virtual.plant.gather import per_joint
 from backends.virtual.plant.hidden import Hidden
 from backends.virtual.plant.records import Array, Ints, Table
 
-HISTORY = 64  # steps a delayed torque can reach back
+HISTORY = 512  # steps a delayed torque can reach back: 0.13 s of the finest inside a drive
 
 
 class Sensing(NamedTuple):
