@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from pa10d.errors import UserError
-from pa10d.paper.periods import average_periods, fourier_motion, suggested_cutoff
+from pa10d.paper.periods import (
+    average_periods,
+    fourier_motion,
+    mean_period,
+    suggested_cutoff,
+)
 from pa10d.trajectory.motions import Fourier
 
 RNG = np.random.default_rng(3)
@@ -91,3 +96,17 @@ def test_a_joint_that_stands_is_no_warning():
 )
 def test_the_cutoff_follows_the_highest_harmonic_within_reason(fundamental, harmonics, cutoff):
     assert suggested_cutoff(fundamental, harmonics) == pytest.approx(cutoff)
+
+
+def test_whole_periods_count_though_the_next_one_has_not_begun():
+    t = np.arange(20_000) / 500.0
+    assert average_periods(t, SERIES.path(t)[0], 0.1).periods == 4
+
+
+def test_the_mean_period_goes_on_at_both_ends_as_the_motion_does():
+    t = np.arange(20_000) / 500.0
+    q, dq, _ = SERIES.path(t)
+    found = mean_period(average_periods(t, q, 0.1), average_periods(t, dq, 0.1), 1.5, "mean")
+    assert found.duration == pytest.approx(13.0, abs=0.01)
+    assert found.q == pytest.approx(SERIES.path(found.t - 1.5)[0], abs=1e-9)
+    assert found.tau == pytest.approx(SERIES.path(found.t - 1.5)[1], abs=1e-9)
