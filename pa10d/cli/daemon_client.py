@@ -87,7 +87,7 @@ def progress_line() -> Callable[[float, str], None]:
             bar = "█" * done + "·" * (BAR - done)
             end = "\n" if share >= 1 else ""
             print(f"\r{bar} {share:4.0%} {message:40.40s}", end=end, file=sys.stderr, flush=True)
-        elif message != said:
+        elif message not in ("", "done", said):
             note(f"{share:4.0%} {message}")
             said = message
 
