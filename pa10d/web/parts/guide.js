@@ -53,7 +53,7 @@ function nextStep(again) {
   const found = lastDiagnosis(newest, again);
   if (found === undefined) return { text: "" };
   if (found) return afterDiagnosis(newest, found);
-  const before = parent && lastDiagnosis(parent, again);
+  const before = parent ? lastDiagnosis(parent, again) : null;
   if (before === undefined) return { text: "" };
   if (before && before.result.findings.every((one) => versionWith(parent, one))) {
     return { go: "models", text: `${newest.name} has what was missing. See how far the error fell.`, label: "See",
