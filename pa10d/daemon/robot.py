@@ -25,7 +25,7 @@ from pa10d.profile import Profile
 Array = NDArray[np.float64]
 
 RING_SECONDS = 20.0
-START_TIME = 60.0  # s for imports and compilation on a slow machine
+START_TIME = 180.0  # s for imports and compilation on a slow machine
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 STOP_TIME = 15.0  # s that control may take to bring the arm to rest when the daemon ends

@@ -31,6 +31,7 @@ PLACE = Path("/opt/pa10d-rig")
 DATA = Path("/var/lib/pa10d")
 PORT = 8010
 AXES = 3
+PATIENCE = 180.0  # s; the rig takes a tenth of it where it has a core to itself
 EXPOSURE = 20  # tenths, of systemd-analyze security: 0 is tight, 100 wide open
 bad = 0
 
@@ -49,7 +50,7 @@ def show(what: str) -> str:
     return shell(f"systemctl show -p {what} --value pa10d").stdout.strip()
 
 
-def wait(done: Callable[[], bool], seconds: float = 90.0) -> float | None:
+def wait(done: Callable[[], bool], seconds: float = PATIENCE) -> float | None:
     """Seconds until it is so, None where it never was."""
     began = time.monotonic()
     while time.monotonic() - began < seconds:
@@ -104,7 +105,7 @@ def is_inactive() -> bool:
 
 
 def answers(again: str = "") -> None:
-    took = wait(is_inactive, 60)
+    took = wait(is_inactive, PATIENCE)
     check(f"the robot answers{again}", took is not None, f"{took} s")
 
 
@@ -118,7 +119,7 @@ def start_moving() -> None:
             assert now["status"] == "running", now["error"]
             return bool(client.robot()["recording"])
 
-        assert wait(recording, 60) is not None
+        assert wait(recording, PATIENCE) is not None
         time.sleep(1.0)
 
 
