@@ -50,6 +50,30 @@ def test_sockets_are_closed_to_foreign_pages(arm):
     assert refusal.value.response.status_code == 403
 
 
+def test_sockets_are_closed_to_rebound_names(arm):
+    address = "ws" + arm.url.removeprefix("http") + "/api/v1/events"
+    with pytest.raises(InvalidStatus) as refusal:
+        connect(address, additional_headers={"Host": "evil.example"}, proxy=None)
+    assert refusal.value.response.status_code in (400, 403)
+
+
+def test_sockets_want_the_token(guarded):
+    address = "ws" + str(guarded.base_url).removeprefix("http").rstrip("/") + "/api/v1/events"
+    for query in ("", "?token=wrong"):
+        with pytest.raises(InvalidStatus) as refusal:
+            connect(address + query, proxy=None)
+        assert refusal.value.response.status_code == 403
+    with connect(address + "?token=seer", proxy=None) as socket_:
+        assert socket_.protocol.state.name == "OPEN"
+
+
+def test_the_page_itself_is_not_served_under_a_rebound_name(http):
+    for path in ("/", "/main.js", "/scripts/plotly.js"):
+        assert http.get(path).status_code == 200
+        refused(http.get(path, headers={"Host": "evil.example"}), 403, "origin")
+    refused(http.get("/scripts/..%2fapp.py"), 404, "not-found")
+
+
 @pytest.mark.parametrize(
     "path",
     [
@@ -128,6 +152,8 @@ def test_tokens_reach_as_far_as_they_say(guarded):
     assert ask("POST", "/api/v1/robot/stop", "seer").status_code == 200
     refused(ask("POST", "/api/v1/robot/enable", "seer"), 403, "scope")
     assert ask("POST", "/api/v1/robot/enable", "mover").status_code in (409, 503)
+    refused(ask("POST", "/api/v1/experiments/series", "seer"), 403, "scope")
+    refused(ask("POST", "/api/v1/runs", "seer"), 403, "scope")
     refused(ask("DELETE", "/api/v1/runs/x", "mover"), 403, "scope")
     refused(ask("DELETE", "/api/v1/runs/x", "root"), 404, "not-found")
 
