@@ -62,7 +62,7 @@ def estimate(
         outside=fitted.outside,
         trusted=fitted.trusted,
         cutoff=cutoff,
-        warnings=(*tau.warnings("torque", "N·m"), *fitted.warnings()),
+        warnings=tuple(tau.warnings("torque", "N·m")),
         fourier_rms=_judged(_with_motion(train, fitted.q, fitted.dq, fitted.ddq), judge, robot),
         measured_rms=_judged(train, judge, robot),
     )

@@ -33,6 +33,7 @@ from pa10d.paper.results import (
 )
 
 POINTS = 1500
+GAP = 0.16  # between rows of panels
 LAWS = {
     PID: ("PID", ERROR),
     COMPUTED: ("computed torque", MODEL),
@@ -92,19 +93,17 @@ def tracking(runs: Mapping[str, Following]) -> Figure:
     first = next(iter(runs.values()))
     n = first.error.shape[1]
     rows = -(-n // 2)
+    height = (1.0 - GAP * (rows - 1)) / rows
     for j in range(n):
         row, column = divmod(j, 2)
         ref = "" if j == 0 else str(j + 1)
-        top = 1.0 - row / rows
-        right = 0.54 * column
-        axes[f"yaxis{ref}"] = axis(
-            "mrad", domain=[top - 1.0 / rows + 0.10, top - 0.03], anchor=f"x{ref}"
-        )
+        top, right = 1.0 - row * (height + GAP), 0.54 * column
+        axes[f"yaxis{ref}"] = axis("mrad", domain=[max(top - height, 0.0), top], anchor=f"x{ref}")
         last = row == rows - 1
         axes[f"xaxis{ref}"] = axis(
             "time, s" if last else "", domain=[right, right + 0.46], anchor=f"y{ref}"
         )
-        notes.append(note(f"joint {j + 1}", right, top - 0.03, yanchor="bottom", xanchor="left"))
+        notes.append(note(f"joint {j + 1}", right, top, yanchor="bottom", xanchor="left"))
         for how, run in runs.items():
             name, color = LAWS[how]
             drawn, step = extremes(1e3 * run.error[:, [j]], POINTS)
@@ -115,7 +114,11 @@ def tracking(runs: Mapping[str, Following]) -> Figure:
                     showlegend=j == 0, legendgroup=how, width=1.0,
                 )
             )  # fmt: skip
-    return {"data": data, "layout": layout(230 * rows, annotations=notes, **axes)}
+    legend = {"orientation": "h", "x": 0, "y": 1.06, "yanchor": "bottom", "xanchor": "left"}
+    return {
+        "data": data,
+        "layout": layout(220 * rows, annotations=notes, **axes) | {"legend": legend},
+    }
 
 
 def tracking_bars(paces: Mapping[str, Mapping[str, Following]]) -> Figure:

@@ -23,7 +23,7 @@ GRAVITY: dict[str, str] = {
     "subtracted": "the gravity of the given model was subtracted",
 }
 SMEAR = 0.5  # periods of the cut-off over which a reversal is smeared
-OTHERS = 0.02  # of the joint's own fast speed, by which others may move
+OTHERS = 0.05  # of the joint's own fast speed, by which others may be shaken
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,8 @@ def single_joint(
 
     gravity: "none" where the pose takes care of it; "fitted": along with the rest; "subtracted":
     by the standard ``parameters`` (n, 10), default the robot's own. A constant torque (sensor
-    bias) is always fitted along: it is not friction.
+    bias) is always fitted along: it is not friction. What the others' yielding asks of the joint is
+    taken away by the robot's own parameters.
     """
     parts = [
         _prepared(recording, robot, joint, cutoff, gravity, parameters) for recording in recordings
@@ -117,7 +118,7 @@ def _prepared(
         )
     q, dq, ddq = (x[:, joint] for x in (c.q, c.dq, c.ddq))
     raw = [ddq, np.sign(dq), dq, np.ones_like(q)]
-    tau = lowpass(equation.raw_tau[:, joint])
+    tau = lowpass(equation.raw_tau[:, joint] - _of_others(robot, joint, c.q, c.dq, c.ddq))
     if gravity == "fitted":
         raw += [np.sin(q), np.cos(q)]
     elif gravity == "subtracted":
@@ -139,6 +140,15 @@ def _prepared(
         np.zeros(int(block.max()) + 1, dtype=np.int64),
         min(1.0, 2.0 * cutoff / lowpass.rate),
     )
+
+
+def _of_others(robot: Robot, joint: int, q: Array, dq: Array, ddq: Array) -> Array:
+    """(N,) N·m that the others' small motion asks of the joint, by the robot's own parameters: a
+    servo yields a little when a neighbour turns round, just where friction is looked at."""
+    alone = np.zeros(robot.n)
+    alone[joint] = 1.0
+    whole = inverse_dynamics(robot, robot.parameters, q, dq, ddq)[:, joint]
+    return whole - inverse_dynamics(robot, robot.parameters, q, dq * alone, ddq * alone)[:, joint]
 
 
 def _swings(speed: Array, enough: float) -> NDArray[np.int64]:

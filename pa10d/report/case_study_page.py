@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -143,14 +144,14 @@ def _fourier(found: CaseStudy) -> str:
 
 def _estimates(found: CaseStudy) -> Section:
     variants = found.variants
-    head = ["set", "way", *(f"joint {j + 1}" for j in range(len(found.joints))),
+    head = ["set and way", *(f"joint {j + 1}" for j in range(len(found.joints))),
             "possible bodies", "ms"]  # fmt: skip
     rows = []
     for name in "AB":
         for key, words in WAYS.items():
             way = variants[name][key]
             said = {None: "not asked", True: "yes", False: "no"}[way["feasible"]]
-            rows.append([name, words, *(f"{v:.3f}" for v in way["rms"]), said,
+            rows.append([f"{name}, {words}", *(f"{v:.3f}" for v in way["rms"]), said,
                          f"{1e3 * way['seconds']:.0f}"])  # fmt: skip
     shares = ", ".join(f"{100 * v:.0f} %" for v in variants["share_of_samples"])
     return Section(
@@ -215,8 +216,7 @@ def _low_speed(found: CaseStudy) -> Section:
     )
     rows = [
         [finding["effect"], ", ".join(map(str, finding["joints"])),
-         "; ".join(f"{k} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}".replace(" 1", "")
-                   for k, v in finding["parameters"].items()),
+         "; ".join(_parameter(name, v) for name, v in finding["parameters"].items()),
          f"{finding['rms_before'][finding['joints'][0] - 1]:.3f}" if finding["joints"] else "",
          f"{finding['rms_after'][finding['joints'][0] - 1]:.3f}" if finding["joints"] else ""]
         for finding in found.diagnosis["findings"]
@@ -249,6 +249,11 @@ def _errors(found: CaseStudy, pace: str, laws: Sequence[str]) -> Table:
         for j, name in enumerate(found.joints)
     ]  # fmt: skip
     return Table(head, rows)
+
+
+def _parameter(name: str, found: dict[str, Any]) -> str:
+    unit = "" if found["unit"] == "1" else f" {found['unit']}"
+    return f"{name} = {found['value']:.3g} ± {found['std_error']:.1g}{unit}"
 
 
 def _numbers(values: Sequence[float] | np.ndarray) -> str:

@@ -42,9 +42,10 @@ def _boundaries(found: CaseStudy) -> tuple[str, str]:
         else f"{len(seen)} of {len(found.joints)} joints have a boundary velocity."
     )
     text += (
-        f" The paper reads it off the convergence of the inertia; here that decided {by_inertia} "
-        f"joint{'s' if by_inertia != 1 else ''} and the friction map the others, because an "
-        "estimate of inertia is blind to friction that depends on speed alone."
+        " The paper reads it off the convergence of the inertia; here that decided "
+        f"{by_inertia or 'no'} joint{'s' if by_inertia > 1 else ''}, the friction map "
+        f"{len(seen) - by_inertia}: an estimate of inertia is blind to friction that depends on "
+        "speed alone."
     )
     return ("agrees" if by_inertia == len(seen) else "differs", text)
 
@@ -79,13 +80,13 @@ def _sets(found: CaseStudy) -> tuple[str, str]:
         if x <= y
     ]
     share = np.array(found.variants["share_of_samples"])
-    where = f"joints {listed(better)}" if better else "no joint"
+    where = _joints(better) if better else "no joint"
     return (
         "agrees" if len(better) >= len(paper) else "differs",
         f"Fast samples alone (set A) give the better or an equal model of another trajectory on "
-        f"{where}, in the paper on joints {listed(paper)}. The sets hardly differ in size here: "
+        f"{where}, in the paper on {_joints(paper)}. The sets hardly differ in size here: "
         "the trajectory was designed with the boundary in its criterion, so that "
-        f"{100 * share.min():.0f} to {100 * share.max():.0f} % of all samples are fast (paper: "
+        f"{100 * share.min():.0f} to {100 * share.max():.0f} % of its samples are fast (paper: "
         f"about {100 * published.SHARE_OF_SET_A:.0f} %). {_slow_torque(found)}",
     )
 
@@ -97,7 +98,7 @@ def _slow_torque(found: CaseStudy) -> str:
     if not worse:
         return text + "A is the better one on every joint, too."
     return text + (
-        f"B is the better one on joint {listed(worse)}: least squares bends its Coulomb level "
+        f"B is the better one on {_joints(worse)}: least squares bends its Coulomb level "
         "towards the friction that neither model has a term for."
     )
 
@@ -133,7 +134,7 @@ def _slow_sines(found: CaseStudy) -> tuple[str, str]:
     fast, slow = _ratio(found, "4s", MODEL, PID), _ratio(found, "40s", MODEL, PID)
     no_gain = [str(j + 1) for j in np.flatnonzero(slow > ALIKE)]
     faded = bool(np.all(slow > fast))
-    where = f"; no clear gain is left on joint {listed(no_gain)}" if no_gain else ""
+    where = f"; no clear gain is left on {_joints(no_gain)}" if no_gain else ""
     return (
         "agrees" if faded else "differs",
         f"At 40 s the gain fades: computed torque leaves {_percents(slow)} % of the PID's error"
@@ -148,7 +149,7 @@ def _how_slow(found: CaseStudy) -> str:
     if not below:
         return f"{text}."
     return (
-        f"{text}, below the boundary of joint {listed(below)} all the time, where the friction of "
+        f"{text}, below the boundary of {_joints(below)} all the time, where the friction of "
         "the model, learnt from fast samples, does not hold."
     )
 
@@ -161,6 +162,10 @@ def _completed(found: CaseStudy) -> tuple[str, str]:
         f"of the manipulator in this region”. {found.answer} With it in the controller the same "
         f"40 s experiment leaves {_percents(share)} % of the error that the model without it left.",
     )
+
+
+def _joints(numbers: list[str]) -> str:
+    return f"joint{'s' if len(numbers) > 1 else ''} {listed(numbers)}"
 
 
 def _ratio(found: CaseStudy, pace: str, how: str, over: str) -> Array:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pa10d.dynamics import inverse_dynamics
 from pa10d.errors import UserError
 from pa10d.paper.boundary import boundary_velocity
 from pa10d.paper.single_joint import single_joint
@@ -138,3 +139,32 @@ def test_another_joint_must_stand():
     both = Recording("both", run.t, q, np.zeros_like(q))
     with pytest.raises(UserError, match="both: joint 5 moves as well"):
         single_joint([both], pa10(), 1)
+
+
+def test_a_neighbour_that_yields_a_little_is_taken_away():
+    """The upper arm is shaken by 3 % of the elbow's speed at 5 Hz: the elbow feels it."""
+    from tests.trajectory.sample_arms import pa10
+
+    robot = pa10()
+    runs = swings(stribeck(3.0, 0.1))
+    t = runs[0].t
+    q, dq, ddq = (np.zeros((len(t), 7)) for _ in range(3))
+    omega = 2 * np.pi * 5.0
+    size = 0.03 * 0.9 / omega
+    q[:, 1] = size * np.sin(omega * t)
+    dq[:, 2], ddq[:, 1] = size * omega * np.cos(omega * t), -size * omega**2 * np.sin(omega * t)
+    q[:, 3] = runs[0].q[:, 0]
+    dq[:, 3] = np.gradient(q[:, 3], t)
+    ddq[:, 3] = np.gradient(dq[:, 3], t)
+    own = runs[0].tau[:, 0] - INERTIA * ddq[:, 3]
+    tau = inverse_dynamics(robot, robot.parameters, q, dq, ddq)
+    tau[:, 3] += own
+    shaken = single_joint([Recording("shaken", t, q, tau)], robot, 3, gravity="fitted")
+    still = np.zeros(7)
+    still[3] = 1.0
+    calm_tau = inverse_dynamics(robot, robot.parameters, q * still, dq * still, ddq * still)
+    calm_tau[:, 3] += own
+    calm = single_joint([Recording("calm", t, q * still, calm_tau)], robot, 3, gravity="fitted")
+    fast = np.abs(calm.speed) > 0.05
+    assert np.std(tau[:, 3] - calm_tau[:, 3]) > 0.1
+    assert np.std((shaken.tau - calm.tau)[fast]) < 0.02
