@@ -91,6 +91,7 @@ def shoot(url: str, out: Path, sections: tuple[str, ...]) -> None:
                 page.goto(f"{url}/#/{address(url, section)}")
                 page.wait_for_timeout(500)
                 prepare(page, section)
+                page.mouse.move(4, 400)
                 page.wait_for_timeout(2500)
                 path = out / f"{section}{ending}.png"
                 page.screenshot(path=path)

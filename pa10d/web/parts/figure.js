@@ -1,5 +1,5 @@
 // One plot in a card: title, figure, how to read it; with `load`, full detail on zoom.
-import { el, fill } from "../base/dom.js";
+import { el } from "../base/dom.js";
 
 const SETTLED = 60; // ms without further zooming before more detail is asked for
 
@@ -90,4 +90,3 @@ function spanOf(changed) {
 export const empty = (text, link) =>
   el("div", { class: "empty" }, el("p", {}, text), link ? el("a", { class: "button", href: link.href }, link.label) : null);
 
-export const clear = (box) => fill(box);

@@ -116,7 +116,8 @@ function frame() {
   const raw = el("input", { type: "checkbox", checked: view.raw, onchange: () => { view.raw = raw.checked; drawTime(); } });
   parts.reading = el("div", {});
   fill(parts.time, card("Measured, modelled, and what is between them",
-    el("span", { class: "row" }, el("label", {}, raw, " every sample, unfiltered"), run), parts.zoom.box, null), parts.reading);
+    el("span", { class: "row" }, el("label", {}, raw, " every sample, unfiltered"), run),
+    el("div", {}, parts.zoom.box, parts.reading), null));
 }
 
 const loadTorque = (span) => get("plots/torque", {
@@ -127,7 +128,7 @@ const loadTorque = (span) => get("plots/torque", {
 async function drawTime(span = null) {
   try {
     const found = await parts.zoom.show(span);
-    if (found && !parts.reading.firstChild) fill(parts.reading, el("figure", { class: "plot flat" }, words(found)));
+    if (found && !parts.reading.firstChild) fill(parts.reading, words(found));
     return found;
   } catch (error) {
     fill(parts.sentences, el("p", { class: "bad" }, error.message));
