@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,23 +20,61 @@ Array = NDArray[np.float64]
 LONGEST_SECONDS = 4.0
 
 
-def full_covariance(state: State, fit: Fit | None = None) -> Array:
+def full_covariance(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Array:
     """(p, p) of all coefficients: (XᵀX)⁻¹ XᵀΣX (XᵀX)⁻¹ with Σ from the residuals themselves.
 
-    fit: another one of the same columns, some of them left out.
+    fit: another one of the same columns, some of them left out; noise: weighted residuals (m_j,)
+    that know more than its own.
     """
     fit = state.fit if fit is None else fit
-    middle = noise_gram(state.train, fit, fit.basis)
+    return _covariance(state, fit, noise_grams(state.train, noise or fit.residual, fit.basis))
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """How uncertain the present model is on the held-out side, whatever is added to it.
+
+    What is missing from a model colours its residual, and noise is only what would be left without
+    it. So each joint's noise is what its best candidate leaves, and for a candidate under
+    judgement what that one leaves on the joints on which it acts. On data with nothing hidden the
+    best of many candidates takes next to nothing away.
+    """
+
+    state: State
+    grams: dict[int, Array]
+
+    @classmethod
+    def of(cls, state: State, changes: Iterable[PerJoint]) -> Doubts:
+        """changes: what each candidate changes on the fit side (weighted), on its own joints."""
+        left = dict(state.fit.residual)
+        for change in changes:
+            for j, moved in change.items():
+                rest = state.fit.residual[j] - moved
+                if rest @ rest < left[j] @ left[j]:
+                    left[j] = rest
+        return cls(state, noise_grams(state.train, left, state.fit.basis))
+
+    def beside(self, change: PerJoint) -> Doubt:
+        """With a candidate added that changes the fit side so."""
+        fit = self.state.fit
+        left = {j: fit.residual[j] - moved for j, moved in change.items()}
+        own = noise_grams(self.state.train, left, {j: fit.basis[j] for j in left})
+        covariance = _covariance(self.state, fit, {**self.grams, **own})
+        return Doubt(self.state.held_matrix, covariance)
+
+
+def doubt_of(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Doubt:
+    """How uncertain the model is on the held-out side."""
+    return Doubt(state.held_matrix, full_covariance(state, fit, noise))
+
+
+def _covariance(state: State, fit: Fit, grams: dict[int, Array]) -> Array:
+    middle = np.sum(list(grams.values()), axis=0)
     if state.prior is not None:
         # what the prior knew already is as certain as it said
         top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
         middle = middle + np.eye(len(top)) - top
     return np.asarray(fit.to_beta @ middle @ fit.to_beta.T)
-
-
-def doubt_of(state: State, fit: Fit | None = None) -> Doubt:
-    """How uncertain the model is on the held-out side."""
-    return Doubt(state.held_matrix, full_covariance(state, fit))
 
 
 def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
@@ -60,7 +101,8 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     if state.prior is not None:
         gram = _gram_with_prior(columns, rest, seen)
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
-    covariance = inverse @ noise_gram(state.train, state.fit, left) @ inverse
+    middle = np.sum(list(noise_grams(state.train, state.fit.residual, left).values()), axis=0)
+    covariance = inverse @ middle @ inverse
     if state.prior is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -68,27 +110,27 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     return covariance[:k, :k], shape_errors
 
 
-def noise_gram(side: Side, fit: Fit, columns: PerJoint) -> Array:
-    """Σ_j Cᵀ Γ_j C for weighted columns and the whitened residual's autocovariance Γ_j."""
-    total: Array | float = 0.0
-    widths = next(iter(columns.values())).shape[1]
-    for j, c in columns.items():
-        rates = side.runs[0].rate
-        residual = side.scatter({j: fit.residual[j]})
-        keep = [k[:, j] for k in side.keep]
-        longest = int(min(LONGEST_SECONDS * rates, min(len(k) for k in keep) // 4))
-        gamma, count = autocovariance(
-            ((r[:, j], k) for r, k in zip(residual, keep, strict=True)), longest
-        )
-        gamma = flat_top(gamma, correlation_length(gamma, count))
-        start = 0
-        for k in keep:
-            rows = int(k.sum())
-            spread = np.zeros((len(k), widths))
-            spread[k] = c[start : start + rows]
-            total = total + coloured_gram(spread, gamma)
-            start += rows
-    return np.asarray(total)
+def noise_grams(side: Side, residual: PerJoint, columns: PerJoint) -> dict[int, Array]:
+    """joint -> Cᵀ Γ_j C for weighted columns and the whitened residual's autocovariance Γ_j."""
+    return {j: _noise_gram(side, j, residual[j], c) for j, c in columns.items()}
+
+
+def _noise_gram(side: Side, joint: int, residual: Array, columns: Array) -> Array:
+    scattered = side.scatter({joint: residual})
+    keep = [k[:, joint] for k in side.keep]
+    longest = int(min(LONGEST_SECONDS * side.runs[0].rate, min(len(k) for k in keep) // 4))
+    gamma, count = autocovariance(
+        ((r[:, joint], k) for r, k in zip(scattered, keep, strict=True)), longest
+    )
+    gamma = flat_top(gamma, correlation_length(gamma, count))
+    total, start = np.zeros((columns.shape[1], columns.shape[1])), 0
+    for k in keep:
+        rows = int(k.sum())
+        spread = np.zeros((len(k), columns.shape[1]))
+        spread[k] = columns[start : start + rows]
+        total += coloured_gram(spread, gamma)
+        start += rows
+    return total
 
 
 def _gram_with_prior(columns: PerJoint, rest: Fit, seen: Array) -> Array:

@@ -29,14 +29,15 @@ def agreed(fit: Fit) -> Array:
     residual = {j: r[::THIN] for j, r in fit.residual.items()}
     moved = np.zeros(len(fit.coordinates))
     for number in range(sum(ROUNDS)):
-        gram, target = 0.0, 0.0
+        gram, target = np.zeros((len(moved), len(moved))), np.zeros(len(moved))
         for j, q in basis.items():
             left = residual[j] - q @ moved
             size = max(1.4826 * float(np.median(np.abs(left))), 1e-300)
             weight = _weights(np.abs(left) / size, redescending=number >= ROUNDS[0])
             weighted = (weight / size**2)[:, None] * q
-            gram, target = gram + q.T @ weighted, target + weighted.T @ residual[j]
-        moved = np.linalg.lstsq(gram, target, rcond=1e-10)[0]
+            gram += q.T @ weighted
+            target += weighted.T @ residual[j]
+        moved = np.asarray(np.linalg.lstsq(gram, target, rcond=1e-10)[0])
     return np.asarray(fit.beta + fit.to_beta @ moved)
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
 from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpen
-from pa10d.diagnose.errors_of import doubt_of
+from pa10d.diagnose.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_p, judge, rivalry
 from pa10d.diagnose.fit import Fit, predict
 from pa10d.diagnose.partial import partials
@@ -29,7 +28,7 @@ Place = tuple[str, tuple[int, ...]]
 Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 LEVEL = 0.01  # false alarms over a whole search
-HELD_OUT_LEVEL = 0.01  # of one candidate on the held-out side alone
+HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone
 SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
 PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
 LEAST_GAIN = 12.0  # drop of the weighted squared error below which noise alone does as well
@@ -185,8 +184,17 @@ class Search:
         ]
         found = self._shortlist(scan(self.state, open_suspects))
         sharp = sorted((sharpen(self.state, c) for c in found), key=lambda c: -c.gain)
-        doubt = doubt_of(self.state)
-        return [self.judge(c, len(found), doubt) for c in sharp]
+        columns = [self._columns(c) for c in sharp]
+        seen = [_seen_change(self.state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
+        own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
+        doubts = Doubts.of(self.state, own)
+        return [
+            self.judge(c, len(found), s, doubts.beside(o))
+            for c, s, o in zip(sharp, seen, own, strict=True)
+        ]
+
+    def _columns(self, candidate: Candidate) -> PerJoint:
+        return self.state.train.columns(candidate.effect, candidate.joints, [candidate.shape])
 
     def _shortlist(self, found: list[Candidate]) -> list[Candidate]:
         """The strongest of every joint, as far as the fit side alone does not speak against them:
@@ -204,30 +212,23 @@ class Search:
             out.append(candidate)
         return out
 
-    def judge(self, candidate: Candidate, among: int, doubt: Doubt | None = None) -> Judged:
-        """Held-out evidence of one candidate; doubt: of the present model."""
+    def judge(self, candidate: Candidate, among: int, seen: PerJoint, doubt: Doubt) -> Judged:
+        """Held-out evidence of one candidate; seen: what it changes on the fit side (weighted);
+        doubt: of the present model beside it."""
         fit, partial = self.state.fit, candidate.partial
-        columns = held_columns(self.state, candidate)
-        change = self.state.change(fit, columns, partial.seen, partial.theta)
-        found = judge(
-            self.state.held, self.state.held_residual(), change, doubt or doubt_of(self.state)
+        change = self.state.change(
+            fit, held_columns(self.state, candidate), partial.seen, partial.theta
         )
-        p = self._corrected(fit, self.state.train.columns, candidate, found, among)
+        found = judge(self.state.held, self.state.held_residual(), change, doubt)
+        p = self._corrected(fit, seen, candidate, found, among)
         return Judged(candidate, found, p, change)
 
     def _corrected(
-        self, fit: Fit, columns: Any, candidate: Candidate, found: Evidence, among: int
+        self, fit: Fit, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
     ) -> float:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
-        partial = candidate.partial
-        if callable(columns):
-            columns = columns(candidate.effect, candidate.joints, [candidate.shape])
-        seen = partial.seen @ partial.theta
-        change = {j: -(q @ seen) for j, q in fit.basis.items()}
-        for j, c in columns.items():
-            change[j] = change[j] + c @ partial.theta / fit.sigma[j]
-        own = fit_side_p(self.state.train, fit.residual, change, complexity(candidate.effect))
+        own = fit_side_p(self.state.train, fit.residual, seen, complexity(candidate.effect))
         chosen = min(1.0, own * len(self.suspects))
         both = stats.chi2.sf(
             -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
@@ -286,11 +287,11 @@ class Search:
         train, held = self.state.blocks[index]
         partial = partials(rest, train, term.effect, len(term.effect.coefficients))[0]
         change = self.state.change(rest, held, partial.seen, partial.theta)
-        found = judge(
-            self.state.held, self.state.held_residual(rest), change, doubt_of(self.state, rest)
-        )
+        doubt = doubt_of(self.state, rest, self.state.fit.residual)
+        found = judge(self.state.held, self.state.held_residual(rest), change, doubt)
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
-        p = self._corrected(rest, train, candidate, found, SHORTLIST)
+        seen = _seen_change(rest, train, candidate)
+        p = self._corrected(rest, seen, candidate, found, SHORTLIST)
         return Judged(candidate, found, p)
 
     def _align(self) -> None:
@@ -323,6 +324,16 @@ class Search:
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()
+
+
+def _seen_change(fit: Fit, columns: PerJoint, candidate: Candidate) -> PerJoint:
+    """joint -> (m_j,) weighted: what a candidate changes on the fit side, the model refitted."""
+    partial = candidate.partial
+    absorbed = partial.seen @ partial.theta
+    change = {j: -(q @ absorbed) for j, q in fit.basis.items()}
+    for j, c in columns.items():
+        change[j] = change[j] + c @ partial.theta / fit.sigma[j]
+    return change
 
 
 REPEATABLE = ("torque_ripple", "contact", "position_friction")

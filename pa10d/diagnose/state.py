@@ -46,7 +46,8 @@ class State:
             state.push(term)
         state.refit()
         state.relook()
-        state.refit()
+        if any(term.effect.uses_model for term in state.terms):
+            state.refit()
         return state
 
     def push(self, term: Term) -> None:
