@@ -81,7 +81,9 @@ def weighted_median(values: Array, errors: Array) -> tuple[float, float]:
     weight = np.where(np.isfinite(errors) & (errors > 0), 1.0 / np.maximum(errors, 1e-300), 0.0)
     if weight.sum() == 0:
         return 0.0, np.inf
-    weight = np.minimum(weight / weight.sum(), 1.0 / 3.0)
+    share = max(1.0 / 3.0, 1.0 / np.count_nonzero(weight))
+    for _ in range(60):  # what is cut off one joint lowers the total, and so the cap
+        weight = np.minimum(weight, share * weight.sum())
     order = np.argsort(values)
     below = np.cumsum(weight[order]) / weight.sum()
     middle = float(values[order][np.searchsorted(below, 0.5)])
