@@ -1,7 +1,10 @@
-"""Joint speeds from encoder positions, for the loop."""
+"""Joint speeds from encoder positions, for the loop; compiled, as it is part of every cycle."""
 
 from __future__ import annotations
 
+import math
+
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,34 +26,36 @@ class SpeedEstimator:
         self._last = np.zeros(n)  # rad, when an axis answered last
         self._seen = np.zeros(n)  # s, and when that was
         self._time = 0.0
-        self._whole = False  # every axis answered in the cycle before
-        self._started = False
+        self._started = True
+        self.update(self.q.copy(), np.zeros(n, dtype=np.int64), 0.0)  # compiled before it is needed
+        self.restart()
 
     def update(self, q: Array, age: NDArray[np.int64], time: float) -> None:
         """q (n,) as read at ``time`` s, age (n,) cycles since it was fresh."""
-        fresh = age == 0
-        whole = bool(fresh.all())
-        if not self._started:
+        if self._started:
+            _advance(
+                q, age, time, time - self._time, 0.5 * self._period, self._rate,
+                self.q, self.dq, self._last, self._seen,
+            )  # fmt: skip
+        else:
             self._started = True
             self._last[:], self.q[:], self._seen[:] = q, q, time
-        elif whole and self._whole:
-            dt = max(time - self._time, 0.5 * self._period)
-            share = 1.0 - np.exp(-self._rate * dt)
-            self.dq += share * ((q - self._last) / dt - self.dq)
-            self.q[:], self._last[:], self._seen[:] = q, q, time
-        else:
-            self._bridge(q, fresh, time)
-        self._time, self._whole = time, whole
+        self._time = time
 
     def restart(self) -> None:
         """Forget the past; the next update begins anew, at rest."""
         self._started = False
         self.dq[:] = 0.0
 
-    def _bridge(self, q: Array, fresh: NDArray[np.bool_], time: float) -> None:
-        gap = np.maximum(time - self._seen, 0.5 * self._period)
-        share = 1.0 - np.exp(-self._rate * gap)
-        self.dq += np.where(fresh, share * ((q - self._last) / gap - self.dq), 0.0)
-        self.q[:] = np.where(fresh, q, self.q + (time - self._time) * self.dq)
-        self._last[fresh] = q[fresh]
-        self._seen[fresh] = time
+
+@numba.njit(cache=True)
+def _advance(read, age, time, passed, shortest, rate, q, dq, last, seen):
+    for j in range(len(q)):
+        if age[j] != 0:
+            q[j] += passed * dq[j]
+            continue
+        gap = max(time - seen[j], shortest)
+        share = 1.0 - math.exp(-rate * gap)
+        dq[j] += share * ((read[j] - last[j]) / gap - dq[j])
+        q[j] = last[j] = read[j]
+        seen[j] = time
