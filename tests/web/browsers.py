@@ -70,6 +70,7 @@ class Visitor:
         """Go to a section, once the page knows what there is."""
         self.page.goto(f"{self.url}/#/{section}")
         until(self.page, "document.querySelector('#arm-state')?.textContent.length > 1")
+        self.page.locator(f"#{section or 'robot'} h1").wait_for()
 
     def foreign(self) -> list[str]:
         """What was asked of anybody but the daemon."""
