@@ -183,6 +183,17 @@ class Client:
         job = self.start("experiments", {**body, **options})
         return dict(self.wait(job, progress)["result"])
 
+    def starting_set(self) -> list[Document]:
+        """What to record first of an arm: experiments for ``series``."""
+        return list(self._ask("GET", "/api/v1/experiments")["starting_set"])
+
+    def series(
+        self, experiments: Sequence[Mapping[str, Any]], progress: Progress | None = None
+    ) -> Document:
+        """Several, one after the other → result: ``runs`` (ids), ``experiments``."""
+        body = {"experiments": [dict(one) for one in experiments]}
+        return self._result("experiments/series", body, progress)
+
     # -- runs -------------------------------------------------------------------------------
 
     def runs(self, **filters: Any) -> list[Document]:

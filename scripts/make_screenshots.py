@@ -68,8 +68,7 @@ def bench(data: Path) -> Iterator:
 
 def play(arm) -> None:
     """Record, fit, compare, diagnose, add."""
-    found = arm._ask("GET", "/api/v1/experiments")["starting_set"]
-    runs = arm.wait(arm.start("experiments/series", {"experiments": found}))["result"]["runs"]
+    runs = arm.series(arm.starting_set())["runs"]
     fit, judge = runs[:2], runs[2:]
     arm.identify(fit, "m0")
     arm.compare("m0", judge)

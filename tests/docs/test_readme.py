@@ -26,7 +26,7 @@ URDF = """<robot name="two"><link name="base"/>
 <link name="l2"><inertial><mass value="2"/><origin xyz="0.02 0 0.15"/>
 <inertia ixx="0.03" iyy="0.03" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 STIFF = 6.0  # N·m/rad: a spring at the second joint that no textbook model has
-RATE, SECONDS, NOISE = 200.0, 30.0, 0.05
+RATE, SECONDS, NOISE = 200.0, 20.0, 0.05
 
 ELSEWHERE = {
     "scripts/test": "runs this test",

@@ -53,7 +53,7 @@ def test_a_stranger_gets_from_an_empty_page_to_a_lower_error(arm, visit):
 
     follow_the_guide(page, "Diagnose")
     page.click("#diagnose-start")
-    page.locator("#diagnose progress").first.wait_for()
+    page.locator("#jobs", has_text="Diagnosis").wait_for()
     page.reload()
     card = page.locator(".finding").first
     card.wait_for(timeout=FOLLOWED)

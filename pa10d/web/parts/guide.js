@@ -30,7 +30,7 @@ export const versionWith = (model, finding) => current().find((other) =>
 function nextStep(again) {
   const fit = tagged("fit"), judge = tagged("judge"), models = current();
   if (running("identify", "compare", "diagnose", "add", "improve").length) {
-    return { text: "The daemon is computing; the bar below shows how far it is." };
+    return { text: "Wait: the daemon is computing. The bar at the bottom shows how far it is." };
   }
   const moving = moves();
   if (moving) return { go: "robot", text: "The arm is moving; watch it, or abort below.", label: "Watch" };

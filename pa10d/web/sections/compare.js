@@ -7,7 +7,7 @@ import { fixed } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { card, empty, words, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
-import { finished, progress, running } from "../parts/jobs.js";
+import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 
 const view = { id: null, model: "", runs: [], run: "", joint: 1, raw: false, result: null, place: null };
@@ -24,7 +24,7 @@ export function mount(box) {
   fill(parts.work, el("div", { class: "compare" }, el("div", {}, el("h2", {}, "Where it fails"), parts.sentences), parts.summary),
     parts.joints, parts.time, parts.maps, parts.tail);
   fill(box, heading("compare", "Compare", { Compare: "Press Compare." }), el("div", { class: "panel row pickers" }, model.box, runs.box, start),
-    progress(() => running("compare")[0]), parts.none, parts.work);
+    parts.none, parts.work);
   parts.zoom = new Zoomable(430, loadTorque);
   watch(["models", "runs"], () => { start.disabled = !model.value || !runs.ids.length; });
 }

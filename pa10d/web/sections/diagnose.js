@@ -7,7 +7,7 @@ import { nextModelName, when } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { empty } from "../parts/figure.js";
 import { heading, versionWith } from "../parts/guide.js";
-import { finished, moves, progress, running } from "../parts/jobs.js";
+import { finished, moves, running } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
 let parts = null, shown = null;
@@ -25,7 +25,7 @@ export function mount(box) {
   fill(box, heading("diagnose", "Diagnose", { Diagnose: "Press 'What is missing?'.", Read: "It is below." }),
     el("div", { class: "panel row pickers" }, model.box, fit.box, judge.box,
       el("label", { title: "Nothing is refitted: for an arm that was well described before" }, frozen, " what changed since?"), start, earlier),
-    progress(() => running("diagnose")[0]), progress(() => running("add")[0]), parts.body);
+    parts.body);
   fill(parts.body, empty("A model that was fitted is asked here which physical effect it lacks. Every effect of the library is tried on every joint and judged on runs that the fit has not seen."));
   watch(["models", "runs"], () => { start.disabled = !model.value || !fit.ids.length; });
   watch(["diagnoses"], () => {

@@ -6,7 +6,7 @@ import { failed, guarded, notice } from "../base/notices.js";
 import { seconds, titled } from "../base/units.js";
 import { formOf } from "../parts/form.js";
 import { heading } from "../parts/guide.js";
-import { finished, moves, progress } from "../parts/jobs.js";
+import { finished, moves } from "../parts/jobs.js";
 import { nameOf } from "../parts/picker.js";
 
 let chosen = "excitation";
@@ -16,7 +16,7 @@ export function mount(box) {
   const form = el("div", { class: "panel grow" });
   const outcome = el("div", { id: "outcome", "aria-live": "polite" });
   fill(box, heading("experiments", "Experiments", { Record: "Press 'Record the starting set'." }),
-    progress(moves), startingSet(outcome),
+    startingSet(outcome),
     el("h2", {}, "One experiment"), el("div", { class: "columns" }, kinds, form), outcome);
   watch(["kinds"], () => {
     if (!state.kinds.length) return;

@@ -7,7 +7,7 @@ import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
-import { finished, progress, running } from "../parts/jobs.js";
+import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
 let parts = null, chosen = null, wanted = null, drawn = "";
@@ -15,7 +15,7 @@ let parts = null, chosen = null, wanted = null, drawn = "";
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "models" }), detail: el("div", { class: "grow" }),
             judge: runPicker("Judged by", "judge", () => refreshPlots()) };
-  fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(), progress(() => running("identify")[0]),
+  fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["models", "ready"], refresh);
 }
