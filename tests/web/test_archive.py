@@ -103,7 +103,7 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
     page.locator("#runs").wait_for()
     unnamed = page.evaluate(
         """[...document.querySelectorAll("button, input, select, a")].filter((one) =>
-          !one.textContent.trim() && !one.ariaLabel && !one.labels?.length && !one.title)
+          one.offsetParent && !one.textContent.trim() && !one.ariaLabel && !one.labels?.length && !one.title)
           .map((one) => one.outerHTML)"""
     )
     assert not unnamed

@@ -90,7 +90,7 @@ export function heading(section, title, here = {}) {
     fill(words, step.text, step.go === section && here[step.label] ? ` ${here[step.label]}` : "");
     link.hidden = !step.go || step.go === section;
     link.textContent = step.label ?? "";
-    link.href = `#/${step.go}`;
+    link.href = `#/${step.go ?? section}`;
   };
   watch(["runs", "models", "comparisons", "diagnoses", "jobs", "robot", "ready"], refresh);
   return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);
