@@ -128,9 +128,7 @@ def test_a_doubt_is_settled_by_the_experiment_that_the_diagnosis_asks_for(tmp_pa
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         made = json.loads(done.stdout)
-        assert [e["plan"]["kind"] for e in made["experiments"]][0] == doubt["next_experiment"][
-            "kind"
-        ]
+        assert made["experiments"][0]["plan"]["kind"] == doubt["next_experiment"]["kind"]
         first = made["findings"][0]
         assert (first["effect"], first["joints"]) == ("nonlinear_viscous", [5])
         assert first["confounded_with"] == []
