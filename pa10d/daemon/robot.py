@@ -24,6 +24,7 @@ from pa10d.profile import Profile
 
 Array = NDArray[np.float64]
 
+CANOPEN = "canopen_cia402"  # the backend that cannot do without drives
 RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 ALIVE_EVERY = 0.5  # s
@@ -75,7 +76,10 @@ class RobotProcess:
     # -- life -------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Start both processes and keep them."""
+        """Start both processes and keep them; a profile without drives is for recordings alone."""
+        if self.profile.backend == CANOPEN and not self.profile.drives:
+            self.why_offline = f"profile {self.profile.name} names no drives"
+            return
         loop = asyncio.get_running_loop()
         self._tasks = [
             loop.create_task(self._keep_control()),
@@ -342,7 +346,9 @@ class RobotProcess:
             "state": self.state,
             "needed": [ArmState.INACTIVE.label],
             "detail": f"{do}: {self.why_offline}",
-            "remedy": "wait a few seconds, then look at the robot's state again",
+            "remedy": "wait a few seconds, then look at the robot's state again"
+            if self._tasks
+            else "add 'drives' to the profile, one entry per joint",
         }
 
 

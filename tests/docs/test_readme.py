@@ -79,8 +79,8 @@ def run(command: str, place: Path, environment: dict[str, str]) -> subprocess.Co
     )
 
 
-def serve(command: str, place: Path, environment: dict[str, str]) -> None:
-    """Until it answers, with its page; a port of its own and a bus of its own."""
+def serve(command: str, place: Path, environment: dict[str, str]) -> dict:
+    """The robot's state once it answers, with its page; a port and a bus of its own."""
     options = ["--port", "0", "--channel", f"readme-{os.getpid()}"]
     process = subprocess.Popen(
         [*command.split(), *options], cwd=place, env=environment, stderr=subprocess.PIPE, text=True
@@ -92,6 +92,7 @@ def serve(command: str, place: Path, environment: dict[str, str]) -> None:
         url = line.split()[-1]
         assert "pa10d" in httpx.get(f"{url}/", trust_env=False).text
         assert httpx.get(f"{url}/healthz", trust_env=False).json()["status"] == "ok"
+        return httpx.get(f"{url}/api/v1/robot", trust_env=False).json()
     finally:
         process.terminate()
         process.wait(40)
@@ -104,7 +105,9 @@ def test_every_command_does_what_it_says(place, environment):
         if command in ELSEWHERE:
             continue
         if command.startswith("pa10d serve"):
-            serve(command, place, environment)
+            robot = serve(command, place, environment)
+            if "robot.yaml" in command:
+                assert robot["offline_reason"] == "profile robot names no drives"
         elif command.startswith("pa10d check"):  # no such interface here: a clear no
             found = run(command, place, environment)
             assert found.returncode == 1, found.stderr

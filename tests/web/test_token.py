@@ -20,7 +20,7 @@ def test_the_page_asks_for_the_token_and_keeps_to_its_scope(browser, visit, tmp_
         page.locator("#arm-state", has_text="offline").wait_for()
         page.get_by_role("button", name="Connect").click()
         page.locator(".notice.error", has_text="needs scope 'command'").wait_for()
-        page.locator(".scope").first.wait_for()  # the sockets are let in, too
+        page.locator(".scope").first.wait_for(state="attached")  # sockets are let in, too
         page.reload()
         page.locator("#arm-state", has_text="offline").wait_for()
         assert not visitor.errors

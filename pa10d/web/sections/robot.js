@@ -25,13 +25,14 @@ export function mount(box) {
   const axes = el("tbody", {});
   const hidden = new Set();
   const scopes = el("div", { class: "scopes" }), chips = el("div", { class: "chips", role: "group", "aria-label": "joints shown" });
+  const panel = el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, "Live"), chips), scopes);
   fill(box, heading("robot", "Robot"),
     el("div", { class: "columns" },
       el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, controllerChoice(), notes),
       el("div", { class: "panel grow" }, el("div", { class: "scroll bare" }, el("table", { class: "axes" },
         el("thead", {}, el("tr", {}, ["joint", "position rad", "target rad", "velocity rad/s", "torque N·m", "°C", "drive"]
           .map((head) => el("th", { scope: "col" }, head)))), axes)))),
-    el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, "Live"), chips), scopes));
+    panel);
   watch(["robot", "connected"], () => {
     const robot = state.robot;
     if (!robot) return;
@@ -44,11 +45,11 @@ export function mount(box) {
     commands.refresh();
     showAxes(axes, robot.axes);
   });
-  live(scopes, chips, hidden);
+  live(panel, scopes, chips, hidden);
 }
 
 const offlineWords = (robot) =>
-  `${MEANS.offline} ${robot.offline_reason ?? ""} You can work with recordings all the same: import them in Runs.`;
+  `${MEANS.offline.slice(0, -1)}: ${robot.offline_reason ?? "unknown why"}. You can work with recordings all the same: import them in Runs.`;
 
 function buttons() {
   const command = (label, path, states, what) => ({
@@ -115,7 +116,7 @@ function showAxes(body, axes) {
   });
 }
 
-function live(box, chips, hidden) {
+function live(panel, box, chips, hidden) {
   let trail = null, scopes = [];
   followTelemetry(HISTORY, {
     header(told) {
@@ -136,6 +137,7 @@ function live(box, chips, hidden) {
     },
     packet: (columns, start, rows) => trail.add(columns, start, rows),
   });
+  watch(["robot"], () => { panel.hidden = state.robot?.state === "offline" && !trail?.rows.length; });
   setInterval(() => {
     if (trail && box.offsetParent && !document.hidden) for (const scope of scopes) scope.draw(trail);
   }, REDRAW);
