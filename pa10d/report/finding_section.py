@@ -125,22 +125,22 @@ def _parameters(finding: Finding) -> Table:
 
 
 def _decision(found: Diagnosis, k: int, asked: Asked) -> Block:
-    if found.frozen:
-        new = f"pa10d identify {' '.join(asked.fit)} --profile {asked.profile} --name NEW"
-        return Command(
-            "The model is of the arm as it was. Undo the change as said above; or, if it is to "
-            "stay, identify the arm as it is now:",
-            [new],
-        )
     earlier = f"{asked.model}.{k}" if k else asked.model
     term = found.findings[k].term
     joints = f" --joint {' '.join(str(j + 1) for j in term.joints)}" if term.joints else ""
-    line = (
+    add = (
         f"pa10d add {earlier} {term.effect_id}{joints} --fit {' '.join(asked.fit)} "
         f"--name {asked.model}.{k + 1}"
     )
-    says = "To add it (the model that you have stays as it is):"
-    return Command(says, [line])
+    if not found.frozen:
+        return Command("To add it (the model that you have stays as it is):", [add])
+    new = f"pa10d identify {' '.join(asked.fit)} --profile {asked.profile} --name NEW"
+    says = (
+        "The model is of the arm as it was. Undo the change as said above; or, if it is to stay, "
+    )
+    if term.effect.question == "changed":
+        return Command(f"{says}add it to the model, or identify the arm as it is now:", [add, new])
+    return Command(f"{says}identify the arm as it is now:", [new])
 
 
 def _at(joints: Sequence[int]) -> str:
