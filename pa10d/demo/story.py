@@ -159,6 +159,8 @@ class Story:
                 break
             chapter.models.append(name)
             model = name
+        if model == chapter.model and chapter.before:
+            return  # compared already
         judged_by = self._arm.compare(model, chapter.held_out, self._progress)
         errors = {step["model"]: step["rms"] for step in judged_by["history"]}
         chapter.before, chapter.after = errors[chapter.model], errors[model]
@@ -171,10 +173,12 @@ class Story:
         tell("3. The textbook model is fitted: rigid bodies, rotors, Coulomb and viscous friction.")
         self._arm.identify(fit, model, self._progress, replace=True)
         tell("4. Is the model right? It is judged by the runs that the fit has not seen.")
-        tell(f"   {compared_words(self._arm.compare(model, validate, self._progress))}")
+        compared = self._arm.compare(model, validate, self._progress)
+        tell(f"   {compared_words(compared)}")
         tell("5. Which effect is missing? Every one of the library is tried on every joint.")
         chapter = self.ask(model, fit, validate, frozen=False)
         chapter.models.append(model)
+        chapter.before = chapter.after = compared["pooled"]["rms"]
         self._tell_gain(chapter, "6")
         return chapter
 
