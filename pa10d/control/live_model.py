@@ -82,6 +82,7 @@ def remainder(
         ddq=ddq,
         rigid=model.rigid,
         total=np.zeros_like(q),
+        desired=True,
     )
     whole = model.predict(context)
     for term in model.terms:

@@ -14,6 +14,7 @@ from pa10d.dynamics import Robot, inverse_dynamics
 Array = NDArray[np.float64]
 
 POSES = 64  # over which a joint's typical inertia is taken
+SHARPEST = 5e-4  # rad/s: of a sign without noise, for which a reversal still takes some samples
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Context:
                      parameters), without rotor inertia; link-side loads follow from them
     total            (N, n) N·m, torque of the whole model so far, friction included
     temperature      (N, n) °C or None
+    desired          the motion was not measured but is wanted: without noise, so that no sign of a
+                     velocity has to be smoothed against it
     """
 
     robot: Robot
@@ -36,6 +39,11 @@ class Context:
     rigid: Array
     total: Array
     temperature: Array | None = None
+    desired: bool = False
+
+    def softness(self, v0: float) -> float:
+        """rad/s over which a sign that is usually smoothed over v0 is to be smoothed here."""
+        return min(v0, SHARPEST) if self.desired else v0
 
     @property
     def dt(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from arms import PERIOD, limits
@@ -178,6 +180,24 @@ def test_live_part_and_remainder_make_the_whole_prediction(robot):
     delayed = Term("torque_delay", (3,), np.array([0.01])).torque(model.contextualise(context))
     np.testing.assert_allclose(total, said - delayed, atol=1e-9)
     assert np.abs(delayed).max() > 1e-3  # the sensor's delay is no torque to be commanded
+
+
+def test_friction_of_a_desired_motion_changes_its_sign_where_the_motion_does(robot):
+    """What is measured is noisy and smoothed, what is wanted is not: at low speed a soft sign would
+    leave a joint stuck for a good part of a second after each reversal."""
+    model = small_model(robot)
+    rises = Term("stribeck", (1,), np.array([4.0]), {"vs": 0.15, "delta": 1.0})
+    sticky = replace(model, terms=(*model.terms, rises))
+    t = np.arange(int(12.0 / PERIOD)) * PERIOD
+    q = 0.5 * np.cos(2 * np.pi / 40.0 * (t - 6.0))[:, None] * np.ones(robot.n)
+    dq, ddq = (2 * np.pi / 40.0) * np.sqrt(np.maximum(0.25 - q**2, 0)), -((2 * np.pi / 40) ** 2) * q
+    dq[t > 6.0] *= -1.0
+    live = live_model(sticky)
+    extra = [remainder(m, live, q, dq, ddq, PERIOD)[:, 1] for m in (sticky, model)]
+    rise = extra[0] - extra[1]
+    around = (np.abs(t - 6.0) > 0.1) & (np.abs(t - 6.0) < 0.5)
+    assert np.all(np.abs(rise[around]) > 3.6)
+    assert np.all(np.sign(rise[around]) == np.sign(6.0 - t[around]))
 
 
 def test_live_model_survives_the_pipe(robot):

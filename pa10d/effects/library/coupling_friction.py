@@ -39,7 +39,7 @@ class CouplingFriction(Effect):
     def columns(self, context, joints, shape):
         i, j = joints
         v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
-        both = np.column_stack([smooth_sign(v, 0.01), v])
+        both = np.column_stack([smooth_sign(v, context.softness(0.01)), v])
         out = np.zeros((*context.q.shape, 2))
         out[:, i] = both
         out[:, j] = shape["ratio"] * both

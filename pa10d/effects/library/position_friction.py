@@ -37,7 +37,7 @@ class PositionFriction(Effect):
     def columns(self, context, joints, shape):
         j = joints[0]
         bump = np.exp(-0.5 * ((context.q[:, j] - shape["qc"]) / shape["w"]) ** 2)
-        return (bump * smooth_sign(context.dq[:, j], 0.01))[:, None]
+        return (bump * smooth_sign(context.dq[:, j], context.softness(0.01)))[:, None]
 
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])

@@ -52,7 +52,7 @@ class Stribeck(Effect):
     def columns(self, context, joints, shape):
         v = context.dq[:, joints[0]]
         bump = np.exp(-((np.abs(v) / shape["vs"]) ** shape["delta"]))
-        return (bump * smooth_sign(v, min(0.05 * shape["vs"], SHARP)))[:, None]
+        return (bump * smooth_sign(v, context.softness(min(0.05 * shape["vs"], SHARP))))[:, None]
 
     def starts(self, context, joints):
         # well inside the speeds visited: a bump as wide as the data is another effect

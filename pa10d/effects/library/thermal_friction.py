@@ -41,7 +41,7 @@ class ThermalFriction(Effect):
         if warm is None:
             warm = 1.0 - np.exp(-context.t / shape["T"])
         v = context.dq[:, j]
-        return -np.column_stack([warm * v, warm * smooth_sign(v, 0.01)])
+        return -np.column_stack([warm * v, warm * smooth_sign(v, context.softness(0.01))])
 
     def starts(self, context, joints):
         span = float(context.t[-1] - context.t[0])
