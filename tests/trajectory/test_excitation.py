@@ -78,12 +78,15 @@ def test_same_seed_same_result_whoever_evaluates():
     assert not np.array_equal(one.x, search(problem, 1, 6, refined=1).x)
 
 
-def test_dask_evaluates_as_well():
+@pytest.mark.parametrize(
+    "processes", [False, pytest.param(True, marks=pytest.mark.long)], ids=["threads", "processes"]
+)
+def test_dask_evaluates_as_well(processes):
     distributed = pytest.importorskip("distributed", reason="Dask's distributed is not installed")
     problem = excitation_problem(pa10(), [3, 4], harmonics=2, samples=40)
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
+            n_workers=2, threads_per_worker=1, processes=processes, dashboard_address=None
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
