@@ -86,7 +86,7 @@ def start_arm(path: Path) -> subprocess.Popen[str]:
     """The virtual arm on the real interface, outside of the service."""
     arm = subprocess.Popen(
         [sys.executable, "-m", "pa10d", "sim", "--profile", str(path)],
-        stderr=subprocess.PIPE, text=True, env={**os.environ, "NUMBA_CACHE_DIR": "/opt/numba"},
+        stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert arm.stderr is not None
     while "virtual arm on" not in (line := arm.stderr.readline()):
@@ -97,7 +97,7 @@ def start_arm(path: Path) -> subprocess.Popen[str]:
 
 def is_inactive() -> bool:
     """Whether the robot answers; a fault is acknowledged: drives may have stopped by themselves."""
-    with Client(f"http://127.0.0.1:{PORT}") as client:
+    with Client(f"http://127.0.0.1:{PORT}", name="rig") as client:
         state = client.robot()["state"]
         if state == "fault":
             client.reset()
@@ -145,6 +145,14 @@ def check_rest(what: str, within: float = 30.0) -> None:
 
 def started_anew(pid: str) -> bool:
     return show("ActiveState") == "active" and show("MainPID") not in (pid, "0")
+
+
+def keep_compiled() -> None:
+    """What the host's tests have compiled lies beside the sources; the unit compiles its own."""
+    folder = Path("/etc/systemd/system/pa10d.service.d")
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = ("[Service]", "Environment=NUMBA_CACHE_DIR=", f"ReadWritePaths={HERE.parents[1]}")
+    (folder / "rig.conf").write_text("\n".join(lines) + "\n")
 
 
 def installed(path: Path) -> None:
@@ -212,6 +220,7 @@ def analysed() -> None:
 
 def main() -> int:
     path = profile()
+    keep_compiled()
     arm = start_arm(path)
     try:
         installed(path)
