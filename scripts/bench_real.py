@@ -1,4 +1,5 @@
-"""Four real robots: identify on their training runs, judge on the validation run.
+"""Four real robots: identify on their training runs, judge on the validation run; then diagnose
+what is missing, add it, and judge again.
 
 The recordings lie beside the project (``../shared/data``) and are never part of it. ``plain`` is
 the validation RMS of a weighted least-squares fit with rigid bodies, Coulomb and viscous friction
@@ -9,13 +10,14 @@ torque offset per joint.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pa10d.compare import compare
+from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_urdf
 from pa10d.identify import identify
 from pa10d.recording import Recording
@@ -62,6 +64,12 @@ def load(robot: str, file: str, joints: int) -> Recording:
     return Recording(file.removesuffix(".csv"), found.timing.grid, s.q, s.tau, s.dq)
 
 
+def _all_valid(robot: str, joints: int) -> list[Recording]:
+    """Every validation run: two of one motion show the noise as it is."""
+    files = sorted((DATA / robot).glob("valid*.csv*"))
+    return [load(robot, file.name, joints) for file in files]
+
+
 def judge(name: str) -> dict[str, Any]:
     """Figures of one robot."""
     given = ROBOTS[name]
@@ -72,10 +80,18 @@ def judge(name: str) -> dict[str, Any]:
     plain = identify(train, robot, name=name, cutoff=given.cutoff)
     seconds = time.perf_counter() - started
     offset = identify(train, robot, name=name, cutoff=given.cutoff, with_effects=["torque_offset"])
-    rms = {
-        key: compare(model, [valid]).pooled.scores.rms
-        for key, model in (("plain", plain), ("offset", offset))
+    # the cut-off is ours to keep here: the figures to beat were taken at it
+    asked = replace(plain, notes={**plain.notes, "cutoff": {"chosen_by": "user"}})
+    started = time.perf_counter()
+    found = diagnose(asked, train, [valid])
+    diagnosis_seconds = time.perf_counter() - started
+    judged = {
+        key: compare(model, [valid]).pooled
+        for key, model in (("plain", plain), ("offset", offset), ("improved", found.model))
     }
+    rms = {key: pooled.scores.rms for key, pooled in judged.items()}
+    floor = compare(found.model, _all_valid(name, robot.n)).pooled.noise_floor
+    gone = np.maximum(rms["plain"] - rms["improved"], 0.0)
     return {
         "robot": name,
         "cutoff_hz": given.cutoff,
@@ -88,6 +104,17 @@ def judge(name: str) -> dict[str, Any]:
         "worst_ratio": round(float(np.max(rms["plain"] / given.plain)), 3),
         "rms_with_offset": _rounded(rms["offset"]),
         "figaroh_with_offset": list(given.offset),
+        "rms_improved": _rounded(rms["improved"]),
+        "ratio_to_better_reference": _rounded(
+            rms["improved"] / np.minimum(given.plain, given.offset)
+        ),
+        "found": [finding.term.label for finding in found.findings],
+        "unexplained": [
+            f"joint {u.joint + 1}: {', '.join(u.variables)}" for u in found.unexplained
+        ],
+        "noise_floor": _rounded(floor),
+        "share_of_way_to_floor": _rounded(gone / np.maximum(rms["plain"] - floor, 1e-12)),
+        "diagnose_s": round(diagnosis_seconds, 1),
         "feasible_train_rms": _rounded(plain.notes["feasible"]["rms"]),
         "train_rms": _rounded(plain.noise),
     }
@@ -114,10 +141,16 @@ def sentences(figures: dict[str, Any]) -> str:
             ("  to beat", "rms_to_beat"),
             ("with torque offset", "rms_with_offset"),
             ("  FIGAROH with offset", "figaroh_with_offset"),
+            ("improved", "rms_improved"),
+            ("  over the better reference", "ratio_to_better_reference"),
+            ("  noise floor", "noise_floor"),
+            ("  share of the way to it", "share_of_way_to_floor"),
             ("training RMS", "train_rms"),
             ("  with feasible parameters", "feasible_train_rms"),
         )
         lines += [f"  {label:28s}" + " ".join(f"{v:8.3g}" for v in r[key]) for label, key in rows]
+        lines.append(f"  found in {r['diagnose_s']} s: {'; '.join(r['found']) or 'nothing'}")
+        lines += [f"  unexplained: {entry}" for entry in r["unexplained"]]
     return "\n".join(lines)
 
 

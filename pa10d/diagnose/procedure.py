@@ -14,6 +14,7 @@ from pa10d.diagnose.errors_of import full_covariance, term_covariance
 from pa10d.diagnose.next_experiment import settle_doubt
 from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
 from pa10d.diagnose.search import STEPS, Judged, Search, Suspects, rms
+from pa10d.diagnose.settled import Settled
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import find_structure
@@ -133,7 +134,7 @@ def add(
             )
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
-    made = _snapshot(model, state, len(state.terms), f"added {added}")
+    made = _snapshot(model, state, settle(state), len(state.terms), f"added {added}")
     return replace(made, name=name, parent=model.name), warnings
 
 
@@ -168,23 +169,34 @@ def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
 def _versions(given: TorqueModel, state: State, count: int) -> tuple[TorqueModel, ...]:
     """One model per addition, each with its errors on the same held-out data."""
     out = []
+    settled = settle(state)
     for size in range(count, len(state.terms) + 1):
         label = "given model, refitted" if size == count else f"added {state.terms[size - 1].label}"
-        out.append(_snapshot(given, state, size, label))
+        out.append(_snapshot(given, state, settled, size, label))
     return tuple(out)
 
 
-def _snapshot(given: TorqueModel, state: State, size: int, change: str) -> TorqueModel:
+def settle(state: State) -> Settled | None:
+    """What models are stored with; a model that is not refitted stays as it is."""
+    return None if state.prior is not None else Settled.of(state)
+
+
+def _snapshot(
+    given: TorqueModel, state: State, settled: Settled | None, size: int, change: str
+) -> TorqueModel:
     part = state if size == len(state.terms) else state.bare(size, own_weights=True)
+    model = part.model
+    if settled is not None:
+        model = part.with_coefficients(settled.coefficients(len(part.fit.beta)))
     terms = []
-    for index, term in enumerate(part.terms):
+    for index, term in enumerate(model.terms):
         errors: dict[str, float] = dict(term.shape_errors)
         if index >= len(given.terms) and term.shape:
             errors = term_covariance(part, index)[1]
         terms.append(replace(term, shape_errors=errors))
     notes = {k: v for k, v in given.notes.items() if k not in ("warnings", "feasible")}
     return replace(
-        part.model,
+        model,
         terms=tuple(terms),
         covariance=full_covariance(part),
         noise=part.fit.rms(),

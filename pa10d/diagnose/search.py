@@ -20,7 +20,6 @@ from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import find_structure
 from pa10d.diagnose.timing import align
 from pa10d.effects import Effect
-from pa10d.equation import RunEquation
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
@@ -346,16 +345,10 @@ def moving_rms(state: State) -> Array:
     squares, counts = np.zeros(state.held.n), np.zeros(state.held.n)
     for run in state.held.runs:
         error = run.tau - run.lowpass(state.model.predict(run.context))
-        near = held_out_rows(run)
+        near = run.moving
         squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
         counts += near.sum(axis=0)
     return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
-
-
-def held_out_rows(run: RunEquation) -> NDArray[np.bool_]:
-    """(M, n): moving samples in the stretches of time that the held-out side has."""
-    whole = np.any(run.keep, axis=1)
-    return np.asarray(run.moving & whole[:, None])
 
 
 def harmful(before: Array, after: Array) -> bool:

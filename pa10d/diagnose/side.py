@@ -33,6 +33,7 @@ class Side:
         self.keep = [run.keep for run in self.runs]
         self.tau = [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
         self.contexts = [run.context for run in self.runs]
+        self._rigid: list[Array] | None = None
 
     def shift(self, seconds: float) -> None:
         """Move the torque of all runs earlier by this much (it was late against the motion)."""
@@ -48,8 +49,25 @@ class Side:
 
     def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
         """Filtered regressor columns."""
-        columns = [run.rigid_columns(kept) for run in self.runs]
+        columns = self.rigid_of_runs(kept)
         return {j: self._rows([c[:, j] for c in columns], j) for j in range(self.n)}
+
+    def rigid_of_runs(self, kept: NDArray[np.int64]) -> list[Array]:
+        """Per run (M, n, b), rows that do not count included."""
+        if self._rigid is None:
+            self._rigid = [run.rigid_columns(kept) for run in self.runs]
+        return self._rigid
+
+    def columns_of_runs(self, effect: Effect, joints: Sequence[int], shape: Shape) -> list[Array]:
+        """Per run (M, n, k) filtered columns of one effect, rows that do not count included."""
+        out = []
+        for run, context in zip(self.runs, self.contexts, strict=True):
+            columns = run.lowpass(effect.columns(context, joints, shape))
+            if not effect.reaches_other_joints:
+                own, columns = columns, np.zeros((len(columns), self.n, columns.shape[-1]))
+                columns[:, joints[0]] = own
+            out.append(columns)
+        return out
 
     def columns(self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape]) -> PerJoint:
         """Filtered columns of one effect for several shapes, side by side (k per shape)."""

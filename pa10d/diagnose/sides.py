@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.diagnose.side import Side
 from pa10d.equation import RunEquation, prepare
@@ -77,10 +78,13 @@ def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:
         seam[max(0, start - guard) : start + guard] = True
     even = (block % 2 == 0) & ~seam
     odd = (block % 2 == 1) & ~seam
-    return (
-        replace(run, keep=run.keep & even[:, None]),
-        replace(run, keep=run.keep & odd[:, None]),
-    )
+    return _within(run, even), _within(run, odd)
+
+
+def _within(run: RunEquation, rows: NDArray[np.bool_]) -> RunEquation:
+    """Nothing but these rows (M,) counts."""
+    whole = rows[:, None]
+    return replace(run, keep=run.keep & whole, moving=run.moving & whole, inside=run.inside & rows)
 
 
 def _equation(model: TorqueModel, recording: Recording) -> RunEquation:

@@ -100,7 +100,7 @@ class State:
             sigma = None if self.fit is None else self.fit.rms()
             self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.prior)
         self.held_matrix = self.matrix(1)
-        self.model = self._with(self.fit.beta)
+        self.model = self.with_coefficients(self.fit.beta)
         self.terms = list(self.model.terms)
 
     def relook(self) -> None:
@@ -109,7 +109,7 @@ class State:
         Loads are those of the coefficients that most samples agree on; a model that brings its
         own knowledge is not bent by a few samples anyway.
         """
-        model = self.model if self.prior is not None else self._with(agreed(self.fit))
+        model = self.model if self.prior is not None else self.with_coefficients(agreed(self.fit))
         self.train.look_through(model)
         self.held.look_through(model)
         for index, term in enumerate(self.terms):
@@ -153,7 +153,7 @@ class State:
             moved[j] = moved[j] + c @ theta
         return moved
 
-    def _with(self, beta: Array) -> TorqueModel:
+    def with_coefficients(self, beta: Array) -> TorqueModel:
         """The model with its terms and these coefficients."""
         start, fitted = len(self.model.h), []
         for term in self.terms:

@@ -1,0 +1,59 @@
+"""The coefficients that a model is stored with: fitted as identification fits them.
+
+A search leaves reversals out, because sticking there imitates many effects, and lets joints that
+fit well speak louder, because that finds small effects. A model that is to predict torque is
+fitted to all motion and weighted as the given model was, or its errors would not compare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.state import State
+from pa10d.identify.solution import estimate_weights, solve
+from pa10d.identify.triangle import Triangle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Per joint the triangular factors of [columns, torque] in motion and at rest."""
+
+    moving: list[Triangle]
+    rest: list[Triangle]
+
+    @classmethod
+    def of(cls, state: State) -> Settled:
+        """Of the fit side with all terms of the state."""
+        n, width = state.train.n, len(state.fit.beta) + 1
+        moving, rest = ([Triangle(width) for _ in range(n)] for _ in range(2))
+        for k, (run, columns) in enumerate(zip(state.train.runs, _columns(state), strict=True)):
+            still = run.inside[:, None] & ~run.moving
+            for j in range(n):
+                rows = np.column_stack([columns[:, j], state.train.runs[k].tau[:, j]])
+                moving[j].add(rows[run.moving[:, j]])
+                rest[j].add(rows[still[:, j]])
+        return cls(moving, rest)
+
+    def coefficients(self, count: int) -> Array:
+        """(count,) of the model with the first ``count`` columns only."""
+        factors, still = (
+            [t.without(np.s_[count:-1]) for t in side] for side in (self.moving, self.rest)
+        )
+        indices = [np.arange(count)] * len(factors)
+        sigma = estimate_weights(factors, still, indices, count)
+        return solve(factors, indices, count, sigma).beta
+
+
+def _columns(state: State) -> Iterator[Array]:
+    """Per run (M, n, p): every column of the state's model."""
+    side = state.train
+    rigid = side.rigid_of_runs(state.model.base.kept)
+    effects = [side.columns_of_runs(t.effect, t.joints, t.shape) for t in state.terms]
+    for k, columns in enumerate(rigid):
+        yield np.concatenate([columns, *[e[k] for e in effects]], axis=-1)
