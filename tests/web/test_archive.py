@@ -103,7 +103,8 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
     page.locator("#runs").wait_for()
     unnamed = page.evaluate(
         """[...document.querySelectorAll("button, input, select, a")].filter((one) =>
-          one.offsetParent && !one.textContent.trim() && !one.ariaLabel && !one.labels?.length && !one.title)
+          one.offsetParent && !one.textContent.trim() && !one.ariaLabel
+          && !one.labels?.length && !one.title)
           .map((one) => one.outerHTML)"""
     )
     assert not unnamed
@@ -152,3 +153,35 @@ def csv_text() -> str:
         for k in range(500)
     ]
     return "\n".join([head, *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("query", "status", "says"),
+    [
+        ("torque?model=m0&run=valid_a&joint=9", 400, "joint 9: expected a number from 1 to 7"),
+        ("torque?model=m0&run=none&joint=1", 404, "none"),
+        ("torque?model=m0&run=valid_a&joint=1&begin=3&end=2", 400, "begin before end"),
+        ("torque?model=m0&run=valid_a&joint=1&variable=x&low=0&high=1", 400, "variable 'x'"),
+        ("staircase?model=nobody&run=valid_a", 404, "nobody"),
+        ("versus?one=m0&other=m0", 422, "run"),
+    ],
+)
+def test_plots_say_what_is_wrong(archive, query, status, says):
+    url, _ = archive
+    answer = httpx.get(f"{url}/api/v1/plots/{query}", timeout=120, trust_env=False)
+    assert answer.status_code == status
+    assert says in answer.json()["detail"]
+
+
+def test_a_zoomed_plot_has_every_sample(archive):
+    url, _ = archive
+    whole, part = (
+        httpx.get(
+            f"{url}/api/v1/plots/torque?model=m0&run=valid_a&joint=4&raw=true{span}",
+            timeout=120, trust_env=False,
+        ).json()["figure"]["data"][0]
+        for span in ("", "&begin=20&end=23")
+    )  # fmt: skip
+    assert whole["dx"] > 0.01
+    assert part["dx"] == pytest.approx(0.002)
+    assert part["x0"] == pytest.approx(20.0, abs=0.002)
