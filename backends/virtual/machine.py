@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from backends.eds import eds_path
-from backends.frames import SIZE, frames
+from backends.frames import frames
 from backends.ports import Port
 from backends.scaling import scaling_of
 from backends.virtual.drive import TEMPERATURE, VirtualDrive
@@ -49,6 +49,7 @@ class VirtualArm:
             drive.node.on_routes = self._find_routes
         self._time = time.monotonic()  # up to which the plant was advanced
         self._until_temperature = 0.0
+        self._losing = False  # nobody took the last frames
         self.flush()
 
     def handle(self, packet: bytes) -> None:
@@ -85,11 +86,15 @@ class VirtualArm:
         """Send what waits. A full queue loses it, as in a drive; who listens misses it."""
         packet = b"".join(self._outbox)
         self._outbox.clear()
-        if packet:
-            try:
-                self.port.send(packet)
-            except OSError as error:
-                log.warning("%d frames of the drives are lost: %s", len(packet) // SIZE, error)
+        if not packet:
+            return
+        try:
+            self.port.send(packet)
+            self._losing = False
+        except OSError as error:
+            if not self._losing:  # said once, not with every cycle
+                log.warning("frames of the drives are lost: %s", error)
+            self._losing = True
 
     def _synced(self) -> None:
         self._release_held()

@@ -56,12 +56,14 @@ def make_profile(folder: Path, axes: int = 3, **changes: Any) -> Profile:
     return load_profile(path)
 
 
-def patient_eds(folder: Path) -> str:
-    """Our drive, but one that waits a second for a SYNC: for machines that keep no deadlines."""
+def patient_eds(folder: Path, milliseconds: int = 1000) -> str:
+    """Our drive, but one that waits longer for a SYNC: for machines that keep no deadlines."""
     text = OWN_EDS.read_text()
     at = text.index("[2F01]")
     path = folder / "patient.eds"
-    path.write_text(text[:at] + text[at:].replace("DefaultValue=50", "DefaultValue=1000", 1))
+    path.write_text(
+        text[:at] + text[at:].replace("DefaultValue=50", f"DefaultValue={milliseconds}", 1)
+    )
     return str(path)
 
 

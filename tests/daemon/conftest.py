@@ -32,10 +32,14 @@ class Bench:
 
     def start_simulator(self) -> None:
         options = ["sim", "--channel", self.channel, "--clock", self._clock]
-        self.simulator = subprocess.Popen(
-            [sys.executable, "-m", "pa10d", *options], stderr=subprocess.PIPE, text=True
-        )
-        assert "virtual arm on" in self.simulator.stderr.readline()
+        said = self.data / "simulator.log"  # a pipe that nobody reads would stop it once full
+        with said.open("w") as log:
+            self.simulator = subprocess.Popen(
+                [sys.executable, "-m", "pa10d", *options], stderr=log, text=True
+            )
+        while "virtual arm on" not in said.read_text():
+            assert self.simulator.poll() is None, said.read_text()
+            time.sleep(0.05)
         self.observer = Observer(self.channel)
 
     def start_daemon(self) -> None:
