@@ -23,7 +23,7 @@ class Scope:
 
 
 WHOLE = Scope(
-    hidden=(1, 2, 3, 4), boundary={"cycles": 6, "slow_cycles": 2}, generations=12, periods=4,
+    hidden=(1, 2, 3, 4), boundary={"cycles": 8, "slow_cycles": 3}, generations=12, periods=4,
     other=2, cycles=5, slow_cycles=2,
 )  # fmt: skip
 QUICK = Scope(
