@@ -1,7 +1,7 @@
 """A plant that nobody of the project wrote: Pinocchio's forward dynamics and dry friction.
 
-Friction is applied per joint after each step as far as it can stop the joint (time stepping), so
-that the arm really sticks. On joint 4 a Stribeck bump is added, in a form of its own.
+Friction is an impulse after each step, as far as it can stop the joint (time stepping), so that
+the arm really sticks. On joint 4 a Stribeck bump is added, in a form of its own.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-SUBSTEP = 0.5e-3  # s
+SUBSTEP = 1e-3  # s
+SWEEPS = 8
 
 
 class ForeignPlant:
@@ -38,11 +39,22 @@ class ForeignPlant:
         for _ in range(count):
             pull = self.torque - self.wet * self.v
             free = self.v + h * pin.aba(self.model, self.data, self.q, self.v, pull)
-            inertia = np.diag(pin.crba(self.model, self.data, self.q))
             level = self.dry + self.bump * np.exp(-np.abs(free) / self.speed)
-            loss = h * level / inertia
-            self.v = np.sign(free) * np.maximum(np.abs(free) - loss, 0.0)
+            self.v = self.stuck(free, h * level)
             self.q = self.q + h * self.v
+
+    def stuck(self, free, most):
+        """Speeds after dry friction, whose impulse stops a joint or is ``most``; on one joint it
+        is felt by all, so the joints are gone through until they agree."""
+        mass = np.triu(pin.crba(self.model, self.data, self.q))
+        give = np.linalg.inv(mass + np.triu(mass, 1).T)
+        impulse, speed = np.zeros(self.n), np.array(free)
+        for _ in range(SWEEPS):
+            for j in range(self.n):
+                wanted = np.clip(impulse[j] - speed[j] / give[j, j], -most[j], most[j])
+                speed += give[:, j] * (wanted - impulse[j])
+                impulse[j] = wanted
+        return speed
 
     def measure(self):
         return self.q.copy(), self.torque + self.level * self.rng.standard_normal(self.n)

@@ -103,7 +103,7 @@ def test_a_hidden_effect_is_named_and_the_error_falls(tmp_path, entry):
 @long
 def test_a_doubt_is_settled_by_the_experiment_that_the_diagnosis_asks_for(tmp_path):
     """At low speed a square of the speed looks like wide Stribeck friction; a sweep tells."""
-    entry = {"effect": "nonlinear_viscous", "joint": 5, "Fp": 0.5, "p": 2.0}
+    entry = {"effect": "nonlinear_viscous", "joint": 5, "Fp": 0.2, "p": 2.0}
     with bench(entry).running(tmp_path / "data") as arm:
         client = arm.client
         slow = {"cycles": 1, "fundamental": 0.025, "harmonics": 2}
