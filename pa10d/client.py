@@ -105,6 +105,11 @@ class Client:
         """Leave the bus; the arm must be unpowered."""
         return self._ask("POST", "/api/v1/robot/disconnect")
 
+    def let_others_command(self) -> None:
+        """Give the command of the arm back, where it is ours."""
+        with contextlib.suppress(UserError):
+            self._ask("DELETE", "/api/v1/robot/lease")
+
     def use_controller(self, controller: str, model: str | None = None) -> Document:
         """``pid``, or ``computed_torque`` with a model."""
         body = {"controller": controller, "model": model}

@@ -50,7 +50,10 @@ def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
         wanted = load_profile(options.profile).name
         if serves != wanted:
             note(f"the daemon on this data serves {serves}, not {wanted}")
-        yield client
+        try:
+            yield client
+        finally:
+            client.let_others_command()  # such as the next command of the same person
 
 
 def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> dict[str, Any]:
