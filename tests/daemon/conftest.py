@@ -94,6 +94,13 @@ class Bench:
         self.server.kill()
         _close(self.server)
 
+    def mend(self) -> None:
+        """Start again what is dead."""
+        if self.simulator.poll() is not None:
+            self.start_simulator()
+        if self.server.poll() is not None:
+            self.start_daemon()
+
     def end(self) -> None:
         for process in (self.server, self.simulator):
             if process is not None and process.poll() is None:
