@@ -113,6 +113,7 @@ def test_a_doubt_is_settled_by_the_experiment_that_the_diagnosis_asks_for(tmp_pa
         assert doubt["confounded_with"]
         assert doubt["next_experiment"]
 
+        client.let_others_command()
         plan = tmp_path / "plan.json"
         plan.write_text(json.dumps(doubt["next_experiment"]))
         command = [sys.executable, "-m", "pa10d", "--data", str(tmp_path / "data"), "--json"]
