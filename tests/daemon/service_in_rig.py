@@ -101,7 +101,8 @@ def is_inactive() -> bool:
         state = client.robot()["state"]
         if state == "fault":
             client.reset()
-        return bool(state == "inactive")
+        time.sleep(0.5)  # the first cycles may bring what the drives have to tell
+        return bool(state == client.robot()["state"] == "inactive")
 
 
 def answers(again: str = "") -> None:
