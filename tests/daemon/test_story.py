@@ -132,7 +132,8 @@ def test_a_doubt_is_settled_by_the_experiment_that_the_diagnosis_asks_for(tmp_pa
         assert made["experiments"][0]["plan"]["kind"] == doubt["next_experiment"]["kind"]
         first = made["findings"][0]
         assert (first["effect"], first["joints"]) == ("nonlinear_viscous", [5])
-        assert first["confounded_with"] == []
+        rivals = [c["effect"] for c in doubt["confounded_with"]]
+        assert not {c["effect"] for c in first["confounded_with"]} & set(rivals), "settled"
         assert client.model("better")["parent_name"] == "textbook"
 
 
