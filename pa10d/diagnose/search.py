@@ -17,7 +17,7 @@ from pa10d.diagnose.partial import partials
 from pa10d.diagnose.shapes import refine
 from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
-from pa10d.diagnose.structure import find_structure
+from pa10d.diagnose.structure import all_maps
 from pa10d.diagnose.timing import align
 from pa10d.effects import Effect
 from pa10d.model import Term
@@ -164,8 +164,11 @@ class Search:
             return []
         bare = self.state.bare(self.fixed)
         now = self.state.held_residual()
-        maps = find_structure(bare, concerned)
-        outdone = [m.joint for m in maps if m.outdoes(now, OUTDONE)]
+        outdone = [
+            maps[0].joint
+            for maps in all_maps(bare, concerned)
+            if any(m.outdoes(now, OUTDONE) for m in maps)
+        ]
         for index in reversed(range(self.fixed, len(self.state.terms))):
             if any(j in outdone for j in self.state.terms[index].joints):
                 self.state.drop(index)

@@ -7,7 +7,7 @@ residual. Noise, however coloured, is not predicted by motion; structure is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -27,16 +27,21 @@ FINE_KNOTS = 24  # of a map of one
 LEVEL = 0.01
 MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
 THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
-SHARE = 0.06  # of a joint's squared error that a map must remove to be worth a claim
+SHARE = 0.06  # of a joint's squared error, where the map knows, that it must remove to be a claim
 TRIED_PER_JOINT = 3
+FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
+KNOWN_GROUND = 1.0 / 3.0  # of the held-out samples: a map of less is no description of the joint
+UNKNOWN_GROUND = 0.1  # weight of such knots above which a held-out sample is none of the map's
 
 
 @dataclass(frozen=True)
 class Structure:
-    """A joint's residual depends on the named variables: share of its squared error, RMS N·m.
+    """A joint's residual depends on the named variables: share of its squared error that the map
+    removes where the fit side has been, RMS N·m.
 
     grid: the knots of each variable; values: the map on them, N·m (2-D where two variables)
-    inside: held-out rows within the knots; left: (N·m)², mean squared error there with the map
+    inside: held-out rows where the fit side has been; left: (N·m)², mean squared error there with
+    the map
     """
 
     joint: int
@@ -52,18 +57,24 @@ class Structure:
 
     def outdoes(self, residual: PerJoint, factor: float) -> bool:
         """Does another model leave more than ``factor`` times this map's squared error, on the
-        held-out samples that the map's knots cover?"""
+        held-out samples that the map knows about?"""
         other = float(np.mean(residual[self.joint][self.inside] ** 2))
         return other > factor * self.left
 
 
-def find_structure(state: State, joints: Sequence[int] | None = None) -> list[Structure]:
-    """The best significant map of every joint (or the given ones), strongest first."""
+def find_structure(state: State) -> list[Structure]:
+    """The best significant map of every joint, strongest first."""
+    found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, range(state.train.n))]
+    return sorted(found, key=lambda m: -m.share)
+
+
+def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
+    """The significant maps of each of the joints that have any."""
     motions = motion_variables(state.train), motion_variables(state.held)
     residual = state.held_residual()
     n = state.train.n
-    found, doubt = [], doubt_of(state)
-    for joint in range(n) if joints is None else joints:
+    doubt = doubt_of(state)
+    for joint in joints:
         tried = sorted(
             (_fit_map(state, motions[0], joint, names) for names in questions(joint, n)),
             key=lambda m: -m.gain,
@@ -72,8 +83,7 @@ def find_structure(state: State, joints: Sequence[int] | None = None) -> list[St
         judged = (_judge(state, motions[1], residual, m, among, doubt) for m in tried)
         results = [r for r in judged if r is not None]
         if results:
-            found.append(max(results, key=lambda r: r.share))
-    return sorted(found, key=lambda r: -r.share)
+            yield results
 
 
 def questions(joint: int, n: int) -> list[tuple[str, ...]]:
@@ -124,6 +134,7 @@ class _Map:
     values: Array
     gain: float
     absorbed: Array
+    visited: NDArray[np.bool_]
 
 
 def _rows(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
@@ -136,11 +147,12 @@ def _fit_map(
     fit = state.fit
     x = [_rows(state.train, motion, name, joint)[::THIN] for name in names]
     grid = tuple(knots(v, FINE_KNOTS if len(names) == 1 else KNOTS) for v in x)
-    columns = basis_of(x, grid) / fit.sigma[joint]
+    basis = basis_of(x, grid)
+    columns = basis / fit.sigma[joint]
     seen = THIN * (fit.basis[joint][::THIN].T @ columns)
     gram = THIN * (columns.T @ columns)
-    # two pseudo-observations per cell: a cell that was hardly visited says nothing
-    ridge = 2.0 * np.diag(gram).mean() / max(THIN * len(x[0]) / columns.shape[1], 1.0)
+    # pseudo-observations per cell: one that was hardly visited says nothing
+    ridge = FEW_VISITS * np.diag(gram).mean() / max(THIN * len(x[0]) / columns.shape[1], 1.0)
     left = gram - seen.T @ seen + ridge * np.eye(len(gram))
     rhs = THIN * (columns.T @ fit.residual[joint][::THIN])
     theta = np.linalg.solve(left, rhs)
@@ -149,7 +161,7 @@ def _fit_map(
     shape = tuple(len(g) for g in grid)
     return _Map(
         joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
-        fit.to_beta @ (seen @ theta),
+        fit.to_beta @ (seen @ theta), THIN * np.sum(basis**2, axis=0) > FEW_VISITS,
     )  # fmt: skip
 
 
@@ -163,11 +175,15 @@ def _judge(
 ) -> Structure | None:
     x = [_rows(state.held, motion, name, m.joint) for name in m.names]
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
-    values = basis_of(x, m.grid) @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
+    basis = basis_of(x, m.grid)
+    inside &= basis @ ~m.visited < UNKNOWN_GROUND
+    values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
     values = np.where(inside, values, 0.0)
     evidence = judge(state.held, residual, {m.joint: values}, doubt)
     r = residual[m.joint]
-    share = 1.0 - float(np.mean((r - values) ** 2) / np.mean(r**2))
+    if inside.mean() < KNOWN_GROUND:
+        return None
+    share = 1.0 - float(np.mean((r - values)[inside] ** 2) / np.mean(r[inside] ** 2))
     p = min(1.0, evidence.p_value * among)
     if p > LEVEL or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
         return None
