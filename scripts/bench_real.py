@@ -87,10 +87,10 @@ def judge(name: str) -> dict[str, Any]:
     diagnosis_seconds = time.perf_counter() - started
     judged = {
         key: compare(model, [valid]).pooled
-        for key, model in (("plain", plain), ("offset", offset), ("improved", found.model))
+        for key, model in (("plain", plain), ("offset", offset), ("improved", found.to_store[-1]))
     }
     rms = {key: pooled.scores.rms for key, pooled in judged.items()}
-    floor = compare(found.model, _all_valid(name, robot.n)).pooled.noise_floor
+    floor = compare(found.to_store[-1], _all_valid(name, robot.n)).pooled.noise_floor
     gone = np.maximum(rms["plain"] - rms["improved"], 0.0)
     return {
         "robot": name,

@@ -85,6 +85,12 @@ def _evidence(model: TorqueModel, context: Context, first: Term, second: Term) -
     target = first.torque(context) / model.noise
     columns = [second.full_columns(context) / model.noise[:, None]]
     for term in model.terms:
+        if (term.effect_id, term.joints, term.shape) == (
+            first.effect_id,
+            first.joints,
+            first.shape,
+        ):
+            continue  # the finding itself: the question is what the model makes of it without
         columns.append(term.full_columns(context) / model.noise[:, None])
     mask = moving.ravel()
     matrix = np.concatenate(columns, axis=2).reshape(-1, sum(c.shape[2] for c in columns))[mask]

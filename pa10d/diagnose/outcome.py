@@ -74,6 +74,7 @@ class Diagnosis:
 
     rms, noise_floor: (n,) N·m of the given model (refitted, unless frozen) on the held-out side
     model: with all findings fitted in; versions: one model per step, the given one first
+    to_store: the same fitted to all motion, as identification does, for use outside the search
     judged_on: in words, which data the fit has not seen
     """
 
@@ -85,6 +86,7 @@ class Diagnosis:
     unexplained: tuple[Structure, ...]
     model: TorqueModel
     versions: tuple[TorqueModel, ...]
+    to_store: tuple[TorqueModel, ...]
     judged_on: str
     frozen: bool
     warnings: tuple[str, ...] = field(default=())

@@ -84,6 +84,7 @@ def diagnose(
         unexplained=unexplained,
         model=versions[-1],
         versions=versions,
+        to_store=_to_store(state, versions),
         judged_on=words,
         frozen=frozen,
     )
@@ -134,8 +135,8 @@ def add(
             )
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
-    made = _snapshot(model, state, settle(state), len(state.terms), f"added {added}")
-    return replace(made, name=name, parent=model.name), warnings
+    made = _to_store(state, [_snapshot(model, state, len(state.terms))])[0]
+    return replace(made, name=name, change=f"added {added}"), warnings
 
 
 def in_band(model: TorqueModel) -> TorqueModel:
@@ -168,42 +169,52 @@ def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
 
 def _versions(given: TorqueModel, state: State, count: int) -> tuple[TorqueModel, ...]:
     """One model per addition, each with its errors on the same held-out data."""
-    out = []
-    settled = settle(state)
-    for size in range(count, len(state.terms) + 1):
-        label = "given model, refitted" if size == count else f"added {state.terms[size - 1].label}"
-        out.append(_snapshot(given, state, settled, size, label))
-    return tuple(out)
+    return tuple(_snapshot(given, state, size) for size in range(count, len(state.terms) + 1))
 
 
-def settle(state: State) -> Settled | None:
-    """What models are stored with; a model that is not refitted stays as it is."""
-    return None if state.prior is not None else Settled.of(state)
+def _to_store(state: State, versions: Sequence[TorqueModel]) -> tuple[TorqueModel, ...]:
+    """The versions with the coefficients that they are stored with; a model that is not refitted
+    stays as it is."""
+    if state.prior is not None:
+        return tuple(versions)
+    settled = Settled.of(state)
+    return tuple(_settled(state, settled, version) for version in versions)
 
 
-def _snapshot(
-    given: TorqueModel, state: State, settled: Settled | None, size: int, change: str
-) -> TorqueModel:
+def _settled(state: State, settled: Settled, version: TorqueModel) -> TorqueModel:
+    count = len(version.covariance)
+    beta = settled.coefficients(count)
+    start, terms = len(version.h), []
+    for term in version.terms:
+        stop = start + len(term.coefficients)
+        terms.append(replace(term, coefficients=beta[start:stop]))
+        start = stop
+    left = {j: state.held.tau[j] - c[:, :count] @ beta for j, c in state.held_matrix.items()}
+    return replace(
+        version, h=beta[: len(version.h)], terms=tuple(terms), held_out={"held out": rms(left)}
+    )
+
+
+def _snapshot(given: TorqueModel, state: State, size: int) -> TorqueModel:
+    """The model with the first ``size`` terms, as the search sees it."""
     part = state if size == len(state.terms) else state.bare(size, own_weights=True)
-    model = part.model
-    if settled is not None:
-        model = part.with_coefficients(settled.coefficients(len(part.fit.beta)))
+    refitted = size == len(given.terms)
     terms = []
-    for index, term in enumerate(model.terms):
+    for index, term in enumerate(part.terms):
         errors: dict[str, float] = dict(term.shape_errors)
         if index >= len(given.terms) and term.shape:
             errors = term_covariance(part, index)[1]
         terms.append(replace(term, shape_errors=errors))
     notes = {k: v for k, v in given.notes.items() if k not in ("warnings", "feasible")}
     return replace(
-        model,
+        part.model,
         terms=tuple(terms),
         covariance=full_covariance(part),
         noise=part.fit.rms(),
         shift=part.train.runs[0].shift,
         standard=None,
         feasible=False,
-        change=change,
+        change="given model, refitted" if refitted else f"added {terms[-1].label}",
         parent=given.name,
         runs=tuple(dict.fromkeys(run.name for run in part.train.runs)),
         held_out={"held out": rms(part.held_residual())},

@@ -30,7 +30,7 @@ THIN = 2  # rows left out between: the equation keeps twice as many as its band 
 SHARE = 0.06  # of a joint's squared error, where the map knows, that it must remove to be a claim
 TRIED_PER_JOINT = 3
 FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
-KNOWN_GROUND = 1.0 / 3.0  # of the held-out samples: a map of less is no description of the joint
+KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
 UNKNOWN_GROUND = 0.1  # weight of such knots above which a held-out sample is none of the map's
 
 

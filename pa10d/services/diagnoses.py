@@ -41,7 +41,7 @@ class Improved:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
             {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
-            for i, m in zip(self.infos, self.diagnosis.versions[1:], strict=False)
+            for i, m in zip(self.infos, self.diagnosis.to_store[1:], strict=False)
         ]
         for entry in made:
             entry["held_out"] = [float(v) for v in entry["held_out"]]
@@ -131,7 +131,7 @@ def _changed(
             "of the arm after the change, and a model identified before it"
         )
     parent = library.models.find(model).name
-    return replace(found.versions[-1], name=name, parent=parent)
+    return replace(found.to_store[-1], name=name, parent=parent)
 
 
 def improve_model(
@@ -169,7 +169,7 @@ def store_versions(
     """Every step of a diagnosis as a stored version, each the parent of the next; the last one has
     the given name, the ones before it NAME.1, NAME.2 …"""
     parent = library.models.find(model).name
-    steps = found.versions[1:]
+    steps = found.to_store[1:]
     infos = []
     for number, version in enumerate(steps, 1):
         own = name if number == len(steps) else f"{name}.{number}"
