@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 REPEATS, STANDSTILL, ABOVE = "repeated motion", "standstill", "high frequencies"
 FEWEST = 50  # samples of a difference
 REST = 1.0  # s of standstill, at least
+WINDOW = 6.0  # periods of the cut-off: of one look at a joint at rest
 STILL = 1e-3  # of a joint's range: it may move this much and still stand
 SECONDS = 1.0  # of one segment of the spectrum
 BAND = (1.5, 4.0)  # cut-offs between which the error's spectrum is taken as the noise's
@@ -83,22 +84,29 @@ def _above(run: RunResidual, joint: int) -> tuple[float, int]:
 
 
 def _at_rest(run: RunResidual, joint: int) -> tuple[float, int]:
-    """Variance of the filtered torque about a straight line while the joint stands still, and
-    from how many samples."""
+    """Variance of the filtered torque about straight lines while the joint stands still, the
+    median over short windows, and from how many samples.
+
+    A servo that hunts within stiction winds its torque up and lets it go: within a window the
+    winding is a line, and the median does not see the letting go.
+    """
     settle = run.equation.lowpass.settle
     q = run.decimated(run.seen.q)[:, joint]
     reach = STILL * float(np.ptp(q))
     still = ~run.equation.moving[:, joint]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
-    total, samples = 0.0, 0
+    length = max(8, round(WINDOW * run.equation.rate / run.equation.lowpass.cutoff))
+    variances = []
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         start, stop = start + settle, stop - settle  # the filter still sees the motion there
         if stop - start < REST * run.equation.rate or np.ptp(q[start:stop]) > reach:
             continue
-        rest = scipy.signal.detrend(run.measured[start:stop, joint])
-        total += float(np.sum(rest**2))
-        samples += stop - start
-    return (total / samples if samples else 0.0), samples
+        for begin in range(start, stop - length + 1, length):
+            rest = scipy.signal.detrend(run.measured[begin : begin + length, joint])
+            variances.append(float(np.mean(rest**2)))
+    # a line takes two of the 2·WINDOW independent values that a window has in the band
+    share = 1.0 - 1.0 / WINDOW
+    return (float(np.median(variances)) / share if variances else 0.0), len(variances) * length
 
 
 def _pooled(parts: list[tuple[float, int]]) -> float:
