@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -36,6 +37,14 @@ def test_an_offset_and_a_spring_are_told_apart_by_moving_farther(model):
     built = validated(KINDS[plan["kind"]], plan["parameters"]).build(Surroundings.of(robot()))
     moved = built.sample(50.0)
     assert np.all(np.abs(moved.q) <= robot().upper + 1e-9)
+
+
+def test_a_finding_that_is_in_the_model_already_is_asked_about_as_if_it_were_not(model):
+    """The diagnosis asks after it has added the finding."""
+    offset = candidate("torque_offset", 1, [0.5])
+    spring = candidate("spring", 1, [0.02, -0.5])
+    grown = replace(model, terms=(*model.terms, spring.term))
+    assert settle_doubt(grown, spring, [offset]) == settle_doubt(model, spring, [offset])
 
 
 def test_stribeck_and_presliding_get_an_experiment_of_their_joint(model):
