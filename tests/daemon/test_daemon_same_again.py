@@ -37,6 +37,7 @@ def _values(samples):
     return [np.ascontiguousarray(a).tobytes() for a in arrays]
 
 
+@pytest.mark.long  # tests/bus shows the same without a daemon
 def test_recordings_are_identical_to_the_bit(tmp_path):
     first, second = recordings(tmp_path / "a", waits=(0.0, 0.0))
     again, second_again = recordings(tmp_path / "b", waits=(0.7, 0.3))

@@ -46,5 +46,5 @@ class Backlash(Effect):
         return twisted_torque(context, joints[0], stiffness, CONTACT_DAMPING, gaps)[..., None]
 
     def starts(self, context, joints):
-        # closely: a gap a fifth too wide or too narrow has its knocks at other moments
-        return [{"b": float(b)} for b in np.geomspace(4e-4, 0.03, 21)]
+        # closely: a gap a quarter too wide or too narrow has its knocks at other moments
+        return [{"b": float(b)} for b in np.geomspace(4e-4, 0.03, 17)]
