@@ -100,6 +100,8 @@ class Driver:
         self._last: tuple[float, Any] | None = None
         self._amplitude, self._omega = amplitude, 2 * np.pi * frequency
         self._due = time.monotonic()
+        self.reach = 0.0
+        """The furthest from zero that any joint has been, rad."""
 
     def torque(self, feedback: Feedback, moving: bool = True) -> Any:
         now, q = feedback.time, feedback.q.copy()
@@ -125,6 +127,7 @@ class Driver:
             self._due = max(self._due + self.arm.period, time.monotonic() - self.arm.period)
         feedback = self.arm.read()
         self.arm.write(self.torque(feedback))
+        self.reach = max(self.reach, float(np.abs(feedback.q).max()))
         return feedback
 
     def run(self, seconds: float) -> Feedback:

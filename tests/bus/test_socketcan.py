@@ -59,7 +59,7 @@ def test_the_whole_life(arm: CanopenBackend, profile: Profile) -> None:
     feedback = driver.run(4.0)
     assert {state_of(int(s)) for s in feedback.status} == {State.ENABLED}
     assert np.ptp(feedback.q) < 0.05, "seven equal axes move alike"
-    assert np.abs(feedback.q).max() > 0.01
+    assert driver.reach > 0.05, "it swings; where it is at the end depends on the clock"
     arm.quick_stop()
     driver.until(lambda f: {state_of(int(s)) for s in f.status} == {State.DISABLED})
     arm.enable(driver.hold)
