@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import logging
@@ -29,7 +30,7 @@ from pa10d.profile import Profile
 LOCK = ".daemon.lock"
 PATIENCE = 20.0  # s for which an older daemon's control process may still bring its arm to rest
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
-MAY_TAKE = 20  # s for open requests once told to end
+MAY_TAKE = 5  # s for open requests once told to end
 
 log = logging.getLogger("pa10d")
 
@@ -87,7 +88,18 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
         )  # fmt: skip
         if settings.attached:
             threading.Thread(target=_end_with_input, daemon=True).start()
-        uvicorn.Server(config).run(sockets=[listener])
+        _Server(config, daemon).run(sockets=[listener])
+
+
+class _Server(uvicorn.Server):
+    """The arm does not wait for open requests: it comes to rest as soon as we are told to end."""
+
+    def __init__(self, config: uvicorn.Config, daemon: Daemon) -> None:
+        super().__init__(config)
+        self._daemon = daemon
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        await asyncio.gather(self._daemon.close(), super().shutdown(sockets))
 
 
 def _end_with_input() -> None:

@@ -62,25 +62,30 @@ class Child:
         return child
 
     async def ready(self, timeout: float) -> bool:
-        """Whether it said that it is ready, in time and before it ended."""
+        """Whether it said that it is ready, in time and before it ended; nobody else ends it if
+        this is cancelled."""
         ended = asyncio.ensure_future(self.process.wait())
         said = asyncio.ensure_future(self._ready.wait())
-        await asyncio.wait((ended, said), timeout=timeout, return_when=asyncio.FIRST_COMPLETED)
-        for task in (ended, said):
-            if not task.done():
+        try:
+            await asyncio.wait((ended, said), timeout=timeout, return_when=asyncio.FIRST_COMPLETED)
+        except asyncio.CancelledError:
+            await self.end(0.0, polite=False)
+            raise
+        finally:
+            for task in (ended, said):
                 task.cancel()
         return self._ready.is_set()
 
     async def end(self, timeout: float, polite: bool = True) -> None:
-        """Close the pipe, which tells it to end; kill it when it does not."""
+        """Tell it to end, or close the pipe, which says the same; kill it once time is over."""
         if polite:
             with contextlib.suppress(LinkClosed):
                 self.link.tell("end")
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.process.wait(), timeout)
-        self.link.close()
+        else:
+            self.link.close()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self.process.wait(), timeout)
+        self.link.close()
         if self.process.returncode is None:
             with contextlib.suppress(ProcessLookupError):
                 self.process.kill()

@@ -25,6 +25,8 @@ from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
 MOVING = ("experiment", "series", "improvement")  # kinds of jobs that move the arm
+END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
+FOR_THE_ARM = 4.0  # s of it are kept for control, should jobs not end at once
 
 log = logging.getLogger("pa10d.daemon")
 
@@ -56,6 +58,7 @@ class Daemon:
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
         self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
         self._tasks: list[asyncio.Task[None]] = []
+        self._ending: asyncio.Future[None] | None = None
 
     @property
     def uptime(self) -> float:
@@ -76,10 +79,22 @@ class Daemon:
         notify("READY=1", f"STATUS=serving {self.profile.name}")
 
     async def close(self) -> None:
-        """The arm comes to rest first, then everything ends."""
+        """The arm comes to rest first, then everything ends. Whoever asks again waits for it."""
+        if self._ending is None:
+            self._ending = asyncio.ensure_future(self._end())
+        await asyncio.shield(self._ending)
+
+    async def _end(self) -> None:
+        """One limit for all of it: whatever does not end by itself in time is killed."""
         notify("STOPPING=1")
-        await self.jobs.close()
-        await self.robot.close()
+        clock = asyncio.get_running_loop().time
+        began = clock()
+        until = began + END_TIME + self.robot.braking_time
+        self.robot.keep_no_more()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout_at(until - FOR_THE_ARM):
+                await self.jobs.close()
+        await self.robot.close(until - clock())
         for task in self._tasks:
             task.cancel()
         for ended in await asyncio.gather(*self._tasks, return_exceptions=True):
@@ -89,6 +104,7 @@ class Daemon:
         self.viewer.close()
         if self.simulator is not None:
             await self.simulator.close()
+        log.info("ended in good order within %.1f s", clock() - began)
 
     async def _provide_bus(self) -> None:
         if self.simulator is not None:

@@ -29,7 +29,7 @@ RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
-STOP_TIME = 15.0  # s that control may take to bring the arm to rest when the daemon ends
+LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
 GONE = {
     "kind": "control_gone",
     "joint": None,
@@ -68,7 +68,9 @@ class RobotProcess:
         self._told: Message = {"state": "offline", "fault": None, "controller": "pid"}
         self._gone: Message | None = None
         self._changed = asyncio.Condition()
-        self._tasks: list[asyncio.Task[None]] = []
+        self._keepers: list[asyncio.Task[None]] = []
+        self._alive: asyncio.Task[None] | None = None
+        self._keeps = True
         self._wanted = True  # connected whenever possible
         self.bus_ready = asyncio.Event()  # nobody answers before that
         self._awaited: dict[str, asyncio.Future[Message]] = {}
@@ -81,21 +83,28 @@ class RobotProcess:
             self.why_offline = f"profile {self.profile.name} names no drives"
             return
         loop = asyncio.get_running_loop()
-        self._tasks = [
+        self._keepers = [
             loop.create_task(self._keep_control()),
             loop.create_task(self._keep_recorder()),
-            loop.create_task(self._stay_alive()),
         ]
+        self._alive = loop.create_task(self._stay_alive())
 
-    async def close(self) -> None:
-        """Bring the arm to rest and end both processes."""
-        for task in self._tasks:
+    def keep_no_more(self) -> None:
+        """A process that ends from now on is not started again."""
+        self._keeps = False
+        for task in self._keepers:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def close(self, seconds: float) -> None:
+        """Bring the arm to rest and end both processes; what has not ended by then is killed."""
+        self.keep_no_more()
+        await asyncio.gather(*self._keepers, return_exceptions=True)
         if self.control is not None:
-            await self.control.end(STOP_TIME)
+            await self.control.end(seconds - LAST_WORDS)
         if self.recorder is not None:
-            await self.recorder.end(STOP_TIME, polite=False)
+            await self.recorder.end(LAST_WORDS, polite=False)
+        if self._alive is not None:
+            self._alive.cancel()
 
     # -- what is known ----------------------------------------------------------------------
 
@@ -113,6 +122,13 @@ class RobotProcess:
     def moving(self) -> bool:
         """Whether torque is on."""
         return self.state in ("holding", "running", "stopping")
+
+    @property
+    def braking_time(self) -> float:
+        """s that the arm needs at most to come to rest along its limits."""
+        with np.errstate(all="ignore"):
+            longest = float(np.max(self.robot.velocity / self.robot.acceleration))
+        return longest if np.isfinite(longest) else 0.0
 
     def document(self) -> dict[str, Any]:
         """All there is to know, for clients."""
@@ -212,7 +228,7 @@ class RobotProcess:
     async def record(self, do: str, **fields: Any) -> Message:
         """Ask the recorder; where it is being started again, that is waited for."""
         until = time.monotonic() + START_TIME
-        while self.recorder is None and time.monotonic() < until:
+        while self.recorder is None and self._keeps and time.monotonic() < until:
             await asyncio.sleep(0.1)
         if self.recorder is None:
             raise CommandRefused({"detail": "the recorder does not start; look at the log"})
@@ -347,7 +363,7 @@ class RobotProcess:
             "needed": [ArmState.INACTIVE.label],
             "detail": f"{do}: {self.why_offline}",
             "remedy": "wait a few seconds, then look at the robot's state again"
-            if self._tasks
+            if self._keepers
             else "add 'drives' to the profile, one entry per joint",
         }
 

@@ -22,6 +22,7 @@ from pa10d.errors import UserError
 from pa10d.profile import Profile
 
 START_TIME = 120.0  # s; the plant may have to be compiled
+END_TIME = 2.0  # s; nothing is lost where it is killed
 READY = "ready"
 PRIORITY = 70  # below the control process: drives answer in time, but do not hold the loop up
 
@@ -70,7 +71,7 @@ class Simulator:
         with contextlib.suppress(ProcessLookupError):
             self.process.terminate()
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self.process.wait(), 5.0)
+            await asyncio.wait_for(self.process.wait(), END_TIME)
         if self.process.returncode is None:
             self.process.kill()
             await self.process.wait()

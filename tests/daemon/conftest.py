@@ -6,9 +6,11 @@ import contextlib
 import json
 import os
 import signal
+import statistics
 import subprocess
 import sys
 import time
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,8 @@ from bus_observer import Observer
 from pa10d.client import Client, running_at
 
 START_MOVING = 80.0  # s from request to motion: on a busy machine planning takes long
+
+REST = "seconds to rest"
 
 
 class Bench:
@@ -94,6 +98,15 @@ class Bench:
         self.server.kill()
         _close(self.server)
 
+    def tell_daemon_to_end(self) -> None:
+        """As systemd does."""
+        self.server.send_signal(signal.SIGTERM)
+
+    def wait_for_its_end(self, seconds: float) -> None:
+        """Until the daemon is gone."""
+        self.server.wait(seconds)
+        _close(self.server)
+
     def mend(self) -> None:
         """Start again what is dead."""
         if self.simulator.poll() is not None:
@@ -139,3 +152,25 @@ def bench(tmp_path_factory):
 @pytest.fixture
 def data(bench):
     return bench.data
+
+
+@pytest.fixture
+def took_to_rest(request):
+    """Note the s that the arm took; the end of the session tells median and most of them."""
+    name = request.node.originalname
+    return lambda seconds: request.node.user_properties.append((REST, (name, seconds)))
+
+
+def pytest_terminal_summary(terminalreporter):
+    """How soon the arm was at rest, per kind of test."""
+    took = defaultdict(list)
+    for report in terminalreporter.getreports("passed"):
+        for key, value in report.user_properties:
+            if key == REST and report.when == "call":
+                took[value[0]].append(value[1])
+    if took:
+        terminalreporter.section("s to rest")
+    for name, seconds in took.items():
+        median, most = statistics.median(seconds), max(seconds)
+        line = f"{name}: {len(seconds)} times, median {median:.2f}, most {most:.2f}"
+        terminalreporter.write_line(line)

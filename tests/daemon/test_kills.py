@@ -56,10 +56,10 @@ def recover(bench):
         time.sleep(0.2)
 
 
-def test_control(bench, moment):
+def test_control(bench, moment, took_to_rest):
     job = bench.start_moving(moment)
     os.kill(bench.pid_of("pa10d.control"), signal.SIGKILL)
-    bench.observer.wait_for_rest(REST)
+    took_to_rest(bench.observer.wait_for_rest(REST))
     with pytest.raises(JobFailed):
         bench.client.wait(job)
     robot = bench.client.robot()
@@ -69,12 +69,12 @@ def test_control(bench, moment):
     recover(bench)
 
 
-def test_recorder(bench, moment):
+def test_recorder(bench, moment, took_to_rest):
     job = bench.start_moving(moment)
     os.kill(bench.pid_of("pa10d.recorder"), signal.SIGKILL)
+    took_to_rest(bench.observer.wait_for_rest(REST))
     with pytest.raises(JobFailed, match="recorder"):
         bench.client.wait(job)
-    bench.observer.wait_for_rest(REST)
     assert bench.client.robot()["state"] == "inactive"
     run = wait_for_run(bench)
     assert run.status == "failed"
@@ -96,7 +96,7 @@ def kill_workers(bench):
         os.kill(pid, signal.SIGKILL)
 
 
-def test_worker(bench, moment):
+def test_worker(bench, moment, took_to_rest):
     """A job ends, nothing else: the arm goes on until it is stopped."""
     moving = bench.start_moving(0.0)
     long = {"kind": "excitation", "parameters": {"cycles": 60}}
@@ -107,9 +107,9 @@ def test_worker(bench, moment):
         bench.client.wait(job)
     assert bench.client.robot()["state"] == "running"
     bench.client.stop()
+    took_to_rest(bench.observer.wait_for_rest(REST))
     with pytest.raises(JobFailed, match="stopped"):
         bench.client.wait(moving)
-    bench.observer.wait_for_rest(REST)
     assert wait_for_run(bench).status == "stopped"
 
 
@@ -121,23 +121,25 @@ def test_an_idle_worker_is_not_missed(bench):
     assert bench.client.check_experiment(asked)["go"]
 
 
-def test_virtual_arm(bench, moment):
+def test_virtual_arm(bench, moment, took_to_rest):
     """The drives vanish: a named fault, and the run stays."""
     job = bench.start_moving(moment)
+    began = time.monotonic()
     bench.kill_simulator()
+    bench.client.wait_for_robot("fault")
+    took_to_rest(time.monotonic() - began)  # no torque is sent any more
     with pytest.raises(JobFailed):
         bench.client.wait(job)
-    bench.client.wait_for_robot("fault")
     assert wait_for_run(bench).status == "aborted"
     bench.start_simulator()
     recover(bench)
 
 
-def test_daemon(bench, moment):
+def test_daemon(bench, moment, took_to_rest):
     """Control brings the arm to rest along its limits; the next daemon finds run and arm whole."""
     bench.start_moving(moment)
     bench.kill_daemon()
-    bench.observer.wait_for_rest(REST)
+    took_to_rest(bench.observer.wait_for_rest(REST))
     run = wait_for_run(bench)
     assert run.status == "aborted"
     if "SYNC missing" not in run.reason:  # on a busy machine the drives may have been first
