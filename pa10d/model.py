@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects import Context, Effect, Value, effect
+from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 
@@ -111,6 +112,19 @@ class TorqueModel:
     def std_errors(self) -> Array:
         """(p,) standard errors of [h, coefficients]."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def possible(self) -> TorqueModel:
+        """The same effects on bodies that can exist: ``standard`` instead of ``h``, and with it
+        the coefficients that the feasible fit found within their bounds."""
+        if self.standard is None:
+            raise UserError(f"model {self.name!r} has no feasible standard parameters")
+        found = self.notes.get("feasible", {}).get("coefficients", {})
+        own = iter(self.parameter_names()[len(self.h) :])
+        terms = []
+        for term in self.terms:
+            values = [found.get(next(own), float(value)) for value in term.coefficients]
+            terms.append(replace(term, coefficients=np.array(values)))
+        return replace(self, h=self.base.of(self.standard), terms=tuple(terms))
 
     def parameter_names(self) -> list[str]:
         """Names of [h, coefficients], such as ``Izz4`` or ``coulomb J2: Fc``."""
