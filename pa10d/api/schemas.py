@@ -255,6 +255,10 @@ class IdentifyRequest(Strict):
     name: Name
     cutoff: float | None = Field(None, gt=0, le=10_000, description="Hz; default: from the data")
     with_effects: Annotated[list[EffectId], Field(max_length=32)] = []
+    robust: bool = Field(False, description="Let samples far off the model count less")
+    faster_than: Annotated[list[float], Field(max_length=64)] | None = Field(
+        None, description="rad/s per joint: fit only samples in which the joint is faster"
+    )
     replace: bool = False
 
 

@@ -32,6 +32,10 @@ def add_commands(commands: Commands) -> None:
         help="rad/s per joint: fit only samples in which the joint is faster, where friction is "
         "linear",
     )  # fmt: skip
+    parser.add_argument(
+        "--robust", action="store_true",
+        help="let samples far off the model count less: knocks, collisions, glitches",
+    )  # fmt: skip
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
     parser = commands.add("compare", compare, "how large a model's error is, and where")
@@ -47,7 +51,8 @@ def identify(options: argparse.Namespace) -> Answer:
     made = identify_runs(
         _library(options), options.runs, options.profile, name=options.name,
         cutoff=options.cutoff, with_effects=options.effects,
-        faster_than=options.faster_than, replace=options.replace, progress=_progress,
+        robust=options.robust, faster_than=options.faster_than, replace=options.replace,
+        progress=_progress,
     )  # fmt: skip
     found = made.summary
     for warning in found.get("warnings", ()):

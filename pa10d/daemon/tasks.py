@@ -40,6 +40,8 @@ def identify(
     name: str,
     cutoff: float | None,
     with_effects: list[str],
+    robust: bool,
+    faster_than: list[float] | None,
     replace: bool,
     progress: Progress,
 ) -> dict[str, Any]:
@@ -49,7 +51,7 @@ def identify(
 
     return identify_runs(
         open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
-        replace=replace, progress=progress,
+        robust=robust, faster_than=faster_than, replace=replace, progress=progress,
     ).summary  # fmt: skip
 
 

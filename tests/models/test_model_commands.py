@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pa10d.api.schemas import IdentifyRequest
 from pa10d.cli import main
+from pa10d.daemon import tasks
 from pa10d.dynamics import regressor
+from pa10d.services.library import open_library
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "compare"))
 import compare_arm as arm
@@ -76,6 +79,34 @@ def test_identify_answers_as_promised(ask, data):
     assert len(found["rms"]) == 3
     status, again, _ = ask("model", "show", found["id"])
     assert again["runs"] == ["fit", "one"]
+
+
+@pytest.mark.parametrize("option", [["--robust"], ["--faster-than", "0.05", "0.05", "0.05"]])
+def test_what_counts_in_a_fit_is_asked_for(ask, data, option):
+    name = option[0].strip("-")
+    plain = ask("model", "show", "m0")[1]
+    status, found, _ = ask(
+        "identify", "fit", "--profile", profile(data), "--name", name, "--cutoff", "10", *option
+    )
+    assert status == 0
+    kept = open_library(data / "store").models
+    notes = kept.load(kept.find(name)).notes
+    assert notes["robust"] == (name == "robust")
+    assert notes.get("faster_than") == (None if name == "robust" else [0.05] * 3)
+    assert found["rms"] != plain["rms"]
+
+
+def test_the_daemon_takes_the_options_of_the_command(ask, data):
+    """What a request carries arrives at the fit, under the same names."""
+    asked = IdentifyRequest(runs=["fit"], name="by request", cutoff=10, robust=True)
+    found = tasks.identify(
+        str(data / "store"), **asked.model_dump(), profile=profile(data), progress=lambda *_: None
+    )
+    by_command = ask(
+        "identify", "fit", "--profile", profile(data), "--name", "by command", "--cutoff", "10",
+        "--robust",
+    )[1]  # fmt: skip
+    assert found["rms"] == by_command["rms"]
 
 
 def test_compare_finds_what_was_put_in(ask):
