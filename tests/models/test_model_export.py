@@ -132,6 +132,31 @@ def test_urdf_keeps_friction_and_says_what_it_cannot():
     ]
 
 
+def test_friction_in_a_urdf_is_the_feasible_sets():
+    """The free fit may have it negative; a simulator would gain energy from that."""
+    import xml.etree.ElementTree as ET
+    from dataclasses import replace
+
+    model = examples.textbook()
+    names = model.parameter_names()[len(model.h) :]
+    bounded = dict.fromkeys(names, 0.5) | {"viscous J2: Fv": 0.0}
+    notes = model.notes | {"feasible": {"coefficients": bounded, "rms": [1.0] * 4}}
+    text, _ = urdf_with_inertia(replace(model, notes=notes), "test")
+    joints = {joint.get("name"): joint for joint in ET.fromstring(text).findall("joint")}
+    assert joints["j2"].find("dynamics").attrib == {"damping": "0.0", "friction": "0.5"}
+
+
+def test_the_possible_model_stands_on_the_feasible_bodies():
+    from dataclasses import replace
+
+    model = examples.textbook()
+    possible = model.possible()
+    assert possible.h == pytest.approx(model.base.of(model.standard), abs=1e-14)
+    assert [t.label for t in possible.terms] == [t.label for t in model.terms]
+    with pytest.raises(UserError, match="no feasible standard parameters"):
+        replace(model, standard=None).possible()
+
+
 def test_urdf_needs_feasible_parameters():
     from dataclasses import replace
 
