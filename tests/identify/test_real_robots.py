@@ -18,9 +18,10 @@ bench_real = importlib.import_module("bench_real")
 
 @pytest.mark.parametrize("name", sorted(bench_real.ROBOTS))
 def test_validation_error_is_within_five_percent_of_plain_least_squares(shared_data, name):
-    found = bench_real.judge(name)
-    ratio = np.array(found["rms"]) / found["rms_to_beat"]
-    assert np.all(ratio <= 1.05), ratio
+    found = bench_real.fitted(bench_real.case(name))
+    assert found["worst_ratio"]["rms"] <= 1.05, found["rms"]
+    # with what it hides in impossible bodies said by name, the feasible set is as good
+    assert found["worst_ratio"]["rms_with_both_feasible"] <= 1.05, found
     assert found["feasible"]
 
 
