@@ -27,6 +27,7 @@ class Term:
 
     joints: 0-based; empty for a robot-wide effect
     coefficients (k,), shape: name -> value, shape_errors: name -> standard error
+    over: quantities of a map
     """
 
     effect_id: str
@@ -34,17 +35,17 @@ class Term:
     coefficients: Array
     shape: dict[str, float] = field(default_factory=dict)
     shape_errors: dict[str, float] = field(default_factory=dict)
+    over: tuple[str, ...] = ()
 
     @property
     def effect(self) -> Effect:
         """The effect's class instance."""
-        return effect(self.effect_id)
+        return effect(self.effect_id, self.over)
 
     @property
     def label(self) -> str:
         """``stribeck J4`` (joints numbered from 1)."""
-        joints = ",".join(str(j + 1) for j in self.joints)
-        return f"{self.effect_id} J{joints}" if joints else self.effect_id
+        return label(self.effect_id, [j + 1 for j in self.joints], self.over)
 
     def full_columns(self, context: Context) -> Array:
         """(N, n, k) torque per unit coefficient at the raw rate."""
@@ -59,6 +60,12 @@ class Term:
         out = np.zeros_like(context.q)
         out[:, self.joints[0]] = columns @ self.coefficients
         return out
+
+
+def label(effect_id: str, joints: Sequence[int], over: Sequence[str] = ()) -> str:
+    """What a term is called; joints numbered from 1."""
+    where = f" J{','.join(map(str, joints))}" if joints else ""
+    return f"{effect_id}{where}{' over ' + ', '.join(over) if over else ''}"
 
 
 def spread(kind: Effect, joints: Sequence[int], columns: Array, n: int) -> Array:

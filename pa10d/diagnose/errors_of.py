@@ -70,8 +70,8 @@ def doubt_of(state: State, fit: Fit | None = None, noise: PerJoint | None = None
 
 def _covariance(state: State, fit: Fit, grams: dict[int, Array]) -> Array:
     middle = np.sum(list(grams.values()), axis=0)
-    if state.prior is not None:
-        # what the prior knew already is as certain as it said
+    if state.knowledge is not None:
+        # what was known already is as certain as it said
         top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
         middle = middle + np.eye(len(top)) - top
     return np.asarray(fit.to_beta @ middle @ fit.to_beta.T)
@@ -98,12 +98,15 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
         absorbed = rest.basis[j] @ seen
         left[j] = -absorbed if own is None else own / rest.sigma[j] - absorbed
     gram = sum(c.T @ c for c in left.values())
-    if state.prior is not None:
+    if state.knowledge is not None:
         gram = _gram_with_prior(columns, rest, seen)
+        penalty = term.effect.penalty(term.shape)
+        if penalty is not None:
+            gram = gram + penalty.T @ penalty
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     middle = np.sum(list(noise_grams(state.train, state.fit.residual, left).values()), axis=0)
     covariance = inverse @ middle @ inverse
-    if state.prior is not None:
+    if state.knowledge is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     shape_errors = {s.name: float(e) for s, e in zip(free, errors[k:], strict=True)}

@@ -28,8 +28,11 @@ def agreed(fit: Fit) -> Array:
     basis = {j: q[::THIN] for j, q in fit.basis.items()}
     residual = {j: r[::THIN] for j, r in fit.residual.items()}
     moved = np.zeros(len(fit.coordinates))
+    # what the fit knew besides the data weighs as much as in the fit itself
+    besides = np.eye(len(moved)) - np.sum([q.T @ q for q in fit.basis.values()], axis=0)
+    pull = -np.sum([q.T @ fit.residual[j] for j, q in fit.basis.items()], axis=0)
     for number in range(sum(ROUNDS)):
-        gram, target = np.zeros((len(moved), len(moved))), np.zeros(len(moved))
+        gram, target = besides / THIN, pull / THIN
         for j, q in basis.items():
             left = residual[j] - q @ moved
             size = max(1.4826 * float(np.median(np.abs(left))), 1e-300)

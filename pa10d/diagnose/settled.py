@@ -22,10 +22,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Settled:
-    """Per joint the triangular factors of [columns, torque] in motion and at rest."""
+    """Per joint the triangular factors of [columns, torque] in motion and at rest; what is known
+    of the coefficients besides, in units of their noise."""
 
     moving: list[Triangle]
     rest: list[Triangle]
+    known: Triangle
 
     @classmethod
     def of(cls, state: State) -> Settled:
@@ -38,16 +40,20 @@ class Settled:
                 rows = np.column_stack([columns[:, j], state.train.runs[k].tau[:, j]])
                 moving[j].add(rows[run.moving[:, j]])
                 rest[j].add(rows[still[:, j]])
-        return cls(moving, rest)
+        known = Triangle(width)
+        if state.knowledge is not None:
+            known.add(np.column_stack(state.knowledge.rows(width - 1)))
+        return cls(moving, rest, known)
 
     def coefficients(self, count: int) -> Array:
         """(count,) of the model with the first ``count`` columns only."""
         factors, still = (
             [t.without(np.s_[count:-1]) for t in side] for side in (self.moving, self.rest)
         )
-        indices = [np.arange(count)] * len(factors)
-        sigma = estimate_weights(factors, still, indices, count)
-        return solve(factors, indices, count, sigma).beta
+        indices = [np.arange(count)] * (len(factors) + 1)
+        sigma = estimate_weights(factors, still, indices[1:], count)
+        known = self.known.without(np.s_[count:-1])
+        return solve([*factors, known], indices, count, np.append(sigma, 1.0)).beta
 
 
 def _columns(state: State) -> Iterator[Array]:

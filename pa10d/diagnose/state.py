@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 
@@ -50,6 +51,12 @@ class State:
             state.refit()
         return state
 
+    @property
+    def knowledge(self) -> Prior | None:
+        """What the fit knows of the coefficients besides the data: a frozen model's own
+        uncertainty, else how smooth its maps are."""
+        return self.prior or smoothness(len(self.model.h), self.terms)
+
     def push(self, term: Term) -> None:
         """Append a term; the caller refits."""
         self.terms.append(term)
@@ -95,10 +102,10 @@ class State:
     def refit(self) -> None:
         """Solve for all coefficients and hand them to the terms and the model."""
         if self.weights is not None:
-            self.fit = weighted_fit(self.train, self.matrix(0), self.weights, self.prior)
+            self.fit = weighted_fit(self.train, self.matrix(0), self.weights, self.knowledge)
         else:
             sigma = None if self.fit is None else self.fit.rms()
-            self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.prior)
+            self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.knowledge)
         self.held_matrix = self.matrix(1)
         self.model = self.with_coefficients(self.fit.beta)
         self.terms = list(self.model.terms)
@@ -168,6 +175,21 @@ class State:
             self.train.columns(term.effect, term.joints, [term.shape]),
             self.held.columns(term.effect, term.joints, [term.shape]),
         )
+
+
+def smoothness(given: int, terms: Sequence[Term]) -> Prior | None:
+    """Penalties of all terms that have one, for [``given`` coefficients, those of the terms]."""
+    total = given + sum(len(term.effect.coefficients) for term in terms)
+    rows, start = [], given
+    for term in terms:
+        stop = start + len(term.effect.coefficients)
+        penalty = term.effect.penalty(term.shape)
+        if penalty is not None:
+            block = np.zeros((len(penalty), total))
+            block[:, start:stop] = penalty
+            rows.append(block)
+        start = stop
+    return Prior(np.zeros(total), np.concatenate(rows)) if rows else None
 
 
 def own_uncertainty(model: TorqueModel) -> Prior:

@@ -13,12 +13,12 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
-from pa10d.diagnose.errors_of import doubt_of
+from pa10d.diagnose.errors_of import Doubts
 from pa10d.diagnose.evidence import Doubt, Evidence, judge
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.diagnose.state import State
+from pa10d.effects.variables import remembered
 
 Array = NDArray[np.float64]
 
@@ -73,14 +73,20 @@ def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     motions = motion_variables(state.train), motion_variables(state.held)
     residual = state.held_residual()
     n = state.train.n
-    doubt = doubt_of(state)
-    for joint in joints:
-        tried = sorted(
+    best = {
+        joint: sorted(
             (_fit_map(state, motions[0], joint, names) for names in questions(joint, n)),
             key=lambda m: -m.gain,
         )[:TRIED_PER_JOINT]
-        among = n * TRIED_PER_JOINT
-        judged = (_judge(state, motions[1], residual, m, among, doubt) for m in tried)
+        for joint in joints
+    }
+    moved = {id(m): _moved(state, motions[0], m) for tried in best.values() for m in tried}
+    doubts = Doubts.of(state, moved.values())
+    for tried in best.values():
+        judged = (
+            _judge(state, motions[1], residual, m, n * TRIED_PER_JOINT, doubts.beside(moved[id(m)]))
+            for m in tried
+        )
         results = [r for r in judged if r is not None]
         if results:
             yield results
@@ -117,13 +123,6 @@ def motion_variables(side: Side) -> list[dict[str, Array]]:
             names[f"ddq{j + 1}"] = smooth[:, j]
         out.append(names)
     return out
-
-
-def remembered(q: Array, seconds: float, dt: float) -> Array:
-    """(N,) q as a first-order lag with this time constant remembers it."""
-    share = 1.0 - np.exp(-dt / seconds)
-    start = np.array([(1.0 - share) * q[0]])
-    return np.asarray(lfilter([share], [1.0, share - 1.0], q, zi=start)[0])
 
 
 @dataclass
@@ -165,6 +164,14 @@ def _fit_map(
     )  # fmt: skip
 
 
+def _moved(state: State, motion: list[dict[str, Array]], m: _Map) -> PerJoint:
+    """What the map changes on its own joint's fit side (weighted)."""
+    x = [_rows(state.train, motion, name, m.joint) for name in m.names]
+    values = basis_of(x, m.grid) @ m.values.ravel() / state.fit.sigma[m.joint]
+    q = state.fit.basis[m.joint]
+    return {m.joint: values - q @ (q.T @ values)}
+
+
 def _judge(
     state: State,
     motion: list[dict[str, Array]],
@@ -179,7 +186,7 @@ def _judge(
     inside &= basis @ ~m.visited < UNKNOWN_GROUND
     values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
     values = np.where(inside, values, 0.0)
-    evidence = judge(state.held, residual, {m.joint: values}, doubt)
+    evidence = judge(state.held, residual, {m.joint: values}, doubt, {m.joint: inside})
     r = residual[m.joint]
     if inside.mean() < KNOWN_GROUND:
         return None

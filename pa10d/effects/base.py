@@ -88,12 +88,13 @@ class Effect(ABC):
     title: ClassVar[str]
     equation: ClassVar[str]
     scope: ClassVar[Literal["joint", "pair", "robot"]] = "joint"
-    question: ClassVar[Literal["textbook", "missing", "changed"]] = "missing"
+    question: ClassVar[Literal["textbook", "missing", "changed", "chosen"]] = "missing"
     sensing: ClassVar[bool] = False  # acts on the measured side: sensor, not mechanics
     reaches_other_joints: ClassVar[bool] = False  # columns in every joint's equation
-    uses_model: ClassVar[bool] = False  # columns change with the model's loads and torques
-    coefficients: ClassVar[tuple[Coefficient, ...]]
-    shapes: ClassVar[tuple[ShapeParameter, ...]] = ()
+    over: tuple[str, ...] = ()  # quantities of a map (only those have any)
+    uses_model: bool = False  # columns change with the model's loads and torques
+    coefficients: tuple[Coefficient, ...]
+    shapes: tuple[ShapeParameter, ...] = ()
     signature: ClassVar[str]  # what its residual looks like, to a person
     confounders: ClassVar[Mapping[str, str]] = {}  # effect id -> why it looks alike
     experiment: ClassVar[str]  # what separates it, in words
@@ -119,6 +120,15 @@ class Effect(ABC):
     def starts(self, context: Context, joints: Sequence[int]) -> list[Shape]:
         """Shapes from which the nonlinear search begins; one empty shape where there is none."""
         return [{}]
+
+    def penalty(self, shape: Shape) -> Array | None:
+        """Rows R (r, k) in 1/(N·m): every fit keeps ‖R·coefficients‖² small beside the squared
+        error in units of its noise; None: the data alone decide."""
+        return None
+
+    def outside(self, context: Context, shape: Shape) -> NDArray[np.bool_] | None:
+        """(N,) samples beyond what the effect was fitted on; None: it holds anywhere."""
+        return None
 
     def relinearised(self, coefficients: Array, shape: Shape) -> dict[str, float]:
         """The shape at which columns are to be taken next, where they are a secant of a

@@ -18,6 +18,7 @@ QUESTIONS = {
     "textbook": "in every model from the start",
     "missing": "answers *what is missing?* (the model is fitted again beside it)",
     "changed": "answers *what changed?* (against a model identified earlier, `--frozen`)",
+    "chosen": "is never looked for: you choose it (`pa10d add … smooth_map --over …`)",
 }
 
 

@@ -10,6 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pa10d.effects import library
 from pa10d.effects.base import Effect
 from pa10d.effects.check import fault
+from pa10d.effects.smooth_map import SmoothMap, smooth_map
 from pa10d.errors import UserError
 
 TEXTBOOK = ("rotor_inertia", "coulomb", "viscous")
@@ -35,8 +36,11 @@ def all_effects() -> dict[str, Effect]:
     return found
 
 
-def effect(name: str) -> Effect:
-    """The effect with this id."""
+def effect(name: str, over: tuple[str, ...] = ()) -> Effect:
+    """The effect with this id; over: quantities, for the map, which is in no list of effects: it
+    is nothing that an arm could have."""
+    if name == SmoothMap.id:
+        return smooth_map(over or SmoothMap().over)
     known = all_effects()
     if name not in known:
         raise UserError(f"{name}: no such effect; expected one of {', '.join(sorted(known))}")

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from pa10d.dynamics import BaseParameters, Robot, robot_from_urdf
 from pa10d.dynamics.base import parameter_name
-from pa10d.effects import all_effects
+from pa10d.effects import Effect, all_effects, effect
+from pa10d.effects.smooth_map import SmoothMap
+from pa10d.effects.variables import at_joint
 from pa10d.errors import UserError
-from pa10d.model import Term, TorqueModel
+from pa10d.model import Term, TorqueModel, label
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_schema import EffectEntry, ModelFile
 from pa10d.yamlfile import YamlFile, read_yaml, validate
@@ -44,7 +46,7 @@ def info_of(entry: ModelFile) -> ModelInfo:
         robot=entry.robot.name,
         joints=tuple(entry.robot.joints),
         change=entry.change,
-        effects=tuple(_label(e) for e in entry.effects),
+        effects=tuple(label(e.effect, e.joints, e.over) for e in entry.effects),
         runs=tuple(entry.fit.runs),
         cutoff_hz=entry.fit.cutoff_hz,
         feasible=entry.fit.feasible,
@@ -137,10 +139,7 @@ class _Parser:
 
     def _term(self, k: int, entry: EffectEntry) -> Term:
         where: tuple[int | str, ...] = ("effects", k)
-        known = all_effects()
-        if entry.effect not in known:
-            self._fail((*where, "effect"), entry.effect, f"one of {', '.join(sorted(known))}")
-        kind = known[entry.effect]
+        kind = self._effect(where, entry)
         wanted = {"joint": 1, "pair": 2, "robot": 0}[kind.scope]
         if len(entry.joints) != wanted or any(j > self._n for j in entry.joints):
             self._fail((*where, "joints"), entry.joints, f"{wanted} of joints 1 to {self._n}")
@@ -158,7 +157,25 @@ class _Parser:
             np.array([entry.coefficients[c.name].value for c in kind.coefficients]),
             {s.name: entry.shape[s.name].value for s in kind.shapes} | entry.linear_about,
             {name: error for name, error in errors.items() if error is not None},
+            tuple(entry.over),
         )
+
+    def _effect(self, where: tuple[int | str, ...], entry: EffectEntry) -> Effect:
+        known = all_effects()
+        if entry.effect == SmoothMap.id:
+            full = [str(name) for name in entry.over]
+            try:
+                sound = [at_joint(name, -1, self._n) for name in full] == full
+            except UserError:
+                sound = False
+            if not sound or not 1 <= len(full) <= 2:
+                text = ", ".join(full) or "nothing"
+                self._fail((*where, "over"), text, "one or two quantities such as q4, dq4")
+        elif entry.effect not in known:
+            self._fail((*where, "effect"), entry.effect, f"one of {', '.join(sorted(known))}")
+        elif entry.over:
+            self._fail((*where, "over"), ", ".join(entry.over), f"nothing for {entry.effect}")
+        return effect(entry.effect, tuple(entry.over))
 
     def _covariance(self, size: int) -> Array:
         where = ("covariance", "data")
@@ -207,8 +224,3 @@ class _Parser:
 
     def _fail(self, where: tuple[int | str, ...], found: object, wanted: str) -> None:
         raise UserError(self._file.problem(where, str(found), wanted))
-
-
-def _label(entry: EffectEntry) -> str:
-    joints = ",".join(map(str, entry.joints))
-    return f"{entry.effect} J{joints}" if joints else entry.effect

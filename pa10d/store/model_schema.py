@@ -38,6 +38,7 @@ class EffectEntry(_Strict):
 
     effect: Text
     joints: list[Annotated[int, Field(strict=True, ge=1)]]
+    over: list[Text] = []  # quantities of a map
     coefficients: dict[str, Estimate]
     shape: dict[str, Estimate] = {}
     linear_about: dict[str, Number] = {}  # point at which a nonlinear effect was made linear

@@ -104,6 +104,7 @@ def _effects(model: TorqueModel) -> list[dict[str, Any]]:
         entry: dict[str, Any] = {
             "effect": term.effect_id,
             "joints": Row(j + 1 for j in term.joints),
+            **({"over": Row(term.over)} if term.over else {}),
             "coefficients": {
                 c.name: _estimate(value, error, c.unit)
                 for c, value, error in zip(kind.coefficients, term.coefficients, own, strict=True)
