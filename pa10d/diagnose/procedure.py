@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from pa10d.compare import noise_floor, residual_of
 from pa10d.diagnose.candidates import Candidate, places, suspects
-from pa10d.diagnose.errors_of import full_covariance, term_covariance
+from pa10d.diagnose.errors_of import term_covariance
 from pa10d.diagnose.next_experiment import settle_doubt
 from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
 from pa10d.diagnose.search import STEPS, Judged, Search, Suspects, rms
-from pa10d.diagnose.settled import Settled
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import find_structure
+from pa10d.diagnose.versions import snapshot, to_store, versions_of
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
 from pa10d.model import Term, TorqueModel
@@ -69,7 +69,7 @@ def diagnose(
     unexplained = tuple(find_structure(state)) if only is None else ()
     say(0.9, "standard errors and doubts")
     floor = noise_floor([residual_of(state.model, run) for run in state.held.runs]).values
-    versions = _versions(model, state, given)
+    versions = versions_of(model, state, given)
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
@@ -84,7 +84,7 @@ def diagnose(
         unexplained=unexplained,
         model=versions[-1],
         versions=versions,
-        to_store=_to_store(state, versions),
+        to_store=to_store(state, versions),
         judged_on=words,
         frozen=frozen,
     )
@@ -135,7 +135,7 @@ def add(
             )
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
-    made = _to_store(state, [_snapshot(model, state, len(state.terms))])[0]
+    made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
     return replace(made, name=name, change=f"added {added}"), warnings
 
 
@@ -165,61 +165,6 @@ def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
             raise UserError(f"{kind.id}: acts on a pair, expected two different joints")
         return [(kind, (min(joints), max(joints)))]
     return [(kind, (j,)) for j in joints]
-
-
-def _versions(given: TorqueModel, state: State, count: int) -> tuple[TorqueModel, ...]:
-    """One model per addition, each with its errors on the same held-out data."""
-    return tuple(_snapshot(given, state, size) for size in range(count, len(state.terms) + 1))
-
-
-def _to_store(state: State, versions: Sequence[TorqueModel]) -> tuple[TorqueModel, ...]:
-    """The versions with the coefficients that they are stored with; a model that is not refitted
-    stays as it is."""
-    if state.prior is not None:
-        return tuple(versions)
-    settled = Settled.of(state)
-    return tuple(_settled(state, settled, version) for version in versions)
-
-
-def _settled(state: State, settled: Settled, version: TorqueModel) -> TorqueModel:
-    count = len(version.covariance)
-    beta = settled.coefficients(count)
-    start, terms = len(version.h), []
-    for term in version.terms:
-        stop = start + len(term.coefficients)
-        terms.append(replace(term, coefficients=beta[start:stop]))
-        start = stop
-    left = {j: state.held.tau[j] - c[:, :count] @ beta for j, c in state.held_matrix.items()}
-    return replace(
-        version, h=beta[: len(version.h)], terms=tuple(terms), held_out={"held out": rms(left)}
-    )
-
-
-def _snapshot(given: TorqueModel, state: State, size: int) -> TorqueModel:
-    """The model with the first ``size`` terms, as the search sees it."""
-    part = state if size == len(state.terms) else state.bare(size, own_weights=True)
-    refitted = size == len(given.terms)
-    terms = []
-    for index, term in enumerate(part.terms):
-        errors: dict[str, float] = dict(term.shape_errors)
-        if index >= len(given.terms) and term.shape:
-            errors = term_covariance(part, index)[1]
-        terms.append(replace(term, shape_errors=errors))
-    notes = {k: v for k, v in given.notes.items() if k not in ("warnings", "feasible")}
-    return replace(
-        part.model,
-        terms=tuple(terms),
-        covariance=full_covariance(part),
-        noise=part.fit.rms(),
-        shift=part.train.runs[0].shift,
-        standard=None,
-        feasible=False,
-        change="given model, refitted" if refitted else f"added {terms[-1].label}",
-        parent=given.name,
-        runs=tuple(dict.fromkeys(run.name for run in part.train.runs)),
-        held_out={"held out": rms(part.held_residual())},
-        notes=notes,
-    )
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:
