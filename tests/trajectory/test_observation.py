@@ -57,17 +57,22 @@ def test_both_bases_span_the_same_torques():
     assert there == pytest.approx(other.matrix(*motion), abs=1e-8)
 
 
+def assert_part_is_the_whole_held(robot, joints, pose, rng):
+    """The torques of some joints are those of the whole arm with the others standing in a pose."""
+    part = rng.normal(size=(3, 9, len(joints)))
+    whole = np.zeros((3, 9, robot.n))
+    whole[0] = pose
+    whole[:, :, joints] = part
+    arm = sub_arm(robot, np.array(joints), pose)
+    found = inverse_dynamics(arm, arm.parameters, *part)
+    assert found == pytest.approx(inverse_dynamics(robot, robot.parameters, *whole)[:, joints])
+
+
 @pytest.mark.parametrize("joints", [[0, 1, 2, 3], [3], [1, 4, 6], [6, 2]])
 def test_a_part_of_the_arm_has_the_torque_of_the_whole(joints):
     robot, rng = pa10(), np.random.default_rng(0)
     pose = rng.uniform(-2, 2, 7)
-    q, dq, ddq = rng.normal(size=(3, 9, len(joints)))
-    whole = [np.tile(pose, (9, 1)), np.zeros((9, 7)), np.zeros((9, 7))]
-    for all_of_them, part in zip(whole, (q, dq, ddq), strict=True):
-        all_of_them[:, joints] = part
-    arm = sub_arm(robot, np.array(joints), pose)
-    found = inverse_dynamics(arm, arm.parameters, q, dq, ddq)
-    assert found == pytest.approx(inverse_dynamics(robot, robot.parameters, *whole)[:, joints])
+    assert_part_is_the_whole_held(robot, joints, pose, rng)
 
 
 def test_joints_held_at_zero_are_those_that_the_urdf_reader_locks():
@@ -85,10 +90,4 @@ def test_a_sliding_joint_can_be_held_too():
     held = int(np.flatnonzero(robot.prismatic)[0])
     joints = [j for j in range(5) if j != held]
     rng = np.random.default_rng(0)
-    pose, (q, dq, ddq) = rng.normal(size=5), rng.normal(size=(3, 6, 4))
-    whole = [np.tile(pose, (6, 1)), np.zeros((6, 5)), np.zeros((6, 5))]
-    for all_of_them, part in zip(whole, (q, dq, ddq), strict=True):
-        all_of_them[:, joints] = part
-    arm = sub_arm(robot, np.array(joints), pose)
-    found = inverse_dynamics(arm, arm.parameters, q, dq, ddq)
-    assert found == pytest.approx(inverse_dynamics(robot, robot.parameters, *whole)[:, joints])
+    assert_part_is_the_whole_held(robot, joints, rng.normal(size=5), rng)
