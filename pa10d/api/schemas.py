@@ -226,7 +226,7 @@ class EffectAbout(BaseModel):
     title: str
     equation: str
     scope: Literal["joint", "pair", "robot"]
-    question: Literal["textbook", "missing", "changed"]
+    question: Literal["textbook", "missing", "changed", "chosen"]
     signature: str
     confounders: dict[str, str]
     experiment: str
@@ -285,6 +285,9 @@ class AddRequest(Strict):
 
     effect: EffectId
     joints: Joints = []
+    over: Annotated[list[Name], Field(max_length=2)] = Field(
+        [], description="Of smooth_map: quantities, as 'depends_on' of what is unexplained"
+    )
     fit: Runs
     name: Name
     replace: bool = False
@@ -300,6 +303,9 @@ class ImproveRequest(Strict):
     validate_: Annotated[list[Name], Field(max_length=100, alias="validate")] = []
     name: Name
     replace: bool = False
+    smooth: bool = Field(
+        False, description="Take away what no effect explains by smooth maps, which explain nothing"
+    )
 
 
 class ExperimentRequest(BaseModel):

@@ -103,6 +103,7 @@ def improve_by_daemon(options: argparse.Namespace) -> Answer:
         found = client.improve(
             options.model_, options.fit, options.name, progress_line(),
             validate=options.validate, replace=options.replace, experiments=True,
+            smooth=options.smooth,
         )  # fmt: skip
     for entry in found["experiments"]:
         came = ", ".join(entry["runs"]) or f"not run: {entry['error']}"

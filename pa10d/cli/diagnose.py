@@ -29,8 +29,13 @@ def add_commands(commands: Commands) -> None:
 
     parser = commands.add("add", add, "a new version of a model with an effect fitted in")
     _model(parser)
-    parser.add_argument("effect", metavar="EFFECT")
+    parser.add_argument("effect", metavar="EFFECT", help="of the library, or smooth_map")
     _joints(parser)
+    parser.add_argument(
+        "--over", metavar="X,Y", default="",
+        help="of smooth_map: one or two quantities, such as q,dq or q2,'q4 0.4 s ago', as a "
+        "diagnosis names them in 'depends_on'",
+    )  # fmt: skip
     parser.add_argument("--fit", nargs="+", action="extend", required=True, metavar="RUN")
     parser.add_argument("--name", required=True, metavar="NEW", help="the new version's name")
     replace_option(parser, "the model of this name (the old one stays under its id)")
@@ -43,6 +48,10 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument(
         "--experiments", action="store_true",
         help="move the arm: run what settles a doubt (by the daemon, or one of its own)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--smooth", action="store_true",
+        help="take away what no effect explains by smooth maps (which explain nothing)",
     )  # fmt: skip
     robot_options(parser)
     replace_option(parser, "models of these names (the old ones stay under their ids)")
@@ -67,7 +76,8 @@ def add(options: argparse.Namespace) -> Answer:
 
     info, model, warnings = add_effect(
         _library(options), options.model_, options.effect, options.joint, options.fit,
-        name=options.name, replace_model=options.replace, progress=_progress,
+        name=options.name, over=[x.strip() for x in options.over.split(",") if x.strip()],
+        replace_model=options.replace, progress=_progress,
     )  # fmt: skip
     for warning in warnings:
         note(f"warning: {warning}")
@@ -95,7 +105,7 @@ def improve(options: argparse.Namespace) -> Answer:
 
     made = improve_model(
         _library(options), options.model_, options.fit, options.validate, name=options.name,
-        replace_model=options.replace, progress=_progress,
+        replace_model=options.replace, smooth=options.smooth, progress=_progress,
     )  # fmt: skip
     text = in_words(made.diagnosis)
     if made.infos:
@@ -144,6 +154,11 @@ def in_words(found: Diagnosis) -> str:
             f"Joint {s.joint + 1}: {s.share:.0%} of its squared error depends on "
             f"{' and '.join(s.variables)}."
         )
+        if not found.frozen:
+            lines.append(
+                "   a smooth map removes it, and explains nothing: pa10d add … smooth_map --joint "
+                f"{s.joint + 1} --over '{','.join(s.variables)}'"
+            )
     head = ["joint", "RMS N·m", *(f.term.label for f in found.findings), "noise floor"]
     rows = [
         [

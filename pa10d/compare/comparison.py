@@ -14,6 +14,7 @@ from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.places import Place, places
 from pa10d.compare.residuals import RunResidual, run_residual
 from pa10d.compare.scores import Scores, scores
+from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.errors import UserError
 from pa10d.model import TorqueModel
@@ -89,7 +90,7 @@ def compare(
         ),
         frequencies=tuple(frequency_spectrum(residuals, j) for j in joints),
         whiteness=tuple(whiteness(residuals, j) for j in joints),
-        warnings=tuple(_warnings(residuals)),
+        warnings=(*_warnings(residuals), *map_warnings(model, residuals)),
     )
 
 

@@ -135,14 +135,15 @@ def add(
     name: str,
     replace: bool,
     progress: Progress,
+    over: list[str] | None = None,
 ) -> dict[str, Any]:
     """A new version of a model with an effect fitted in."""
     from pa10d.services.diagnoses import add_effect
     from pa10d.services.library import open_library
 
     info, made, warnings = add_effect(
-        open_library(data), model, effect, joints, fit, name=name, replace_model=replace,
-        progress=progress,
+        open_library(data), model, effect, joints, fit, name=name, over=over or (),
+        replace_model=replace, progress=progress,
     )  # fmt: skip
     return {
         "id": info.id,
@@ -163,6 +164,7 @@ def improve(
     replace: bool,
     progress: Progress,
     tried: list[dict[str, Any]] | None = None,
+    smooth: bool = False,
 ) -> dict[str, Any]:
     """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
     from pa10d.services.diagnoses import improve_model
@@ -170,5 +172,5 @@ def improve(
 
     return improve_model(
         open_library(data), model, fit, validate, name=name, replace_model=replace,
-        tried=tried, progress=progress,
+        tried=tried, smooth=smooth, progress=progress,
     ).document()  # fmt: skip

@@ -154,6 +154,8 @@ def in_band(model: TorqueModel) -> TorqueModel:
 def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
     """One effect on the given joints (0-based), or wherever it may sit."""
     kind, joints = effect(only[0]), list(only[1])
+    if kind.question == "chosen":
+        raise UserError(f"{kind.id}: explains nothing, so it is no suspect; expected an effect")
     n = model.robot.n
     for j in joints:
         if not 0 <= j < n:

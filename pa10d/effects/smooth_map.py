@@ -17,6 +17,7 @@ DEGREE = 3
 SEGMENTS = {1: 24, 2: 8}  # of the range of each quantity, by how many there are
 FAINT = 1e-3  # precision of a coefficient itself beside that of the step to its neighbour
 SMOOTHING = "smoothing"
+EXPLAINS_NOTHING = "removes the error, explains nothing: no physical effect"
 
 
 class SmoothMap(Effect):

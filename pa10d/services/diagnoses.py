@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.smooth import add_map, asked
 from pa10d.effects import all_effects
+from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
 from pa10d.model import TorqueModel
 from pa10d.services.doubts import new_plan
@@ -31,17 +33,23 @@ class Improved:
     """The stored versions, the given model's successor first, and the diagnosis behind them.
 
     doubt: the plan of an experiment that should be run first; then nothing was stored
+    maps: versions with smooth maps over what the diagnosis could not explain, after its own
     """
 
     infos: tuple[ModelInfo, ...]
     diagnosis: Diagnosis
     doubt: dict[str, Any] | None = None
+    maps: tuple[TorqueModel, ...] = ()
+
+    @property
+    def _models(self) -> tuple[TorqueModel, ...]:
+        return (*self.diagnosis.to_store[1:], *self.maps)
 
     def document(self) -> dict[str, Any]:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
             {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
-            for i, m in zip(self.infos, self.diagnosis.to_store[1:], strict=False)
+            for i, m in zip(self.infos, self._models, strict=False)
         ]
         for entry in made:
             entry["held_out"] = [float(v) for v in entry["held_out"]]
@@ -91,19 +99,25 @@ def add_effect(
     fit: Sequence[str],
     *,
     name: str,
+    over: Sequence[str] = (),
     replace_model: bool = False,
     progress: Progress | None = None,
 ) -> tuple[ModelInfo, TorqueModel, list[str]]:
     """Store a new version with an effect fitted in; the old one stays.
 
+    over: quantities of a smooth map, such as the ``depends_on`` of an ``unexplained`` entry.
     What only a comparison with an earlier model shows (a payload, a tilted base …) is added to the
     model as it was: a refit would take it for a trait of the arm.
     """
     if not replace_model:
         library.models.refuse_taken(name)
-    if effect in all_effects() and all_effects()[effect].question == "changed":
+    if over and effect != SmoothMap.id:
+        raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
+    if effect == SmoothMap.id:
+        made, warnings = _mapped(library, model, joints, over, fit, name, progress)
+    elif effect in all_effects() and all_effects()[effect].question == "changed":
         made = _changed(library, model, effect, joints, fit, name, progress)
-        warnings: list[str] = []
+        warnings = []
     else:
         loaded = library.models.load(library.models.find(model))
         runs = read_runs(library, fit)[1]
@@ -111,6 +125,23 @@ def add_effect(
             loaded, effect, [j - 1 for j in joints], runs, name=name, progress=progress
         )
     return library.models.save(made, replace=replace_model), made, warnings
+
+
+def _mapped(
+    library: Library,
+    model: str,
+    joints: Sequence[int],
+    over: Sequence[str],
+    fit: Sequence[str],
+    name: str,
+    progress: Progress | None,
+) -> tuple[TorqueModel, list[str]]:
+    loaded = library.models.load(library.models.find(model))
+    at = [j - 1 for j in joints]
+    asked(loaded, at, over)
+    runs = read_runs(library, fit)[1]
+    made = add_map(loaded, at, over, runs, name=name, progress=progress)
+    return made.model, made.warnings
 
 
 def _changed(
@@ -143,6 +174,7 @@ def improve_model(
     name: str,
     replace_model: bool = False,
     tried: Sequence[Mapping[str, Any]] | None = None,
+    smooth: bool = False,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
 ) -> Improved:
@@ -151,6 +183,7 @@ def improve_model(
     The last version has the given name, the ones before it NAME.1, NAME.2 …
     tried: plans that were run to settle doubts; where the diagnosis asks for another one, nothing
     is stored. None: doubts are left as they are.
+    smooth: what no effect explains is taken away by smooth maps.
     """
     if not replace_model:
         library.models.refuse_taken(name)
@@ -159,17 +192,43 @@ def improve_model(
         doubtful = new_plan([finding.document() for finding in found.findings], tried)
         if doubtful is not None:
             return Improved((), found, dict(doubtful["next_experiment"]))
-    infos = store_versions(library, model, found, name=name, replace_model=replace_model)
-    return Improved(infos, found)
+    maps = _maps_over_unexplained(library, found, fit, validate) if smooth else ()
+    infos = store_versions(
+        library, model, found, name=name, replace_model=replace_model, further=maps
+    )
+    return Improved(infos, found, maps=maps)
+
+
+def _maps_over_unexplained(
+    library: Library, found: Diagnosis, fit: Sequence[str], validate: Sequence[str]
+) -> tuple[TorqueModel, ...]:
+    """One version after the other, each with one more map; those that do not help are left out."""
+    runs = read_runs(library, fit)[1]
+    judged = read_runs(library, validate)[1] if validate else ()
+    versions = [found.to_store[-1]]
+    for structure in found.unexplained:
+        made = add_map(
+            versions[-1], [structure.joint], structure.variables, runs,
+            name=versions[-1].name, validate=judged,
+        )  # fmt: skip
+        if made.helps:
+            versions.append(made.model)
+    return tuple(versions[1:])
 
 
 def store_versions(
-    library: Library, model: str, found: Diagnosis, *, name: str, replace_model: bool = False
+    library: Library,
+    model: str,
+    found: Diagnosis,
+    *,
+    name: str,
+    replace_model: bool = False,
+    further: Sequence[TorqueModel] = (),
 ) -> tuple[ModelInfo, ...]:
-    """Every step of a diagnosis as a stored version, each the parent of the next; the last one has
-    the given name, the ones before it NAME.1, NAME.2 …"""
+    """Every step of a diagnosis, and ``further`` ones, as a stored version, each the parent of the
+    next; the last one has the given name, the ones before it NAME.1, NAME.2 …"""
     parent = library.models.find(model).name
-    steps = found.to_store[1:]
+    steps = [*found.to_store[1:], *further]
     infos = []
     for number, version in enumerate(steps, 1):
         own = name if number == len(steps) else f"{name}.{number}"

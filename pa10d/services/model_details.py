@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pa10d.dynamics.base import parameter_name
+from pa10d.effects.smooth_map import EXPLAINS_NOTHING
 from pa10d.model import TorqueModel
 from pa10d.store.model_text import parameter_unit
 
@@ -30,7 +31,7 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
                 "value": value.value,
                 "std_error": value.std_error,
                 "unit": value.unit,
-                "meaning": term.effect.equation,
+                "meaning": EXPLAINS_NOTHING if term.over else term.effect.equation,
             }
             for name, value in model.term_values(i).items()
         ]

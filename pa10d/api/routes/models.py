@@ -25,7 +25,8 @@ from pa10d.api.schemas import (
 )
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.improvement import improvement_job
-from pa10d.effects import all_effects
+from pa10d.effects import Effect, all_effects, effect
+from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
 from pa10d.store.models import ModelInfo
 
@@ -35,18 +36,17 @@ router = APIRouter(tags=["models"])
 @router.get("/effects", response_model=EffectList)
 async def list_effects() -> dict[str, Any]:
     """The effect library: equations, signatures, what each is easily confused with."""
+    return {"items": [_about(e) for e in all_effects().values()]}
+
+
+def _about(e: Effect) -> dict[str, Any]:
     return {
-        "items": [
-            {
-                "id": e.id, "title": e.title, "equation": e.equation, "scope": e.scope,
-                "question": e.question, "signature": e.signature,
-                "confounders": dict(e.confounders), "experiment": e.experiment,
-                "experiment_kind": e.experiment_kind, "remedy": e.remedy, "source": e.source,
-                "coefficients": {c.name: c.unit for c in e.coefficients if not c.nuisance},
-                "shapes": {s.name: s.unit for s in e.shapes},
-            }
-            for e in all_effects().values()
-        ]
+        "id": e.id, "title": e.title, "equation": e.equation, "scope": e.scope,
+        "question": e.question, "signature": e.signature,
+        "confounders": dict(e.confounders), "experiment": e.experiment,
+        "experiment_kind": e.experiment_kind, "remedy": e.remedy, "source": e.source,
+        "coefficients": {c.name: c.unit for c in e.coefficients if not c.nuisance},
+        "shapes": {s.name: s.unit for s in e.shapes},
     }  # fmt: skip
 
 
@@ -106,8 +106,8 @@ async def export_model(
 async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
     """What the library says of the effects at work in a model."""
     ids = {label.split(" ")[0] for label in find_model(daemon, model).effects}
-    everything = await list_effects()
-    return {"items": [e for e in everything["items"] if e["id"] in ids]}
+    known = all_effects() | {SmoothMap.id: effect(SmoothMap.id)}
+    return {"items": [_about(e) for name, e in known.items() if name in ids]}
 
 
 @router.post(
@@ -120,7 +120,7 @@ async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, respons
     """A new version with the effect fitted in; the old one stays."""
     info = find_model(daemon, model)
     _check(daemon, request.fit, request.name, request.replace)
-    if request.effect not in all_effects():
+    if request.effect not in {*all_effects(), SmoothMap.id}:
         raise Problem("not-found", f"no effect {request.effect!r} in the library")
     return accepted(daemon.compute("add", "add", {"model": info.id, **_dump(request)}), response)
 

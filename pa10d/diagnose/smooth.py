@@ -1,0 +1,179 @@
+"""A smooth map where a user chose one: fitted in beside the model, and judged like any effect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.errors_of import LONGEST_SECONDS, Doubts
+from pa10d.diagnose.evidence import Evidence, judge
+from pa10d.diagnose.procedure import in_band
+from pa10d.diagnose.side import PerJoint, Side
+from pa10d.diagnose.sides import two_sides
+from pa10d.diagnose.state import State
+from pa10d.diagnose.stiffness import Problem, Stiffness, stiffness
+from pa10d.diagnose.timing import align
+from pa10d.diagnose.versions import snapshot, to_store
+from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, SmoothMap, smooth_map
+from pa10d.effects.variables import at_joint, values_of
+from pa10d.errors import UserError
+from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.model import Term, TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+
+LEVEL = 0.01
+LEAST_SLOPE = 0.4  # of the held-out residual on the map
+TAILS = 1e-3  # share of samples at either end that do not widen a map's range
+ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """The new version; whether the map removes anything that a fit has not seen; what to warn of;
+    before, after: RMS N·m of the map's joint on held-out data."""
+
+    model: TorqueModel
+    helps: bool
+    warnings: list[str]
+    before: float
+    after: float
+
+
+def add_map(
+    model: TorqueModel,
+    joints: Sequence[int],
+    over: Sequence[str],
+    fit: Sequence[Recording],
+    *,
+    name: str,
+    validate: Sequence[Recording] = (),
+    progress: Callable[[float, str], None] | None = None,
+) -> Smoothed:
+    """A new version with a smooth map of one joint's torque (0-based) over one or two quantities,
+    such as the ``depends_on`` of what a diagnosis could not explain."""
+    joint, names = asked(model, joints, over)
+    kind = smooth_map(names)
+    say = progress or (lambda share, what: None)
+    say(0.0, "filtering")
+    model = in_band(model)
+    train, held, _ = two_sides(model, fit, validate)
+    say(0.2, "fitting the given model")
+    state = State.start(model, train, held)
+    align(state)
+    say(0.5, f"drawing the map over {' and '.join(names)}")
+    shape = dict(kind.shape_over(ranges(train, joint, names), 1.0))
+    found = _stiffness(state, kind, joint, shape)
+    shape[SMOOTHING] = found.ratio / found.variance
+    evidence = _evidence(state, kind, joint, shape, found.theta)
+    term = Term(kind.id, (joint,), np.zeros(len(kind.coefficients)), shape, over=names)
+    if any(other.label == term.label for other in state.terms):
+        raise UserError(f"{term.label}: {model.name} has this map already; expected another one")
+    state.push(term)
+    state.refit()
+    if any(one.effect.uses_model for one in state.terms):
+        state.relook()
+        state.refit()
+    say(0.8, "standard errors")
+    made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
+    made = replace(made, name=name, change=f"added {term.label} ({EXPLAINS_NOTHING})")
+    before, after = float(evidence.before[joint]), float(evidence.after[joint])
+    warnings = _warnings(term.label, joint, " and ".join(names), evidence)
+    say(1.0, "done")
+    return Smoothed(made, not warnings, warnings, before, after)
+
+
+def asked(
+    model: TorqueModel, joints: Sequence[int], over: Sequence[str]
+) -> tuple[int, tuple[str, ...]]:
+    """The joint (0-based) and the full names of the quantities."""
+    n = model.robot.n
+    if len(joints) != 1 or not 0 <= joints[0] < n:
+        named = ", ".join(str(j + 1) for j in joints) or "none"
+        raise UserError(f"smooth_map: joint {named}: expected one joint from 1 to {n}")
+    names = tuple(at_joint(name, joints[0], n) for name in over)
+    if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
+        raise UserError(
+            f"smooth_map: over {', '.join(names) or 'nothing'}: expected one or two different "
+            "quantities, such as q,dq"
+        )
+    return joints[0], names
+
+
+def ranges(side: Side, joint: int, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """name -> from where to where the quantity goes in the samples of the joint's equation."""
+    out = {}
+    for name in names:
+        values = np.concatenate(
+            [
+                values_of(context, name)[:: run.lowpass.factor][keep[:, joint]]
+                for run, context, keep in zip(side.runs, side.contexts, side.keep, strict=True)
+            ]
+        )
+        low, high = np.quantile(values, [TAILS, 1.0 - TAILS])
+        if not high > low:
+            raise UserError(f"smooth_map: {name} does not change in these runs; expected motion")
+        out[name] = (float(low), float(high))
+    return out
+
+
+def _stiffness(state: State, kind: SmoothMap, joint: int, shape: dict[str, float]) -> Stiffness:
+    """Twice: the noise is known only once something is taken away."""
+    fit = state.fit
+    columns = state.train.columns(kind, (joint,), [shape])[joint] / fit.sigma[joint]
+    basis, residual = fit.basis[joint], fit.residual[joint]
+    seen = basis.T @ columns
+    one = kind.penalty({**shape, SMOOTHING: 1.0})
+    problem = Problem(
+        gram=columns.T @ columns - seen.T @ seen,
+        rhs=columns.T @ residual,
+        power=float(residual @ residual),
+        rows=len(residual),
+        penalty=one.T @ one,
+    )
+    first = stiffness(problem, ALIKE)
+    left = residual - (columns - basis @ seen) @ first.theta
+    return stiffness(problem, max(ALIKE, _alike(state.train, joint, left)))
+
+
+def _alike(side: Side, joint: int, residual: Array) -> float:
+    """How many samples of a residual (m_j,) are worth one independent one."""
+    keep = [k[:, joint] for k in side.keep]
+    values = [run[:, joint] for run in side.scatter({joint: residual})]
+    longest = int(min(LONGEST_SECONDS * side.runs[0].rate, min(map(len, keep)) // 4))
+    gamma, count = autocovariance(zip(values, keep, strict=True), longest)
+    gamma = flat_top(gamma, correlation_length(gamma, count))
+    return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
+
+
+def _evidence(
+    state: State, kind: SmoothMap, joint: int, shape: dict[str, float], theta: Array
+) -> Evidence:
+    """What the map changes on data that the fit has not seen."""
+    fit = state.fit
+    columns = state.train.columns(kind, (joint,), [shape])[joint] / fit.sigma[joint]
+    seen = fit.basis[joint].T @ columns
+    moved: PerJoint = {j: -(q @ (seen @ theta)) for j, q in fit.basis.items()}
+    moved[joint] = moved[joint] + columns @ theta
+    own = {joint: moved[joint]}
+    doubt = Doubts.of(state, [own]).beside(own)
+    change = state.change(fit, state.held.columns(kind, (joint,), [shape]), seen, theta)
+    return judge(state.held, state.held_residual(), change, doubt)
+
+
+def _warnings(label: str, joint: int, quantities: str, found: Evidence) -> list[str]:
+    out = []
+    if found.p_value > LEVEL or found.slope < LEAST_SLOPE or found.gain <= 0:
+        out.append(
+            f"{label}: no significant gain on held-out data (p = {found.p_value:.2g}, joint "
+            f"{joint + 1} from {found.before[joint]:.3g} to {found.after[joint]:.3g} N·m): what is "
+            f"left does not depend on {quantities}, or too little was seen of it"
+        )
+    if found.worse:
+        worse = ", ".join(str(j + 1) for j in found.worse)
+        out.append(f"{label}: the error of joint {worse} rises on held-out data")
+    return out
