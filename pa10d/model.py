@@ -167,7 +167,10 @@ class TorqueModel:
 
     def predict(self, context: Context) -> Array:
         """Torque (N, n) N·m at the raw rate, as the sensors would report it."""
-        seen = self.contextualise(context)
+        return self.sensed(self.contextualise(context))
+
+    def sensed(self, seen: Context) -> Array:
+        """The same of a motion that ``contextualise`` has seen."""
         out = seen.total.copy()
         for term in self.terms:
             if term.effect.sensing:

@@ -70,12 +70,13 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
 
 def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     """The same of a run whose torque was filtered already."""
-    predicted = model.predict(equation.context)
+    seen = model.contextualise(equation.context)
+    predicted = model.sensed(seen)
     counts, rested = _judged(equation)
     return RunResidual(
         name=equation.name,
         equation=equation,
-        seen=model.contextualise(equation.context),
+        seen=seen,
         measured=equation.tau,
         modelled=equation.lowpass(predicted),
         raw_error=equation.raw_tau - predicted,

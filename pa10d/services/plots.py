@@ -22,24 +22,28 @@ from pa10d.figures.recorded import recorded
 from pa10d.figures.staircase import Step, staircase
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
+from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 from pa10d.services.library import Library, open_library
+from pa10d.signals import Lowpass
 
 Array = NDArray[np.float64]
 Plot = dict[str, Any]
 
-READ = 6  # runs kept in memory
+READ = 6  # runs and models kept in memory
 JUDGED = 6  # the same as one model sees them
+WARM = 100  # samples that are filtered for nothing
 AROUND = 4.0  # s at least that are shown around a place
 
 
 def warm_up() -> None:
-    """Importing this module is what takes time."""
+    """Importing this module takes time, and so does loading the compiled filter."""
+    Lowpass(WARM, float(WARM), 1.0)(np.zeros((WARM, 1)))
 
 
 def run_plot(data: str, run: str, span: list[float] | None) -> Plot:
     """A recording: positions and torques."""
-    library = open_library(data)
+    library = _library(data)
     info = library.runs.find(run)
     return _plot(recorded(_recording(data, info.id), info.joints, _span(span)))
 
@@ -55,7 +59,7 @@ def torque_over(
 ) -> Plot:
     """Measured and modelled torque of one joint (from 1). place: a quantity and its range, as
     ``where`` of a comparison has them: shown in red, and ``jump`` is the stretch that shows it."""
-    library = open_library(data)
+    library = _library(data)
     pair = library.models.find(model).id, library.runs.find(run).id
     seen = _residual(data, *pair)
     _refuse_joint(seen, joint)
@@ -68,7 +72,7 @@ def torque_over(
 
 def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     """The errors of a model and of all it was made from, on the same runs."""
-    library = open_library(data)
+    library = _library(data)
     line = library.models.history(library.models.find(model))
     ids = _ids(library, runs)
     steps = [Step(info.name, info.change, _rms(data, info.id, ids)) for info in line]
@@ -80,7 +84,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
 
 def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     """Two models side by side on the same runs."""
-    library = open_library(data)
+    library = _library(data)
     first, second = library.models.find(one), library.models.find(other)
     ids = _ids(library, runs)
     rms = [_rms(data, info.id, ids) for info in (first, second)]
@@ -90,14 +94,24 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     return _plot(figure, TEXTS["versus"], rms=[r.tolist() for r in rms], noise_floor=floor.tolist())
 
 
+@lru_cache(1)
+def _library(data: str) -> Library:
+    return open_library(data)
+
+
 @lru_cache(READ)
 def _recording(data: str, run: str) -> Recording:
-    return open_library(data).runs.recording(run)
+    return _library(data).runs.recording(run)
+
+
+@lru_cache(READ)
+def _model(data: str, model: str) -> TorqueModel:
+    return _library(data).models.load(model)
 
 
 @lru_cache(JUDGED)
 def _residual(data: str, model: str, run: str) -> RunResidual:
-    return run_residual(open_library(data).models.load(model), _recording(data, run))
+    return run_residual(_model(data, model), _recording(data, run))
 
 
 @lru_cache(256)

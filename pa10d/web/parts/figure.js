@@ -1,8 +1,6 @@
 // One plot in a card: title, figure, how to read it; with `load`, full detail on zoom.
 import { el } from "../base/dom.js";
 
-const SETTLED = 60; // ms without further zooming before more detail is asked for
-
 /** Draw when it comes near the window: most plots of a page are never looked at. */
 const watcher = new IntersectionObserver((entries) => {
   for (const entry of entries) {
@@ -70,9 +68,7 @@ export class Zoomable {
     this.listening = true;
     this.box.on("plotly_relayout", (changed) => {
       const span = spanOf(changed);
-      if (span === undefined) return;
-      clearTimeout(this.later);
-      this.later = setTimeout(() => this.show(span), SETTLED);
+      if (span !== undefined) this.show(span);
     });
     this.box.on("plotly_doubleclick", () => { this.show(); return false; });
   }

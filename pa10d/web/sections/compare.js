@@ -11,10 +11,10 @@ import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 
 const view = { id: null, model: "", runs: [], run: "", joint: 1, raw: false, result: null, place: null };
-let parts = null;
+let parts = null, prepared = "";
 
 export function mount(box) {
-  const model = modelPicker("Model"), runs = runPicker("Runs", "judge");
+  const model = modelPicker("Model", () => prepare()), runs = runPicker("Runs", "judge", () => prepare());
   const start = el("button", { class: "primary", type: "button", id: "compare-start", onclick: guarded("It could not be compared.", () => compare(model.value, runs.ids)) }, "Compare");
   parts = {
     model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: el("div", { class: "joints", role: "tablist", "aria-label": "joints" }),
@@ -27,10 +27,20 @@ export function mount(box) {
     parts.none, parts.work);
   parts.zoom = new Zoomable(430, loadTorque);
   watch(["models", "runs"], () => { start.disabled = !model.value || !runs.ids.length; });
+  prepare();
+}
+
+/** Have the daemon read what is chosen before somebody asks to see it. */
+function prepare() {
+  const model = parts?.model.value, run = parts?.runs.ids[0], pair = `${model}/${run}`;
+  if (!model || !run || pair === prepared || parts.box.hidden) return;
+  prepared = pair;
+  get("plots/torque", { model, run, joint: view.joint }).catch(() => {}); // asked again on 'Compare', with its error
 }
 
 /** #/compare/ID/joint opens a comparison that was made before. */
 export function show([id, joint]) {
+  prepare();
   if (id && id !== view.id) open(id, Number(joint) || null).catch((error) => failed("This comparison cannot be shown.", error));
   else if (!id && view.id) history.replaceState(null, "", `#/compare/${view.id}/${view.joint}`);
 }
