@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import re
@@ -20,6 +21,7 @@ from bus_helpers import (
     HERE,
     Driver,
     make_profile,
+    patient_eds,
     promptly,
     running,
     second_master,
@@ -27,8 +29,9 @@ from bus_helpers import (
 )
 
 from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.watch import Watch
 from backends.cia402 import State, state_of
-from backends.faults import REMEDIES
+from backends.faults import REMEDIES, fault
 from backends.frames import frame
 from backends.ports import Port, VirtualBusPort
 from backends.protocol import BackendFault
@@ -41,9 +44,29 @@ MOVING = (State.ENABLED, State.QUICK_STOP, State.REACTING)
 
 @pytest.fixture
 def profile(tmp_path: Path) -> Iterator[Profile]:
-    made = make_profile(tmp_path, simulation={"clock": "real"}, control={"rate": 100.0})
+    """In simulated time no busy machine can add a fault of its own to the one that is meant."""
+    made = make_profile(tmp_path, control={"rate": 100.0})
     with virtual_arm(made):
         yield made
+
+
+@pytest.fixture
+def in_real_time(tmp_path: Path) -> Iterator[Profile]:
+    """For what happens while nobody cycles; both sides are patient with a busy machine."""
+    made = patient_profile(tmp_path)
+    with virtual_arm(made):
+        yield made
+
+
+def patient_profile(folder: Path) -> Profile:
+    """In real time; drives do without SYNC for 0.3 s, we without them for 6 cycles."""
+    return make_profile(
+        folder,
+        simulation={"clock": "real"},
+        control={"rate": 100.0},
+        safety={"stale_cycles": 6},
+        drive={"eds": patient_eds(folder, 300)},
+    )
 
 
 def next_fault(driver: Driver, seconds: float = 4.0) -> BackendFault:
@@ -75,7 +98,6 @@ def assert_stops(arm: CanopenBackend, driver: Driver) -> None:
     [
         (Injection.POWER_LOST, 0, "silent", "no TPDO for 3 cycles"),
         (Injection.UNPLUGGED, 0, "silent", "no TPDO for 3 cycles"),
-        (Injection.TPDO_LATE, 1000, "silent", "no TPDO for 3 cycles"),
         (Injection.TPDO_MUTE, 1000, "silent", "no TPDO for 3 cycles"),
         (Injection.TPDO_TWICE, 1000, "repeated_pdo", "twice in 3 cycles"),
         (Injection.TPDO_SHORT, 1, "short_pdo", "6 bytes"),
@@ -114,27 +136,48 @@ def test_one_stray_pdo_is_counted_and_forgiven(profile: Profile, kind: Injection
         assert driver.run(0.2).age.max() == 0
 
 
+def test_a_drive_that_is_always_late_is_none(in_real_time: Profile) -> None:
+    with running(in_real_time) as (arm, driver, other):
+        other.inject(1, Injection.TPDO_LATE, 1000)
+        found = next_fault(driver)
+        assert (found.kind, found.axis) == ("silent", 1)
+        assert "no TPDO for 6 cycles" in found.cause
+        assert_stops(arm, driver)
+
+
 def test_a_rebooted_drive_is_configured_anew_by_reset(profile: Profile) -> None:
     with running(profile) as (arm, driver, other):
         other.inject(2, Injection.REBOOT)
-        assert [next_fault(driver).kind for _ in range(2)] == ["silent", "rebooted"]
+        kinds = [next_fault(driver).kind]
+        if kinds == ["silent"]:  # where booting takes longer than silence may
+            kinds.append(next_fault(driver).kind)
+        assert kinds[-1] == "rebooted"
         assert_stops(arm, driver)
         arm.reset()
         arm.enable(driver.hold)
         assert {state_of(int(s)) for s in driver.run(0.3).status} == {State.ENABLED}
 
 
-def test_the_drives_stop_when_our_heartbeat_ends(profile: Profile) -> None:
-    with running(profile) as (arm, driver, _):
+def test_a_reboot_explains_a_silence() -> None:
+    watch = Watch([10], [0.1], [1e9], period=0.01, stale_cycles=3)
+    watch.tell(fault("silent", "no TPDO for 3 cycles", 0))
+    watch.tell(fault("rebooted", "the drive started anew (boot-up message)", 0))
+    assert watch.faults[0].kind == "rebooted"
+    watch.tell(fault("silent", "no TPDO for 9 cycles", 0))
+    assert watch.faults[0].kind == "rebooted", "and not the other way round"
+
+
+def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
+    with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf
         found = next_fault(driver)
         assert "0x8130 (heartbeat of the control PC lost)" in found.cause
-        at_rest(profile)
+        at_rest(in_real_time)
 
 
-def test_the_drives_stop_when_sync_ends(profile: Profile) -> None:
+def test_the_drives_stop_when_sync_ends(in_real_time: Profile) -> None:
     """The loop hangs; heartbeats go on, so that it is SYNC that is missed."""
-    with running(profile) as (_, _, other):
+    with running(in_real_time) as (_, _, other):
         bus, errors = other.bus, []
         end = time.monotonic() + 0.6
         while time.monotonic() < end:
@@ -144,11 +187,11 @@ def test_the_drives_stop_when_sync_ends(profile: Profile) -> None:
             if message is not None and 0x80 < message.arbitration_id < 0x100:
                 errors.append(int.from_bytes(message.data[:2], "little"))
         assert errors.count(0x8700) == 3, "each drive tells that SYNC is missing"
-        at_rest(profile)
+        at_rest(in_real_time)
 
 
-def test_a_full_queue(profile: Profile, tmp_path: Path) -> None:
-    quiet = make_profile(tmp_path / "..", simulation={"clock": "real"}, control={"rate": 100.0})
+def test_a_full_queue(tmp_path: Path) -> None:
+    quiet = patient_profile(tmp_path)
     with virtual_arm(quiet) as process, promptly():
         arm = CanopenBackend(quiet)
         arm.open()
@@ -203,31 +246,38 @@ def test_an_axis_that_leaves_operation_by_itself(profile: Profile) -> None:
 
 
 def test_the_arm_process_dies(tmp_path: Path) -> None:
-    profile = make_profile(tmp_path, simulation={"clock": "real"}, control={"rate": 100.0})
+    profile = patient_profile(tmp_path)
     with virtual_arm(profile) as process, running(profile) as (_, driver, _):
         process.kill()
         assert next_fault(driver).kind == "silent"
 
 
-def test_control_dies_and_the_drives_stop_by_themselves(profile: Profile) -> None:
+def test_control_dies_and_the_drives_stop_by_themselves(in_real_time: Profile) -> None:
     control = subprocess.Popen(
-        [sys.executable, str(HERE / "swing_for_ever.py"), str(profile.path)],
+        [sys.executable, str(HERE / "swing_for_ever.py"), str(in_real_time.path)],
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": str(HERE)},
     )
     assert control.stdout is not None
     assert control.stdout.readline() == "moving\n"
-    with second_master(profile, 0) as node:
-        first = node.sdo[0x6064].raw
-        time.sleep(0.1)
-        assert node.sdo[0x6064].raw != first, "the arm moves"
+    with VirtualBus(in_real_time.can.channel) as bus:
+        assert len(set(itertools.islice(positions_of(10, bus), 10))) > 5, "the arm moves"
     control.kill()
     control.wait()
     control.stdout.close()
-    at_rest(profile)
+    at_rest(in_real_time)
     with promptly():
-        the_next_control_takes_over(profile)
+        the_next_control_takes_over(in_real_time)
+
+
+def positions_of(node: int, bus: VirtualBus) -> Iterator[int]:
+    """Counts, as the drive tells them to control; nobody is asked."""
+    while True:
+        told = bus.recv(5)
+        assert told is not None, "nobody speaks"
+        if told.arbitration_id == 0x180 + node:
+            yield int.from_bytes(told.data[:4], "little", signed=True)
 
 
 def the_next_control_takes_over(profile: Profile) -> None:
@@ -245,11 +295,11 @@ def the_next_control_takes_over(profile: Profile) -> None:
         arm.close()
 
 
-def test_a_listener_dies_and_nobody_minds(profile: Profile) -> None:
-    with running(profile) as (_, driver, _):
+def test_a_listener_dies_and_nobody_minds(in_real_time: Profile) -> None:
+    with running(in_real_time) as (_, driver, _):
         command = [sys.executable, "-m", "can.logger", "-i", "virtualbus"]
         logger = subprocess.Popen(
-            [*command, "-c", profile.can.channel], stdout=subprocess.PIPE, text=True
+            [*command, "-c", in_real_time.can.channel], stdout=subprocess.PIPE, text=True
         )
         assert logger.stdout is not None
         line = threading.Thread(target=logger.stdout.readline)
