@@ -312,7 +312,7 @@ def test_a_listener_dies_and_nobody_minds(in_real_time: Profile) -> None:
         assert driver.run(0.5).age.max() == 0
 
 
-def at_rest(profile: Profile, within: float = 2.0) -> None:
+def at_rest(profile: Profile, within: float = 4.0) -> None:
     """Brakes on, power off, and the encoder stands: seen by another master."""
     assert profile.drives is not None
     for axis in range(len(profile.drives)):

@@ -106,13 +106,14 @@ def _life_by_canopen(network: canopen.Network) -> None:
     nodes = [BaseNode402(10 + k, str(OWN_EDS)) for k in range(7)]
     for node in nodes:
         network.add_node(node)
+        be_patient(node)
         node.nmt.state = "RESET"
         node.nmt.wait_for_bootup(5)
         assert node.nmt.state == "PRE-OPERATIONAL"
         assert node.sdo[0x1000].raw & 0xFFFF == 402
         assert node.sdo[0x1008].raw == "pa10d virtual drive"  # a segmented transfer
         node.sdo[0x1017].raw = 50
-        node.nmt.wait_for_heartbeat(1)
+        node.nmt.wait_for_heartbeat(5)
         node.tpdo.read()
         node.rpdo.read()
         node.rpdo[1].clear()
@@ -174,7 +175,15 @@ def _life_by_canopen(network: canopen.Network) -> None:
     assert faulty.sdo[0x60FE].raw == 1, "brake on"
 
 
-def _wait(condition: object, seconds: float = 3.0) -> None:
+def be_patient(node: BaseNode402) -> None:
+    """canopen waits for tenths of a second; a busy machine answers later."""
+    node.sdo.RESPONSE_TIMEOUT = 5.0
+    for name in dir(node):
+        if name.startswith("TIMEOUT_"):
+            setattr(node, name, 5.0)
+
+
+def _wait(condition: object, seconds: float = 10.0) -> None:
     end = time.monotonic() + seconds
     while not condition():  # type: ignore[operator]
         assert time.monotonic() < end, "timed out"

@@ -46,7 +46,9 @@ def node_made_from(eds: Path, **values: int) -> Iterator[canopen.RemoteNode]:
         )
         for name, value in values.items():
             local.set_data(int(name[1:], 16), 0, value.to_bytes(4, "little"))
-        yield here.add_node(5, load_eds(eds, 5))
+        node = here.add_node(5, load_eds(eds, 5))
+        node.sdo.RESPONSE_TIMEOUT = 5.0  # s: a busy machine answers late
+        yield node
     finally:
         here.disconnect()
         there.disconnect()

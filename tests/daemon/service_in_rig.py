@@ -211,7 +211,7 @@ def stopped_while_moving() -> None:
     began = time.monotonic()
     shell("systemctl stop pa10d")
     check("stop while moving", show("Result") == "success", f"{time.monotonic() - began:.1f} s")
-    check_rest("stopped", 2.0)
+    check_rest("stopped", 10.0)
     check_run("stopped", "aborted")
 
 
