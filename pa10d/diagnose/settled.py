@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.state import State
-from pa10d.identify.solution import estimate_weights, solve
+from pa10d.identify.fit import rms_of
+from pa10d.identify.solution import Solution, estimate_weights, solve
 from pa10d.identify.triangle import Triangle
 
 Array = NDArray[np.float64]
@@ -45,15 +46,20 @@ class Settled:
             known.add(np.column_stack(state.knowledge.rows(width - 1)))
         return cls(moving, rest, known)
 
-    def coefficients(self, count: int) -> Array:
-        """(count,) of the model with the first ``count`` columns only."""
+    def solution(self, count: int) -> Solution:
+        """Of the model with the first ``count`` columns only."""
         factors, still = (
             [t.without(np.s_[count:-1]) for t in side] for side in (self.moving, self.rest)
         )
         indices = [np.arange(count)] * (len(factors) + 1)
         sigma = estimate_weights(factors, still, indices[1:], count)
         known = self.known.without(np.s_[count:-1])
-        return solve([*factors, known], indices, count, np.append(sigma, 1.0)).beta
+        return solve([*factors, known], indices, count, np.append(sigma, 1.0))
+
+    def rms(self, beta: Array) -> Array:
+        """(n,) N·m that these values of the first coefficients leave in motion."""
+        moving = [t.without(np.s_[len(beta) : -1]) for t in self.moving]
+        return rms_of(moving, [np.arange(len(beta))] * len(moving), beta)
 
 
 def _columns(state: State) -> Iterator[Array]:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics import Robot
+from pa10d.dynamics.base import BaseParameters
 from pa10d.dynamics.feasible import Feasible, feasible_fit
 from pa10d.dynamics.pseudo_inertia import definiteness
+from pa10d.effects import Coefficient
 from pa10d.identify.fit import Fit
 from pa10d.identify.layout import Layout
+from pa10d.identify.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -31,18 +36,30 @@ class FeasibleModel:
 
 def find_feasible(fit: Fit, layout: Layout) -> FeasibleModel:
     """Least squares again, on the same weighted data, with every link a possible body."""
-    lower = np.array([c.lower for s in layout.slots for c in s.effect.coefficients])
-    upper = np.array([c.upper for s in layout.slots for c in s.effect.coefficients])
-    solution = fit.solution
-    answer: Feasible = feasible_fit(
-        solution.triangle, solution.target, layout.base, layout.robot.parameters, lower, upper
+    bounded = [c for slot in layout.slots for c in slot.effect.coefficients]
+    return nearest_feasible(
+        fit.solution, layout.base, layout.robot, bounded, lambda b: fit.rms_of(b, layout.of_joint)
     )
-    beta = np.concatenate([layout.base.of(answer.standard), answer.extra])
+
+
+def nearest_feasible(
+    solution: Solution,
+    base: BaseParameters,
+    robot: Robot,
+    bounded: Sequence[Coefficient],
+    rms: Callable[[Array], Array],
+) -> FeasibleModel:
+    """The same of any weighted fit of [base parameters, coefficients]; rms: (n,) N·m that other
+    values of these leave."""
+    lower, upper = (np.array([getattr(c, side) for c in bounded]) for side in ("lower", "upper"))
+    answer: Feasible = feasible_fit(
+        solution.triangle, solution.target, base, robot.parameters, lower, upper
+    )
     inner = definiteness(answer.standard)
     return FeasibleModel(
         standard=answer.standard,
         coefficients=answer.extra,
-        rms=fit.rms_of(beta, layout.of_joint),
+        rms=rms(np.concatenate([base.of(answer.standard), answer.extra])),
         edge=inner < AT_BOUND,
         found=answer.found and bool(np.all(inner > 0)),
     )

@@ -26,9 +26,9 @@ def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:
     }
 
 
-def feasible_note(layout: Layout, feasible: FeasibleModel) -> dict[str, Any]:
-    """The friction that goes with the feasible standard parameters, and what they cost."""
-    names = layout.names()[len(layout.base) :]
+def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> dict[str, Any]:
+    """The coefficients that go with the feasible standard parameters, by name, and what they
+    cost."""
     return {
         "rms": [float(v) for v in feasible.rms],
         "coefficients": dict(zip(names, map(float, feasible.coefficients), strict=True)),

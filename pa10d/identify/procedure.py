@@ -108,7 +108,7 @@ def _identify(
         "warnings": warnings,
         "cutoff": cutoff_note(cutoff, why),
         "shift": {"estimate_s": shift.estimate, "std_error_s": float(shift.std_error)},
-        "feasible": feasible_note(layout, feasible),
+        "feasible": feasible_note(layout.names()[len(layout.base) :], feasible),
         "weights": [float(s) for s in fit.solution.sigma],
         "correlation_s": [float(s) for s in fit.uncertainty.correlation],
         "rank": fit.solution.rank,

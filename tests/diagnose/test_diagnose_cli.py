@@ -141,6 +141,10 @@ def test_add_makes_a_new_version_and_keeps_the_old_one(run):
     assert after == before
     _, history, _ = run("model", "history", "sprung")
     assert "m0" in json.dumps(history)
+    _, shown, _ = run("model", "show", "sprung")
+    assert shown["feasible"], "its links are possible bodies, as those of the model before"
+    status, exported, _ = run("model", "export", "sprung", "--format", "urdf")
+    assert status == 0
     _, compared, _ = run("compare", "sprung", *VALIDATE)
     _, old, _ = run("compare", "m0", *VALIDATE)
     assert compared["pooled"]["rms"][1] < 0.1 * old["pooled"]["rms"][1]
