@@ -10,6 +10,7 @@ from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model, _progress
+from pa10d.words import listed, percent
 
 if TYPE_CHECKING:
     from pa10d.diagnose.outcome import Diagnosis
@@ -151,8 +152,8 @@ def in_words(found: Diagnosis) -> str:
             lines.append(f"   settle the doubt with: {finding.next_experiment}")
     for s in found.unexplained:
         lines.append(
-            f"Joint {s.joint + 1}: {s.share:.0%} of its squared error depends on "
-            f"{' and '.join(s.variables)}."
+            f"Joint {s.joint + 1}: {percent(s.share)} of its squared error depends on "
+            f"{listed(s.variables)}."
         )
         if not found.frozen:
             lines.append(

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from pa10d.effects import all_effects
-from pa10d.report.verdict import listed, percent, place_words
+from pa10d.report.verdict import place_words
 from pa10d.trajectory.kinds import KINDS
+from pa10d.words import listed, percent
 
 Document = Mapping[str, Any]
 
-__all__ = ["compared_words", "fall_words", "found_words", "listed", "named", "plan_words"]
+__all__ = ["compared_words", "fall_words", "found_words", "named", "plan_words"]
 
 
 def named(finding: Document) -> str:

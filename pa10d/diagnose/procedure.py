@@ -22,6 +22,7 @@ from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
 from pa10d.model import Term, TorqueModel
 from pa10d.recording import Recording
+from pa10d.words import listed, percent
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -224,14 +225,15 @@ def _sentence(
 ) -> str:
     """One sentence that a technician understands."""
     worst = int(np.argmax(before**2 - after**2))
-    share = 1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2
+    share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
     joints = " and ".join(str(j + 1) for j in term.joints)
-    where = f"joint {joints}" if len(term.joints) == 1 else f"joints {joints}" if joints else "arm"
+    many = len(term.joints) > 1
+    where = f"Joint{'s' if many else ''} {joints}" if joints else "The arm"
     text = (
-        f"The {where} shows {term.effect.title.lower()}: about {size.value:.2g} N·m that the model "
-        f"lacks; with it {share:.0%} of joint {worst + 1}'s squared error is gone."
+        f"{where} {'show' if many else 'shows'} {term.effect.named}: about {size.value:.2g} N·m "
+        f"that the model lacks; with it {share} of joint {worst + 1}'s squared error is gone."
     )
     if confusions:
-        others = ", ".join(sorted({effect(c.effect).title.lower() for c in confusions}))
-        text += f" This data cannot yet tell it from {others}."
+        others = sorted({effect(c.effect).named for c in confusions})
+        text += f" This data cannot yet tell it from {listed(others, 'or')}."
     return text

@@ -86,6 +86,7 @@ class Effect(ABC):
 
     id: ClassVar[str]
     title: ClassVar[str]
+    noun: ClassVar[str] = ""  # what a joint "shows"; the title in small letters where empty
     equation: ClassVar[str]
     scope: ClassVar[Literal["joint", "pair", "robot"]] = "joint"
     question: ClassVar[Literal["textbook", "missing", "changed", "chosen"]] = "missing"
@@ -102,6 +103,11 @@ class Effect(ABC):
     source: ClassVar[str]
     remedy: ClassVar[str] = ""  # what a technician may do about it
     example: ClassVar[Example | None] = None  # a typical case, for the picture on its page
+
+    @property
+    def named(self) -> str:
+        """The effect within a sentence, with its article: "a spring"."""
+        return self.noun or self.title.lower()
 
     @property
     def meaning(self) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pa10d.paper import published
 from pa10d.paper.results import MODEL, PID, WITH_EFFECTS, CaseStudy
-from pa10d.report.verdict import listed
+from pa10d.words import listed
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,8 @@ from pa10d.figures.of_diagnosis import OVER_TIME, shown_joint
 from pa10d.figures.texts import Reading
 from pa10d.report.blocks import Block, Cards, Plot, Section, Table, Text
 from pa10d.report.facts import Command, Facts
-from pa10d.report.verdict import finding_words, listed, percent, place, removed
+from pa10d.report.verdict import finding_words, place, removed
+from pa10d.words import listed, percent
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.diagnose.structure import Structure
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
+from pa10d.words import listed, percent
 
 NEAR = 1.15  # times the noise floor: as good as its own error
 
@@ -91,15 +92,3 @@ def structure_words(s: Structure) -> str:
     """``38 % of joint 2's squared error depends on position of joint 2 and …``."""
     named = " and the ".join(variable_words(name) for name in s.variables)
     return f"{percent(s.share)} of joint {s.joint + 1}'s squared error depends on the {named}"
-
-
-def percent(share: float) -> str:
-    """Nothing is ever gone to 100 %."""
-    return "more than 99 %" if share > 0.99 else f"{100 * share:.0f} %"
-
-
-def listed(words: Sequence[str]) -> str:
-    """``a, b and c``."""
-    if len(words) < 2:
-        return "".join(words)
-    return f"{', '.join(words[:-1])} and {words[-1]}"

@@ -14,6 +14,7 @@ class BaseTilt(Effect):
 
     id = "base_tilt"
     title = "Base tilt"
+    noun = "a tilted base"
     equation = "τ = τ_gravity(turned by rx, ry) - τ_gravity, with the first link's own unknowns"
     scope = "robot"
     question = "changed"

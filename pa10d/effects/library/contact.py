@@ -11,6 +11,7 @@ class Contact(Effect):
 
     id = "contact"
     title = "Contact"
+    noun = "a contact at one end of its range"
     equation = "τ = k·side·max(0, side·(q - qs))"
     coefficients = (Coefficient("k", "N·m/rad", lower=0.0),)
     shapes = (

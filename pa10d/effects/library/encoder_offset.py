@@ -11,6 +11,7 @@ class EncoderOffset(Effect):
 
     id = "encoder_offset"
     title = "Encoder offset"
+    noun = "an encoder offset"
     equation = "τ = τ_rigid(q - offset) - τ_rigid(q)"
     question = "changed"
     reaches_other_joints = True

@@ -14,6 +14,7 @@ class JointElasticity(Effect):
 
     id = "joint_elasticity"
     title = "Joint elasticity"
+    noun = "elasticity"
     equation = "M_jj·δ̈ + C·δ̇ + K·δ = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
     reaches_other_joints = True
     uses_model = True

@@ -13,6 +13,7 @@ class Payload(Effect):
 
     id = "payload"
     title = "Payload"
+    noun = "a payload"
     equation = "τ = Y_last(q, q̇, q̈)·[m, m·cx, m·cy, m·cz, Ixx … Izz]"
     scope = "robot"
     question = "changed"

@@ -11,6 +11,7 @@ class Spring(Effect):
 
     id = "spring"
     title = "Spring"
+    noun = "a spring"
     equation = "τ = k·(q - q0)"
     coefficients = (Coefficient("k", "N·m/rad"), Coefficient("kq0", "N·m"))
     signature = (

@@ -16,6 +16,7 @@ class ThermalFriction(Effect):
 
     id = "thermal_friction"
     title = "Warm-up of friction"
+    noun = "friction that changes as it warms up"
     equation = "τ = -w·(dFv·q̇ + dFc·sign(q̇)),  w = 1 - exp(-t/T), or w = (temperature - 20 °C)/10 K"
     coefficients = (
         Coefficient("dFv", "N·m·s/rad", lower=0.0),

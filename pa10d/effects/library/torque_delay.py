@@ -12,6 +12,7 @@ class TorqueDelay(Effect):
 
     id = "torque_delay"
     title = "Torque delay"
+    noun = "a torque that is measured late"
     equation = "τ = τ_model(t - Td) - τ_model(t)"
     sensing = True
     uses_model = True

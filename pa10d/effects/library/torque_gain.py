@@ -9,6 +9,7 @@ class TorqueGain(Effect):
 
     id = "torque_gain"
     title = "Torque gain"
+    noun = "a torque gain that is off"
     equation = "τ = gain·τ_model"
     question = "changed"
     sensing = True

@@ -11,6 +11,7 @@ class TorqueOffset(Effect):
 
     id = "torque_offset"
     title = "Torque offset"
+    noun = "a torque offset"
     equation = "τ = offset"
     coefficients = (Coefficient("offset", "N·m"),)
     signature = "All of the error is shifted by the same amount, in both directions, in every pose."
