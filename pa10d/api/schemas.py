@@ -407,3 +407,6 @@ class Sheet(BaseModel):
 
     sections: list[dict[str, Any]]
     findings: list[dict[str, Any]] | None = Field(None, description="Of a diagnosis, best first")
+    unexplained: list[dict[str, Any]] | None = Field(
+        None, description="Of a diagnosis: what no effect explains, as its result lists it"
+    )

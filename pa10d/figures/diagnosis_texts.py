@@ -32,7 +32,7 @@ STAIRCASE = Reading(
     "held-out data. Divided by the noise, so that 1 (dashed) is as good as it gets; the tip of the "
     "pointer shows N·m.",
     "A line that goes down belongs to a joint that the effect concerns; one that goes up speaks "
-    "against it. A line that ends high above 1 has something left: see 'What no effect explains'.",
+    "against it. A line that ends high above 1 has something left: see what no effect explains.",
 )
 MAP = Reading(
     "Colour is the torque that is left over on this joint, at each combination of the two "

@@ -54,4 +54,5 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
 
 
 def _tick(step: Step) -> str:
-    return f"{step.name}<br><i>{step.change}</i>"
+    change, *note = step.change.split(" (", 1)
+    return "<br>".join([step.name, f"<i>{change}</i>", *(f"<i>({text}</i>" for text in note)])

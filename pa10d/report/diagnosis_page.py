@@ -10,14 +10,15 @@ import numpy as np
 
 from pa10d import __version__
 from pa10d.diagnose.outcome import Diagnosis
-from pa10d.figures.diagnosis_texts import CURVE, MAP, STAIRCASE
+from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.report.finding_section import Asked, finding_section
 from pa10d.report.page import page
-from pa10d.report.verdict import headline, structure_words
+from pa10d.report.unexplained_section import unexplained_section
+from pa10d.report.verdict import headline
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class DiagnosisSections:
 
     verdict: Section
     findings: tuple[Section, ...]
+    unexplained: tuple[Section, ...]
     rest: tuple[Section, ...]
 
 
@@ -36,9 +38,12 @@ def diagnosis_sections(found: Diagnosis, seen: HeldOut, asked: Asked) -> Diagnos
     return DiagnosisSections(
         _glance(found),
         tuple(finding_section(found, k, drawn["findings"][k], asked) for k in numbers),
+        tuple(
+            unexplained_section(found, s, figure, asked)
+            for s, figure in zip(found.unexplained, drawn["unexplained"], strict=True)
+        ),
         (
             *([_staircase(drawn)] if found.findings else []),
-            *([_unexplained(found, drawn)] if found.unexplained else []),
             _figures(found),
             _judged(found, asked),
         ),
@@ -55,7 +60,7 @@ def diagnosis_page(
     return page(
         f"{asked.model}: {question}",
         f"{robot.name}, {robot.n} joints · judged on {found.judged_on}",
-        [*first, parts.verdict, *parts.findings, *parts.rest],
+        [*first, parts.verdict, *parts.findings, *parts.unexplained, *parts.rest],
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )
 
@@ -81,19 +86,6 @@ def _glance(found: Diagnosis) -> Section:
 def _staircase(drawn: Mapping[str, Any]) -> Section:
     plot = Plot("Error of every joint, step by step", drawn["staircase"], STAIRCASE)
     return Section("How far it brings you", [plot])
-
-
-def _unexplained(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
-    intro = Text(
-        "Motion predicts this part of the error on data not fitted, so it is no noise; but no "
-        "effect of the library looks like it. The map shows where it is."
-    )
-    blocks: list[Block] = [intro]
-    for s, figure in zip(found.unexplained, drawn["unexplained"], strict=True):
-        title = f"Joint {s.joint + 1}: {s.rms:.3g} N·m that no effect explains"
-        reading = MAP if len(s.variables) == 2 else CURVE
-        blocks.append(Plot(title, figure, reading, structure_words(s) + "."))
-    return Section("What no effect explains", blocks)
 
 
 def _figures(found: Diagnosis) -> Section:

@@ -35,16 +35,19 @@ def comparison_sheet(comparison: Comparison, steps: Sequence[Step] = ()) -> dict
 
 
 def diagnosis_sheet(found: Diagnosis, seen: HeldOut, asked: Asked) -> dict[str, Sheet]:
-    """``summary`` with ``sections`` (the verdict first) and ``findings``, one section each."""
+    """``summary`` with ``sections`` (the verdict first), and ``findings`` and ``unexplained``, one
+    section each."""
     parts = diagnosis_sections(found, seen, asked)
     sections = [_plain(section) for section in (parts.verdict, *parts.rest)]
-    return {"summary": {"sections": sections, "findings": _plain(parts.findings)}}
+    apart = {"findings": _plain(parts.findings), "unexplained": _plain(parts.unexplained)}
+    return {"summary": {"sections": sections, **apart}}
 
 
 def sections_of(sheet: Sheet) -> list[Section]:
     """A sheet as blocks again, for a report of whoever has it by HTTP: findings come second."""
     verdict, *rest = sheet["sections"]
-    return [_block(part) for part in (verdict, *sheet.get("findings", ()), *rest)]
+    apart = (*sheet.get("findings", ()), *sheet.get("unexplained", ()))
+    return [_block(part) for part in (verdict, *apart, *rest)]
 
 
 def _block(plain: Any) -> Any:

@@ -56,7 +56,7 @@ function nextStep(again) {
   const before = parent ? lastDiagnosis(parent, again) : null;
   if (before === undefined) return { text: "" };
   if (before && before.result.findings.every((one) => versionWith(parent, one))) {
-    return { go: "models", text: `${newest.name} has what was missing. See how far the error fell.`, label: "See",
+    return { go: "models", text: `${newest.name} ${newest.change.startsWith("added smooth_map") ? "has a map where something is missing" : "has what was missing"}. See how far the error fell.`, label: "See",
              then: { go: "diagnose", text: `Below is how far the error fell. Ask whether anything is left in ${newest.name}.`, label: "Diagnose" } };
   }
   return ask;
@@ -64,7 +64,11 @@ function nextStep(again) {
 
 function afterDiagnosis(model, diagnosis) {
   const { findings, verdict } = diagnosis.result;
-  if (findings.some((one) => !versionWith(model, one))) {
+  const open = findings.filter((one) => !versionWith(model, one));
+  if (open.some((one) => one.next_experiment) && canMove()) {
+    return { go: "diagnose", text: `Something is missing in ${model.name}, and this data cannot tell what: run the experiment that settles it, then diagnose again.`, label: "Settle" };
+  }
+  if (open.length) {
     return { go: "diagnose", text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };
   }
   if (verdict === "none") {

@@ -22,7 +22,7 @@ export function mount(box) {
   frozen.addEventListener("change", () => { start.textContent = frozen.checked ? "What has changed?" : "What is missing?"; });
   const earlier = el("select", { "aria-label": "earlier diagnoses", onchange: () => { if (earlier.value) location.hash = `#/diagnose/${earlier.value}`; } });
   parts = { model, fit, judge, body: el("div", { id: "findings" }) };
-  fill(box, heading("diagnose", "Diagnose", { Diagnose: "Press 'What is missing?'.", Read: "It is below." }),
+  fill(box, heading("diagnose", "Diagnose", { Diagnose: "Press 'What is missing?'.", Read: "It is below.", Settle: "The button is below." }),
     el("div", { class: "panel row pickers" }, model.box, fit.box, judge.box,
       el("label", { title: "Nothing is refitted: for an arm that was well described before" }, frozen, " what changed since?"), start, earlier),
     parts.body);
@@ -65,7 +65,8 @@ async function open(id, started = null) {
   if (shown !== id) return;
   const [verdict, ...rest] = sheet.sections;
   fill(parts.body, verdict.blocks.map(block),
-    sheet.findings.map((finding, k) => card(finding, whole, k)), rest.map((one) => sectionOf(one)));
+    sheet.findings.map((finding, k) => card(finding, whole, k)),
+    (sheet.unexplained ?? []).map((one, k) => unexplained(one, whole, k)), rest.map((one) => sectionOf(one)));
 }
 
 const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;
@@ -79,6 +80,27 @@ function card(section, diagnosis, k) {
     el("header", {}, el("h2", {}, section.title), el("p", { class: "share" }, section.mark), actions(diagnosis, k)),
     block(sentence), block(facts), doubts(finding), block(evidence),
     el("details", {}, el("summary", {}, "Questions and answers, parameters, all joints"), inner.map(block)));
+}
+
+/** What no effect explains on a joint: its map, and a button that hides it. */
+function unexplained(section, diagnosis, k) {
+  const structure = diagnosis.result.unexplained[k];
+  const box = el("div", { class: "row" });
+  const remove = el("button", { type: "button", class: "smooth", title: "It explains nothing: no physical effect", onclick: guarded("It could not be removed.", () => removeByMap(diagnosis, k)) }, "Remove it by a smooth map");
+  const done = el("a", { class: "button" });
+  watch(["models", "jobs"], () => {
+    const version = withMaps(diagnosis).removed.get(structure);
+    done.hidden = !version;
+    if (version) {
+      done.textContent = `Removed in ${version.name}: see how far the error fell`;
+      done.href = `#/models/${version.name}`;
+    }
+    remove.hidden = Boolean(version) || diagnosis.result.frozen;
+    remove.disabled = running("add").length > 0;
+  }, box);
+  fill(box, remove, done);
+  return el("article", { class: "finding", dataset: { unexplained: structure.joint } },
+    el("header", {}, el("h2", {}, section.title), el("p", { class: "share" }, section.mark), box), section.blocks.map(block));
 }
 
 function doubts(finding) {
@@ -131,6 +153,37 @@ async function addTo(diagnosis, k) {
     await loadModels();
   }
   if (!made) return;
+  for (const text of made.warnings) notice(text, { kind: "error" });
+  notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
+}
+
+const mapOf = (structure) => ({ effect: `smooth_map J${structure.joint} over ${structure.depends_on.join(", ")}`, joints: [] });
+
+/** The newest version with all findings and as many of the maps as there are: {model, removed: structure -> version}. */
+function withMaps(diagnosis) {
+  let model = madeFrom(diagnosis, diagnosis.result.findings.length);
+  const removed = new Map();
+  for (let next = model; next;) {
+    next = null;
+    for (const structure of diagnosis.result.unexplained.filter((one) => !removed.has(one))) {
+      next = versionWith(model, mapOf(structure));
+      if (!next) continue;
+      removed.set(structure, model = next);
+      break;
+    }
+  }
+  return { model, removed };
+}
+
+/** A map on top of the findings, which it was seen beside. */
+async function removeByMap(diagnosis, k) {
+  const { findings, unexplained: places } = diagnosis.result;
+  if (!madeFrom(diagnosis, findings.length)) await addTo(diagnosis, findings.length - 1);
+  const { model } = withMaps(diagnosis), { joint, depends_on: over } = places[k];
+  const name = nextModelName(current().map((one) => one.name));
+  const { fit } = diagnosis.request;
+  const made = (await finished(await post(`models/${model.id}/effects`, { effect: "smooth_map", joints: [joint], over, fit, name }))).result;
+  await loadModels();
   for (const text of made.warnings) notice(text, { kind: "error" });
   notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
 }

@@ -1,0 +1,42 @@
+"""What no effect explains on one joint: on what it depends, where it is, and how to hide it."""
+
+from __future__ import annotations
+
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.structure import Structure
+from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
+from pa10d.figures.diagnosis_texts import CURVE, MAP
+from pa10d.figures.plotly import Figure
+from pa10d.report.blocks import Block, Plot, Section, Text
+from pa10d.report.facts import Command
+from pa10d.report.finding_section import Asked
+from pa10d.report.verdict import structure_words
+
+INTRO = (
+    "Motion predicts this part of the error on data not fitted, so it is no noise; but no effect "
+    "of the library looks like it. The map shows where it is."
+)
+
+
+def unexplained_section(found: Diagnosis, s: Structure, figure: Figure, asked: Asked) -> Section:
+    """One joint's map; unless the model was frozen, also the command that removes it."""
+    unit = "N" if found.model.robot.prismatic[s.joint] else "N·m"
+    reading = MAP if len(s.variables) == 2 else CURVE
+    title = f"{s.rms:.3g} {unit} that no effect explains"
+    blocks: list[Block] = [Text(INTRO), Plot(title, figure, reading, structure_words(s) + ".")]
+    if not found.frozen:
+        blocks.append(_removal(found, s, asked))
+    return Section(f"Joint {s.joint + 1}: what no effect explains", blocks, f"{s.rms:.3g} {unit}")
+
+
+def _removal(found: Diagnosis, s: Structure, asked: Asked) -> Command:
+    count = len(found.findings)
+    last = f"{asked.model}.{count}" if count else asked.model
+    return Command(
+        f"Where the cause cannot be found, a smooth map {EXPLAINS_NOTHING}:",
+        [
+            f"pa10d add {last} {SmoothMap.id} --joint {s.joint + 1} "
+            f"--over '{','.join(s.variables)}' --fit {' '.join(asked.fit)} "
+            f"--name {asked.model}.{count + 1}"
+        ],
+    )
