@@ -7,9 +7,6 @@ from pathlib import Path
 
 import pytest
 
-REALTIME = {"api", "bus", "control", "daemon"}
-"""Folders whose tests keep real time with processes of their own: they run one after another.
-What moves the arm in simulated time (demo, docs, web, case_study) may run side by side."""
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 
@@ -18,9 +15,6 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    for item in items:
-        if REALTIME.intersection(Path(item.path).parts):
-            item.add_marker(pytest.mark.realtime)
     if config.getoption("--long"):
         return
     skip = pytest.mark.skip(reason="takes minutes; --long runs it")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -42,19 +44,18 @@ def csv_file(tmp_path_factory) -> Path:
     return path
 
 
-@pytest.fixture
-def guarded(tmp_path):
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory):
     """A daemon with tokens, without robot behind it (nobody is on its bus)."""
-    tokens = tmp_path / "tokens.json"
+    folder = tmp_path_factory.mktemp("guarded")
+    tokens = folder / "tokens.json"
     tokens.write_text('{"look": "seer", "command": "mover", "admin": "root"}')
-    options = ["--data", str(tmp_path / "data"), "--json", "serve", "--port", "0", "--no-sim"]
-    options += ["--channel", f"void-{tmp_path.name[:20]}", "--token-file", str(tokens)]
+    options = ["--data", str(folder / "data"), "--json", "serve", "--port", "0", "--no-sim"]
+    options += ["--channel", f"void-{os.getpid()}", "--token-file", str(tokens)]
     process = subprocess.Popen(
         [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
     )
     try:
-        import json
-
         url = json.loads(process.stdout.readline())["url"]
         with httpx.Client(base_url=url, timeout=30, trust_env=False) as client:
             yield client

@@ -136,6 +136,7 @@ def test_one_stray_pdo_is_counted_and_forgiven(profile: Profile, kind: Injection
         assert driver.run(0.2).age.max() == 0
 
 
+@pytest.mark.realtime
 def test_a_drive_that_is_always_late_is_none(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, other):
         other.inject(1, Injection.TPDO_LATE, 1000)
@@ -167,6 +168,7 @@ def test_a_reboot_explains_a_silence() -> None:
     assert watch.faults[0].kind == "rebooted", "and not the other way round"
 
 
+@pytest.mark.realtime
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf
@@ -175,6 +177,7 @@ def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
         at_rest(in_real_time)
 
 
+@pytest.mark.realtime
 def test_the_drives_stop_when_sync_ends(in_real_time: Profile) -> None:
     """The loop hangs; heartbeats go on, so that it is SYNC that is missed."""
     with running(in_real_time) as (_, _, other):
@@ -190,6 +193,7 @@ def test_the_drives_stop_when_sync_ends(in_real_time: Profile) -> None:
         at_rest(in_real_time)
 
 
+@pytest.mark.realtime
 def test_a_full_queue(tmp_path: Path) -> None:
     quiet = patient_profile(tmp_path)
     with virtual_arm(quiet) as process, promptly():
@@ -245,6 +249,7 @@ def test_an_axis_that_leaves_operation_by_itself(profile: Profile) -> None:
         assert_stops(arm, driver)
 
 
+@pytest.mark.realtime
 def test_the_arm_process_dies(tmp_path: Path) -> None:
     profile = patient_profile(tmp_path)
     with virtual_arm(profile) as process, running(profile) as (_, driver, _):
@@ -252,6 +257,7 @@ def test_the_arm_process_dies(tmp_path: Path) -> None:
         assert next_fault(driver).kind == "silent"
 
 
+@pytest.mark.realtime
 def test_control_dies_and_the_drives_stop_by_themselves(in_real_time: Profile) -> None:
     control = subprocess.Popen(
         [sys.executable, str(HERE / "swing_for_ever.py"), str(in_real_time.path)],
@@ -295,6 +301,7 @@ def the_next_control_takes_over(profile: Profile) -> None:
         arm.close()
 
 
+@pytest.mark.realtime
 def test_a_listener_dies_and_nobody_minds(in_real_time: Profile) -> None:
     with running(in_real_time) as (_, driver, _):
         command = [sys.executable, "-m", "can.logger", "-i", "virtualbus"]

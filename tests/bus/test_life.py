@@ -23,7 +23,7 @@ def states(words: object) -> set[State | None]:
     return {state_of(int(word)) for word in words}  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("clock", ["simulated", "real"])
+@pytest.mark.parametrize("clock", ["simulated", pytest.param("real", marks=pytest.mark.realtime)])
 def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
     profile = make_profile(
         tmp_path,
@@ -82,6 +82,7 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
             arm.close()
 
 
+@pytest.mark.realtime
 def test_the_whole_life_by_canopen_alone(tmp_path: Path) -> None:
     """An independent master: BaseNode402 knows nothing of our tables and layouts."""
     profile = make_profile(

@@ -20,6 +20,7 @@ from backends.virtual.injection import Injection
 from pa10d.profile import Profile
 
 pytestmark = [
+    pytest.mark.realtime,
     pytest.mark.socketcan,
     pytest.mark.skipif(
         not Path("/sys/class/net/vcan0").exists(),

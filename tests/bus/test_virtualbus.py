@@ -18,6 +18,8 @@ import pytest
 from backends.frames import ERROR_CONTROLLER, RX_OVERFLOW
 from backends.virtualbus.rendezvous import channels
 
+pytestmark = pytest.mark.realtime
+
 ECHO = """
 import can, sys
 bus = can.Bus(interface="virtualbus", channel=sys.argv[1])

@@ -15,6 +15,8 @@ from backends.eds import OWN_EDS
 from pa10d.daemon import check as checks
 from pa10d.profile import find_profile, load_profile
 
+pytestmark = pytest.mark.realtime
+
 
 def profile_with(folder, **sections):
     """The simulated arm on a bus of its own, some sections changed."""
