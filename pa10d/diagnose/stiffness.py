@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEPS = np.logspace(-6.0, 8.0, 113)  # tried ratios, of the typical strength of the data
+STEPS = np.logspace(-11.0, 6.0, 137)  # tried ratios, of the typical strength of the data
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,11 @@ from scipy.interpolate import BSpline
 
 from pa10d.effects.base import Array, Coefficient, Effect, Example, Shape, ShapeParameter, Value
 from pa10d.effects.context import Context
-from pa10d.effects.variables import unit_of, values_of
+from pa10d.effects.variables import parsed, unit_of, values_of
 
 DEGREE = 3
 SEGMENTS = {1: 24, 2: 8}  # of the range of each quantity, by how many there are
+SLOW = 0.1  # of the range of a speed: below it, its segments are equally fine
 FAINT = 1e-3  # precision of a coefficient itself beside that of the step to its neighbour
 SMOOTHING = "smoothing"
 EXPLAINS_NOTHING = "removes the error, explains nothing: no physical effect"
@@ -61,8 +62,9 @@ class SmoothMap(Effect):
     )
 
     def columns(self, context: Context, joints: Sequence[int], shape: Shape) -> Array:
+        count = SEGMENTS[len(self.over)]
         parts = [
-            splines(values_of(context, name), *self._ends(name, shape), SEGMENTS[len(self.over)])
+            splines(*placed(name, values_of(context, name), *self._ends(name, shape)), count)
             for name in self.over
         ]
         if len(parts) == 1:
@@ -124,6 +126,19 @@ class SmoothMap(Effect):
 def smooth_map(over: tuple[str, ...]) -> SmoothMap:
     """The map over these quantities."""
     return SmoothMap(over)
+
+
+def placed(name: str, values: Array, low: float, high: float) -> tuple[Array, float, float]:
+    """The same values and ends on the scale on which the segments are equal: speeds near zero are
+    drawn apart, because friction turns round there."""
+    if parsed(name)[0] != "dq":
+        return values, low, high
+    scale = SLOW * max(abs(low), abs(high), 1e-9)
+    return (
+        np.arcsinh(values / scale),
+        float(np.arcsinh(low / scale)),
+        float(np.arcsinh(high / scale)),
+    )
 
 
 def splines(values: Array, low: float, high: float, segments: int) -> Array:

@@ -56,7 +56,12 @@ def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     lost = [
         f"{label} not in the export: it has a memory or a time of its own, so that a function of "
         "q, dq and ddq cannot give it"
-        for label in grouped(missing)
+        for label in grouped([term for term in missing if not term.over])
+    ] + [
+        f"{term.label} not in the export: a map of what nobody understands stays where its range "
+        "is watched"
+        for term in missing
+        if term.over
     ]
     data = _data(model, carried)
     head = HEAD.format(

@@ -120,6 +120,11 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
         if name in TEXTBOOK:
             continue
         kind = effect(name)
+        if kind.question == "chosen":
+            raise UserError(
+                f"--with {name}: explains nothing; expected an effect (pa10d add … {name} --over "
+                "takes quantities that a diagnosis names)"
+            )
         if kind.scope == "pair":
             raise UserError(
                 f"--with {name}: acts on a pair of joints; expected an effect of one joint or the "
