@@ -24,6 +24,7 @@ from pa10d.dynamics import robot_from_profile
 from pa10d.effects import all_effects, effect
 from pa10d.effects.pages import index, page
 from pa10d.effects.portrait import Portrait, portrait
+from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
 from pa10d.profile import load_profile
 
@@ -49,7 +50,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=DOCS, metavar="FOLDER")
     options = parser.parse_args(arguments)
     try:
-        kinds = [effect(name) for name in options.effects] or list(all_effects().values())
+        library = list(all_effects().values())
+        kinds = [effect(name) for name in options.effects] or [*library, effect(SmoothMap.id)]
     except UserError as error:
         print(error, file=sys.stderr)
         return 1
@@ -63,7 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
         text = page(kind, titles, picture)
         (options.out / f"{kind.id}.md").write_text(text, encoding="utf-8")
     if not options.effects:
-        (options.out / "README.md").write_text(index(kinds), encoding="utf-8")
+        (options.out / "README.md").write_text(index(library), encoding="utf-8")
     return 0
 
 

@@ -66,6 +66,9 @@ def index(kinds: Iterable[Effect]) -> str:
             "|---|---|---|---|",
             *rows,
             "",
+            "Beside them stands the [smooth map](smooth_map.md), which you may choose where no",
+            "effect explains what is left. It removes the error and explains nothing.",
+            "",
         ]
     )
 
@@ -82,11 +85,17 @@ def _notes(kind: Effect) -> str:
 
 
 def _parameters(kind: Effect) -> str:
+    linear = kind.coefficients
     rows = [
         (c.name, c.unit, c.lower, c.upper, "fitted, not reported" if c.nuisance else "linear")
-        for c in kind.coefficients
+        for c in linear
     ]
+    if kind.over:
+        first, last = linear[0], linear[-1]
+        rows = [(f"{first.name} … {last.name}", first.unit, first.lower, first.upper, "linear")]
     how = {"log": "searched, by ratio", "linear": "searched", "choice": "tried: both values"}
+    if kind.over:
+        how["choice"] = "from the data"
     rows += [(s.name, s.unit, s.lower, s.upper, how[s.scale]) for s in kind.shapes]
     return "\n".join(
         [

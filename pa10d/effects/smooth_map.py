@@ -52,7 +52,7 @@ class SmoothMap(Effect):
         ends = [(f"{name} {end}", unit_of(name)) for name in self.over for end in ("from", "to")]
         self.shapes = (
             *(ShapeParameter(name, unit, -np.inf, np.inf, "choice") for name, unit in ends),
-            ShapeParameter(SMOOTHING, "1/(N·m)²", 1e-9, 1e15, "choice"),
+            ShapeParameter(SMOOTHING, "1/(N·m)²", 0.0, np.inf, "choice"),
         )
 
     example = Example(

@@ -84,7 +84,7 @@ def test_the_model_says_that_it_explains_nothing(runs, removed):
 
 
 def test_it_tells_how_much_of_a_run_it_has_not_been_to(removed):
-    t, q, dq, ddq = motion(123)
+    t, q, *_ = motion(123)
     wide = Recording("wide", t, 1.5 * q, np.zeros_like(q))
     run = run_residual(removed.model, wide)
     shape = removed.model.terms[-1].shape
