@@ -25,7 +25,7 @@ from pa10d.errors import UserError
 Document = dict[str, Any]
 Progress = Callable[[float, str], None]
 
-REQUEST = 60.0  # s for one request
+REQUEST = 90.0  # s for an answer: longer than the daemon itself waits for drives
 LOOK_EVERY = 0.25  # s between looks at a job
 START = 180.0  # s for a daemon to come up; compiled code may have to be made first
 OVER = ("succeeded", "failed", "cancelled")

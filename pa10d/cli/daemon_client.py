@@ -32,7 +32,8 @@ def robot_options(parser: argparse.ArgumentParser) -> None:
 @contextlib.contextmanager
 def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
     """The daemon on this data folder; where none runs, one for the time of this command."""
-    from pa10d.client import local_daemon, running_daemon
+    from pa10d.client import START, local_daemon, running_daemon
+    from pa10d.daemon.robot import STARTING
     from pa10d.profile import load_profile
     from pa10d.store.location import data_folder
 
@@ -46,10 +47,12 @@ def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
             yield client
         return
     with client:
-        serves = client.robot()["profile"]
-        wanted = load_profile(options.profile).name
-        if serves != wanted:
-            note(f"the daemon on this data serves {serves}, not {wanted}")
+        robot, wanted = client.robot(), load_profile(options.profile).name
+        if robot["profile"] != wanted:
+            note(f"the daemon on this data serves {robot['profile']}, not {wanted}")
+        if robot["offline_reason"] == STARTING:
+            note("the daemon has only just been started: its robot is waited for")
+            client.wait_for_robot("inactive", timeout=START)
         try:
             yield client
         finally:
@@ -109,4 +112,6 @@ def improve_by_daemon(options: argparse.Namespace) -> Answer:
         came = ", ".join(entry["runs"]) or f"not run: {entry['error']}"
         note(f"run to settle a doubt: {entry['plan']['kind']} -> {came}")
     made = ", ".join(f"{m['name']} ({m['change']})" for m in found["versions"])
-    return Answer(found, f"stored: {made}" if made else "nothing stored: there is nothing to add")
+    stored = f"stored: {made}" if made else "nothing stored: there is nothing to add"
+    says = [f"{k}. {finding['sentence']}" for k, finding in enumerate(found["findings"], 1)]
+    return Answer(found, "\n".join([*says, stored]))

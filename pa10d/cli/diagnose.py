@@ -10,6 +10,7 @@ from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model, _progress
+from pa10d.errors import UserError
 from pa10d.words import listed, percent
 
 if TYPE_CHECKING:
@@ -102,6 +103,11 @@ def improve(options: argparse.Namespace) -> Answer:
     from pa10d.services.diagnoses import improve_model
 
     if options.experiments:
+        if options.report is not None:
+            raise UserError(
+                "--report: not together with --experiments, which the daemon runs; afterwards "
+                f"'pa10d diagnose {options.name} --fit … --report FILE' shows what is left"
+            )
         return improve_by_daemon(options)
 
     made = improve_model(
@@ -134,6 +140,8 @@ def _write_report(options: argparse.Namespace, found: Diagnosis, document: dict[
 
 def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
+    from pa10d.diagnose.next_experiment import as_command
+
     n = len(found.rms)
     says = {
         "none": "Nothing significant is missing: what is left is measurement noise.",
@@ -149,7 +157,7 @@ def in_words(found: Diagnosis) -> str:
         )
         lines.append(f"   {finding.term.label}: {values}")
         if finding.next_experiment is not None:
-            lines.append(f"   settle the doubt with: {finding.next_experiment}")
+            lines.append(f"   settle the doubt with: {as_command(finding.next_experiment)}")
     for s in found.unexplained:
         lines.append(
             f"Joint {s.joint + 1}: {percent(s.share)} of its squared error depends on "

@@ -30,6 +30,7 @@ START_TIME = 180.0  # s for imports and compilation on a slow machine
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
+STARTING = "the control process is starting"
 GONE = {
     "kind": "control_gone",
     "joint": None,
@@ -61,7 +62,7 @@ class RobotProcess:
         self.control: Child | None = None
         self.recorder: Child | None = None
         self.notes: list[str] = []
-        self.why_offline = "the control process is starting"
+        self.why_offline = STARTING
         self.controller: Message = {"name": "pid"}
         self.model: str | None = None
         self.inherit: Sequence[int] = ()

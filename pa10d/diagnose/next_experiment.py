@@ -7,7 +7,9 @@ the first one's torque, and what they cannot imitate, over the noise, is the evi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import shlex
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,6 +61,16 @@ def settle_doubt(
         return None
     about = {"expected_standard_errors": float(best[0])}
     return {**best[1].request(), "about": about}
+
+
+def as_command(plan: Mapping[str, Any]) -> str:
+    """What runs a plan from the command line."""
+    given = plan.get("parameters") or {}
+    words = [
+        shlex.quote(f"{key}={json.dumps(value, separators=(',', ':'))}")
+        for key, value in given.items()
+    ]
+    return " ".join(["pa10d experiment", plan["kind"], *(["--set", *words] if words else [])])
 
 
 def requests(model: TorqueModel, first: Candidate, rivals: Sequence[Candidate]) -> list[Kind]:

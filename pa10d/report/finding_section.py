@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pa10d.diagnose.next_experiment import as_command
 from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.effects import all_effects
 from pa10d.figures.diagnosis_texts import BEFORE_AFTER, COURSE, EVIDENCE
@@ -104,11 +104,10 @@ def _settle(finding: Finding) -> list[Block]:
         return []
     plan = finding.next_experiment
     sure = plan.get("about", {}).get("expected_standard_errors")
-    says = "The experiment that would settle the doubt; save it as plan.json and run it"
+    says = "The experiment that would settle the doubt"
     if sure is not None:
         says += f" (the two explanations should then be {sure:.0f} standard errors apart)"
-    lines = [json.dumps(plan, ensure_ascii=False), "", "pa10d experiment --plan plan.json"]
-    return [Command(says + ":", lines)]
+    return [Command(says + ":", [as_command(plan)])]
 
 
 def _parameters(finding: Finding) -> Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,8 +10,9 @@ import numpy as np
 import pytest
 from two_links import recordings, robot, textbook
 
+from pa10d.cli.daemon_client import read_plan
 from pa10d.diagnose.candidates import Candidate
-from pa10d.diagnose.next_experiment import requests, settle_doubt
+from pa10d.diagnose.next_experiment import as_command, requests, settle_doubt
 from pa10d.effects import effect
 from pa10d.trajectory.kinds import KINDS, validated
 from pa10d.trajectory.poses import Surroundings
@@ -65,3 +67,13 @@ def test_an_effect_far_below_the_noise_is_not_worth_an_experiment(model):
     one = candidate("torque_offset", 1, [1e-6])
     other = candidate("spring", 1, [1e-6, 0.0])
     assert settle_doubt(model, one, [other]) is None
+
+
+@pytest.mark.parametrize(
+    "given", [{}, {"joints": [4, 5]}, {"pose": [0.1, -2.0], "name": "it's odd", "slow": True}]
+)
+def test_a_plan_is_told_as_the_command_that_runs_it(given):
+    plan = {"kind": "velocity_sweep", "parameters": given, "about": {"expected": 9.0}}
+    program, verb, kind, *rest = shlex.split(as_command(plan))
+    assert (program, verb) == ("pa10d", "experiment")
+    assert read_plan(kind, None, rest[1:]) == {"kind": kind, "parameters": given}

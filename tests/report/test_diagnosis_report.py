@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from backends.virtual.datasets import make_runs
+from pa10d.diagnose.next_experiment import as_command
 from pa10d.diagnose.outcome import Confusion, Diagnosis
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_profile
@@ -109,7 +110,7 @@ def test_a_reader_is_led_from_the_plot_to_the_decision(stribeck):
     assert "Missing in the model: Stribeck friction in joint 4." in words
     assert "pa10d add arm stribeck --joint 4 --fit train_a --name arm.1" in words
     assert "Pre-sliding hysteresis in joint 4: both act after a <reversal>." in words
-    assert '"kind": "velocity_sweep"' in words
+    assert as_command(PLAN) in words
     assert "41 standard errors apart" in words
     assert found.judged_on in words
 
