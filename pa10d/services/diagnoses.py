@@ -157,8 +157,9 @@ def _changed(
         library, model, fit, frozen=True, effect=effect, joints=joints, progress=progress
     )
     if not found.findings:
+        called = library.models.find(model).name
         raise UserError(
-            f"{effect}: these runs do not show it against model '{model}' as it is; expected runs "
+            f"{effect}: these runs do not show it against model '{called}' as it is; expected runs "
             "of the arm after the change, and a model identified before it"
         )
     parent = library.models.find(model).name
