@@ -10,22 +10,32 @@ from pa10d.compare.regions import Region
 
 
 def sentence(joint: int, what: Region | Curve, torque_unit: str) -> str:
-    """``joint 4 below 0.2 rad/s carries 61 % of its squared error (in 12 % of its samples)``."""
+    """``Joint 4 below 0.2 rad/s carries 61 % of its squared error (in 12 % of its samples)``."""
     if isinstance(what, Region):
         return (
-            f"joint {joint + 1} {_range(joint, what)} carries {what.share:.0%} of its squared "
+            f"Joint {joint + 1} {_range(joint, what)} carries {what.share:.0%} of its squared "
             f"error (in {what.samples:.0%} of its samples)".replace("%", " %")
         )
     share = f"{what.share:.0%}".replace("%", " %")
     if what.quantity is None:
         return (
-            f"joint {joint + 1} is off by a constant {what.level:+.2g} {torque_unit}, "
+            f"Joint {joint + 1} is off by a constant {what.level:+.2g} {torque_unit}, "
             f"which is {share} of its squared error"
         )
     return (
-        f"joint {joint + 1}'s error follows {_words(joint, what.quantity)}: "
+        f"Joint {joint + 1}'s error follows {_words(joint, what.quantity)}: "
         f"a fixed curve against it explains {share} of its squared error"
     )
+
+
+def brief(joint: int, what: Region | Curve) -> str:
+    """The same without the joint and the numbers of the range, for a card."""
+    share = f"{what.share:.0%} of its squared error".replace("%", " %")
+    if isinstance(what, Region):
+        return f"{share} in a range of {_words(joint, what.quantity)}"
+    if what.quantity is None:
+        return f"a constant offset is {share}"
+    return f"{_words(joint, what.quantity)} explains {share}"
 
 
 def _range(joint: int, region: Region) -> str:

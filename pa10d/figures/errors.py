@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 
 POINTS = 1500  # samples in a cloud
 BINS = 30
+WARMS = 0.5  # K: a joint that warmed less tells nothing of warmth
 PANELS = ("q", "dq", "ddq", "load", "time", "reversal_travel", "temperature")
 GUTTER, UNDER = 0.08, 62  # between columns, share of the width; under a panel, pixels
 PANEL = 190  # pixels
@@ -63,7 +64,9 @@ def error_maps(
     panels = []
     for quantity in wanted:
         parts = [of(quantity)[run.counts[:, joint]] for of, run in zip(values, used, strict=True)]
-        panels.append((quantity, np.concatenate(parts), regions))
+        seen = np.concatenate(parts)
+        if quantity.kind != "temperature" or np.ptp(seen) >= WARMS:
+            panels.append((quantity, seen, regions))
     unit = "N" if robot.prismatic[joint] else "N·m"
     return _grid(panels, error, floor, unit)
 

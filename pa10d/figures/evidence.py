@@ -22,6 +22,7 @@ from pa10d.figures.plotly import (
     dots,
     layout,
     line,
+    log_axis,
     mark,
     note,
     packed,
@@ -102,7 +103,7 @@ def before_after(
         260,
         barmode="group",
         xaxis=axis("joint", type="category"),
-        yaxis=axis("RMS, N·m", type="log", dtick="D2"),
+        yaxis=log_axis("RMS, N·m"),
     )
     return {"data": data, "layout": figure}
 

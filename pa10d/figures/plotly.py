@@ -54,6 +54,12 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
     return out | more
 
 
+def log_axis(title: str, **more: Any) -> dict[str, Any]:
+    """Ticks at 1, 2 and 5 of every decade, written out: Plotly would call 0.5 just "5"."""
+    ticks = [digit * 10.0**power for power in range(-6, 7) for digit in (1, 2, 5)]
+    return axis(title, type="log", tickvals=ticks, ticktext=[f"{t:g}" for t in ticks], **more)
+
+
 def layout(height: int, **more: Any) -> dict[str, Any]:
     """What all figures share."""
     return {

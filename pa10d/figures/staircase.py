@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.figures.plotly import JOINTS, NOISE, Figure, Trace, axis, layout, mark
+from pa10d.figures.plotly import JOINTS, NOISE, Figure, Trace, axis, layout, log_axis, mark
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
     figure = layout(
         330,
         xaxis=axis("", type="category", ticktext=[_tick(step) for step in steps], tickvals=names),
-        yaxis=axis("RMS, N·m" if floor is None else "RMS ÷ noise floor", type="log", dtick="D2"),
+        yaxis=log_axis("RMS, N·m" if floor is None else "RMS ÷ noise floor"),
         shapes=[] if floor is None else [mark(("x", "y"), y=1.0, color=NOISE)],
     )
     figure["margin"] |= {"b": 70}

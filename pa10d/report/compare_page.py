@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d import __version__, figures
 from pa10d.compare import Comparison, RunScores
-from pa10d.compare.regions import Region
+from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Step
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
@@ -94,9 +94,7 @@ def _summary(comparison: Comparison) -> Section:
     place, share = "nowhere", "no region stands out"
     if pooled.where:
         top = pooled.where[0]
-        place = f"joint {top.joint + 1}, {top.variable}"
-        verb = "carries" if isinstance(top.what, Region) else "explains"
-        share = f"{verb} {top.what.share:.0%} of its squared error".replace("%", " %")
+        place, share = f"joint {top.joint + 1}", brief(top.joint, top.what)
     seconds = sum(float(run.seen.t[-1]) for run in comparison.residuals)
     cards = Cards(
         [

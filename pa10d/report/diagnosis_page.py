@@ -18,7 +18,8 @@ from pa10d.report.facts import Facts, Verdict
 from pa10d.report.finding_section import Asked, finding_section
 from pa10d.report.page import page
 from pa10d.report.unexplained_section import unexplained_section
-from pa10d.report.verdict import headline
+from pa10d.report.verdict import finding_words, headline
+from pa10d.words import listed
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def _glance(found: Diagnosis) -> Section:
     places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),
-         ", ".join(f.term.label for f in found.findings) or "none is significant"),
+         listed([finding_words(f) for f in found.findings]) or "none is significant"),
         ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
          "depends on the motion" if places else "significant"),
         ("joints near the noise", "–" if near is None else f"{near} of {len(last)}",

@@ -30,7 +30,7 @@ def test_an_error_at_low_speed_is_found_there():
     if best.variable == "|dq2|":
         assert best.what.open_low
         assert 0.05 < best.what.high < 0.4
-    assert "joint 2" in best.sentence
+    assert "Joint 2" in best.sentence
     assert "of its squared error" in best.sentence
 
 

@@ -132,7 +132,7 @@ def test_words_for_a_person(data, capsys):
     assert "judged on runs valid_a, valid_b" in said.out
 
 
-def test_add_makes_a_new_version_and_keeps_the_old_one(run):
+def test_add_makes_a_new_version_and_keeps_the_old_one(run, tmp_path):
     _, before, _ = run("model", "show", "m0")
     _, made, _ = run("add", "m0", "spring", "--joint", "2", "--fit", *FIT, "--name", "sprung")
     assert (made["name"], made["parent"], made["warnings"]) == ("sprung", "m0", [])
@@ -143,7 +143,8 @@ def test_add_makes_a_new_version_and_keeps_the_old_one(run):
     assert "m0" in json.dumps(history)
     _, shown, _ = run("model", "show", "sprung")
     assert shown["feasible"], "its links are possible bodies, as those of the model before"
-    assert run("model", "export", "sprung", "--format", "urdf")[0] == 0
+    out = ["--out", str(tmp_path / "sprung.urdf")]
+    assert run("model", "export", "sprung", "--format", "urdf", *out)[0] == 0
     _, compared, _ = run("compare", "sprung", *VALIDATE)
     _, old, _ = run("compare", "m0", *VALIDATE)
     assert compared["pooled"]["rms"][1] < 0.1 * old["pooled"]["rms"][1]

@@ -52,8 +52,8 @@ def arm(browser, tmp_path_factory) -> Iterator[Client]:
         yield client
 
 
-def small_arm(folder: Path) -> Path:
-    """Shoulder and elbow of the simulated arm."""
+def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
+    """Shoulder and elbow of the simulated arm, and what they hide."""
     base = find_profile("pa10-sim")
     profile = yaml.safe_load(base.read_text())
     chosen = [0, 1, 3]
@@ -63,7 +63,7 @@ def small_arm(folder: Path) -> Path:
             if key in place:
                 place[key] = [place[key][j] for j in chosen]
     profile["simulation"]["options"] = {
-        "effects": [HIDDEN], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
+        "effects": [hidden], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
     }  # fmt: skip
     path = folder / "small.yaml"
     path.write_text(yaml.safe_dump(profile))

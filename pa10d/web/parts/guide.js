@@ -4,6 +4,9 @@ import { get } from "../base/api.js";
 import { current, state, tagged, watch } from "../base/store.js";
 import { moves, running } from "./jobs.js";
 
+/** Marks of a run that was made to settle a doubt. */
+export const SETTLES = ["fit", "judge"];
+
 const diagnosed = new Map(); // id of a diagnosis -> its result, or the promise of it
 
 /** The newest diagnosis of this model that is done, with its result; undefined while unknown. */
@@ -48,11 +51,11 @@ function nextStep(again) {
   const newest = models[0];
   const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));
   const ask = { go: "diagnose", text: `Ask which physical effect is missing in ${newest.name}.`, label: "Diagnose" };
-  if (!compared && !newest.parent) return { go: "compare", text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
   const parent = models.find((one) => one.id === newest.parent);
   const found = lastDiagnosis(newest, again);
   if (found === undefined) return { text: "" };
   if (found) return afterDiagnosis(newest, found);
+  if (!compared && !newest.parent) return { go: "compare", text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
   const before = parent ? lastDiagnosis(parent, again) : null;
   if (before === undefined) return { text: "" };
   if (before && before.result.findings.every((one) => versionWith(parent, one))) {
@@ -65,8 +68,13 @@ function nextStep(again) {
 function afterDiagnosis(model, diagnosis) {
   const { findings, verdict } = diagnosis.result;
   const open = findings.filter((one) => !versionWith(model, one));
-  if (open.some((one) => one.next_experiment) && canMove()) {
-    return { go: "diagnose", text: `Something is missing in ${model.name}, and this data cannot tell what: run the experiment that settles it, then diagnose again.`, label: "Settle" };
+  const doubt = open.find((one) => one.next_experiment);
+  const settling = doubt && state.runs.filter((run) => run.kind === doubt.next_experiment.kind && SETTLES.every((tag) => run.tags.includes(tag)));
+  if (doubt && !settling.length && canMove()) {
+    return { go: "diagnose", text: `Something is missing in ${model.name}, but this data cannot tell what: run the experiment that settles it.`, label: "Settle" };
+  }
+  if (doubt && settling.some((run) => run.created > diagnosis.created)) {
+    return { go: "diagnose", text: `The experiment that settles the doubt is recorded: diagnose ${model.name} again.`, label: "Diagnose" };
   }
   if (open.length) {
     return { go: "diagnose", text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };

@@ -1,7 +1,7 @@
 // Choose a model, and runs: those marked 'fit' or 'judge' are chosen until somebody chooses others.
 import { el, fill } from "../base/dom.js";
 import { current, state, tagged, watch } from "../base/store.js";
-import { seconds } from "../base/units.js";
+import { seconds, titled } from "../base/units.js";
 
 export function modelPicker(label, onChange = () => {}) {
   const select = el("select", { onchange: () => { select.dataset.chosen = "yes"; onChange(); } });
@@ -46,7 +46,7 @@ export function runPicker(label, tag, onChange = () => {}) {
         else now.delete(run.id);
         own = [...now];
         refresh();
-      } }), `${run.name} `, el("small", {}, `${run.kind}, ${seconds(run.duration)}`))));
+      } }), `${run.name} `, el("small", {}, [run.kind && titled(run.kind), seconds(run.duration)].filter(Boolean).join(", ")))));
     onChange();
   };
   watch(["runs"], refresh);

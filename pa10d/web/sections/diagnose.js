@@ -6,7 +6,7 @@ import { failed, guarded, notice } from "../base/notices.js";
 import { nextModelName, when } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { empty } from "../parts/figure.js";
-import { heading, versionWith } from "../parts/guide.js";
+import { heading, SETTLES, versionWith } from "../parts/guide.js";
 import { finished, moves, running } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
@@ -190,7 +190,7 @@ async function removeByMap(diagnosis, k) {
 
 async function settleIt(finding) {
   const { kind, parameters } = finding.next_experiment;
-  const job = await post("experiments", { kind, parameters, tags: ["fit", "judge"] });
+  const job = await post("experiments", { kind, parameters, tags: SETTLES });
   notice("The arm moves.", { detail: "Its run will be marked 'fit' and 'judge' (it is then split by time): diagnose again when it is done." });
   finished(job).then(() => {
     parts.fit.ids = null;

@@ -86,7 +86,9 @@ function details(model) {
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, el("small", {}, model.change)),
       el("div", { class: "row" }, load, "Export", exports)),
-    el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz; ${model.feasible ? "physically feasible" : "not physically feasible"}.`),
+    el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
+      ? "Every link is a body that can exist."
+      : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
     parts.judge.box),
     parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters", el("small", {}, "with 95 % intervals"))), parts.parameters),

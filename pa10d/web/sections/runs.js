@@ -3,7 +3,7 @@ import { el, fill } from "../base/dom.js";
 import { download, get, patch, remove, upload } from "../base/api.js";
 import { loadRuns, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
-import { number, seconds, when } from "../base/units.js";
+import { number, seconds, titled, when } from "../base/units.js";
 import { card, empty, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
 
@@ -66,7 +66,7 @@ function row(run, isSelected, select) {
   return el("tr", { class: isSelected ? "selected" : "", onclick: () => select(run) },
     el("td", {}, el("button", { type: "button", class: "link", onclick: (event) => { event.stopPropagation(); select(run); } }, run.name),
       other.map((tag) => el("span", { class: "tag" }, tag))),
-    el("td", {}, run.kind), el("td", {}, when(run.created)), el("td", {}, seconds(run.duration)),
+    el("td", {}, run.kind ? titled(run.kind) : "–"), el("td", {}, when(run.created)), el("td", {}, seconds(run.duration)),
     el("td", { class: run.status === "success" ? "" : "bad", title: run.reason }, run.status), marks);
 }
 
