@@ -37,7 +37,7 @@ class AxisInput:
     status: int = 0
     cycle: int = 0  # in which it came
     known: bool = False  # whether one came at all
-    previous: tuple[int, int] | None = None  # position and cycle of the one before
+    previous: int | None = None  # position in the one before
     repeats: int = 0  # cycles in a row with more than one TPDO
     short: int | None = None  # length of a frame that was too short
 
@@ -134,7 +134,7 @@ class Exchange:
             self.counters.repeated += 1
             self._repeated.add(axis)
         elif seen.known:
-            seen.previous = (seen.position, seen.cycle)
+            seen.previous = seen.position
         seen.position, seen.status = values[position], values[status]
         seen.cycle, seen.known = self.cycle, True
         raw, n = self._raw, len(self.axes)

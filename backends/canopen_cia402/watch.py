@@ -29,11 +29,11 @@ class Watch:
         self.faults: dict[int | None, BackendFault] = {}
         self._new: list[BackendFault] = []
         self._stale_cycles, self._period = stale_cycles, period
-        self._stretch = 1.0  # periods since the last check
         self._axis_of = {node: k for k, node in enumerate(nodes)}
         self._silence = [SILENCE * period for period in heartbeat]
         self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
-        self._heard = [0.0] * len(nodes)
+        self._heard = [0.0] * len(nodes)  # s, when each node's last heartbeat came
+        self._seen = [0.0] * len(nodes)  # s, when each axis' last position came
         self._codes: dict[int, int] = {}  # axis -> last error code
         self._now = 0.0
 
@@ -54,7 +54,6 @@ class Watch:
 
     def begin(self, now: float) -> None:
         """A cycle starts at ``now`` s."""
-        self._stretch = max(1.0, (now - self._now) / self._period)
         self._now = now
 
     def clear(self) -> None:
@@ -116,10 +115,11 @@ class Watch:
             name = state.value if state else f"statusword 0x{seen.status:04X}"
             self.tell(fault("left_enabled", f"left 'operation enabled' by itself: {name}", axis))
         if seen.previous is not None and axis not in self.faults:
-            position, cycle = seen.previous
-            step = abs(seen.position - position)
-            if step > self._most_counts[axis] * (seen.cycle - cycle - 1 + self._stretch):
+            step = abs(seen.position - seen.previous)
+            periods = max(1.0, (self._now - self._seen[axis]) / self._period)
+            if step > self._most_counts[axis] * periods:
                 self.tell(fault("encoder_jump", f"encoder jumped by {step} counts", axis))
+        self._seen[axis] = self._now
 
     def _drive_fault(self, axis: int) -> None:
         code = self._codes.get(axis)

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import can
 import numpy as np
@@ -29,6 +30,7 @@ from bus_helpers import (
 )
 
 from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.exchange import AxisInput
 from backends.canopen_cia402.watch import Watch
 from backends.cia402 import State, state_of
 from backends.faults import REMEDIES, fault
@@ -169,6 +171,29 @@ def test_a_reboot_explains_a_silence() -> None:
 
 
 @pytest.mark.realtime
+def test_a_late_cycle_without_an_answer_is_no_encoder_jump() -> None:
+    """What an axis may have passed goes by time, whatever came in between."""
+    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=6)
+    axis = AxisInput()
+    exchange = SimpleNamespace(axes=[axis], cycle=0)
+
+    def cycle(now: float, position: int | None) -> BackendFault | None:
+        exchange.cycle += 1
+        if position is not None:
+            axis.previous, axis.known = axis.position if axis.known else None, True
+            axis.position, axis.cycle, axis.status = position, exchange.cycle, 0x27
+        watch.begin(now)
+        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
+
+    assert cycle(0.01, 0) is None
+    assert cycle(0.02, 90) is None
+    assert cycle(0.12, None) is None, "ten periods late, and nobody answers"
+    assert cycle(0.13, 1100) is None
+    found = cycle(0.14, 2100)
+    assert found is not None
+    assert found.kind == "encoder_jump"
+
+
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf
