@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.errors_of import LONGEST_SECONDS, Doubts
+from pa10d.diagnose.errors_of import LONGEST_SECONDS, doubt_of
 from pa10d.diagnose.evidence import Evidence, judge
+from pa10d.diagnose.fit import Fit
 from pa10d.diagnose.procedure import in_band
-from pa10d.diagnose.side import PerJoint, Side
+from pa10d.diagnose.side import Side
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
-from pa10d.diagnose.stiffness import Problem, Stiffness, stiffness
+from pa10d.diagnose.stiffness import Problem, stiffness
 from pa10d.diagnose.timing import align
 from pa10d.diagnose.versions import snapshot, to_store
-from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, SmoothMap, smooth_map
+from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
 from pa10d.effects.variables import at_joint, values_of
 from pa10d.errors import UserError
 from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
@@ -29,6 +30,7 @@ Array = NDArray[np.float64]
 LEVEL = 0.01
 LEAST_SLOPE = 0.4  # of the held-out residual on the map
 TAILS = 1e-3  # share of samples at either end that do not widen a map's range
+ROUNDS = 2
 ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
 
 
@@ -67,17 +69,11 @@ def add_map(
     align(state)
     say(0.5, f"drawing the map over {' and '.join(names)}")
     shape = dict(kind.shape_over(ranges(train, joint, names), 1.0))
-    found = _stiffness(state, kind, joint, shape)
-    shape[SMOOTHING] = found.ratio / found.variance
-    evidence = _evidence(state, kind, joint, shape, found.theta)
     term = Term(kind.id, (joint,), np.zeros(len(kind.coefficients)), shape, over=names)
     if any(other.label == term.label for other in state.terms):
         raise UserError(f"{term.label}: {model.name} has this map already; expected another one")
-    state.push(term)
-    state.refit()
-    if any(one.effect.uses_model for one in state.terms):
-        state.relook()
-        state.refit()
+    _fit_in(state, term)
+    evidence = _evidence(state)
     say(0.8, "standard errors")
     made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
     made = replace(made, name=name, change=f"added {term.label} ({EXPLAINS_NOTHING})")
@@ -121,23 +117,45 @@ def ranges(side: Side, joint: int, names: Sequence[str]) -> dict[str, tuple[floa
     return out
 
 
-def _stiffness(state: State, kind: SmoothMap, joint: int, shape: dict[str, float]) -> Stiffness:
-    """Twice: the noise is known only once something is taken away."""
-    fit = state.fit
-    columns = state.train.columns(kind, (joint,), [shape])[joint] / fit.sigma[joint]
-    basis, residual = fit.basis[joint], fit.residual[joint]
-    seen = basis.T @ columns
-    one = kind.penalty({**shape, SMOOTHING: 1.0})
-    problem = Problem(
-        gram=columns.T @ columns - seen.T @ seen,
-        rhs=columns.T @ residual,
-        power=float(residual @ residual),
-        rows=len(residual),
-        penalty=one.T @ one,
+def _fit_in(state: State, term: Term) -> None:
+    """As the last term of the state, as stiff as it is most likely to be.
+
+    Twice: how noisy each joint is, and how alike its samples are, shows only once the map has
+    taken away what is no noise.
+    """
+    state.push(
+        replace(term, shape={**term.shape, SMOOTHING: _smoothing(state, state.fit, term, ALIKE)})
     )
-    first = stiffness(problem, ALIKE)
-    left = residual - (columns - basis @ seen) @ first.theta
-    return stiffness(problem, max(ALIKE, _alike(state.train, joint, left)))
+    state.refit()
+    for _ in range(ROUNDS):
+        rest = state.fit.without(state.place(len(state.terms) - 1))
+        joint = term.joints[0]
+        alike = max(ALIKE, _alike(state.train, joint, state.fit.residual[joint]))
+        shape = {**term.shape, SMOOTHING: _smoothing(state, rest, term, alike)}
+        state.replace_term(len(state.terms) - 1, replace(state.terms[-1], shape=shape))
+        state.refit()
+        if any(one.effect.uses_model for one in state.terms):
+            state.relook()
+            state.refit()
+
+
+def _smoothing(state: State, fit: Fit, term: Term, alike: float) -> float:
+    """1/(N·m)², of a term beside a fit that does not have it."""
+    shape = {**term.shape, SMOOTHING: 1.0}
+    columns = state.train.columns(term.effect, term.joints, [shape])
+    seen = sum(fit.basis[j].T @ (c / fit.sigma[j]) for j, c in columns.items())
+    width = len(term.coefficients)
+    gram, rhs, power, rows = np.zeros((width, width)), np.zeros(width), 0.0, 0
+    for j, basis in fit.basis.items():
+        own = -basis @ seen
+        if j in columns:
+            own = own + columns[j] / fit.sigma[j]
+        gram, rhs = gram + own.T @ own, rhs + own.T @ fit.residual[j]
+        power, rows = power + float(fit.residual[j] @ fit.residual[j]), rows + len(own)
+    root = term.effect.penalty(shape)
+    assert root is not None
+    found = stiffness(Problem(gram, rhs, power, rows, root.T @ root), alike)
+    return found.ratio / found.variance
 
 
 def _alike(side: Side, joint: int, residual: Array) -> float:
@@ -150,19 +168,15 @@ def _alike(side: Side, joint: int, residual: Array) -> float:
     return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
 
 
-def _evidence(
-    state: State, kind: SmoothMap, joint: int, shape: dict[str, float], theta: Array
-) -> Evidence:
-    """What the map changes on data that the fit has not seen."""
-    fit = state.fit
-    columns = state.train.columns(kind, (joint,), [shape])[joint] / fit.sigma[joint]
-    seen = fit.basis[joint].T @ columns
-    moved: PerJoint = {j: -(q @ (seen @ theta)) for j, q in fit.basis.items()}
-    moved[joint] = moved[joint] + columns @ theta
-    own = {joint: moved[joint]}
-    doubt = Doubts.of(state, [own]).beside(own)
-    change = state.change(fit, state.held.columns(kind, (joint,), [shape]), seen, theta)
-    return judge(state.held, state.held_residual(), change, doubt)
+def _evidence(state: State) -> Evidence:
+    """What the last term changes on data that the fit has not seen."""
+    index = len(state.terms) - 1
+    rest, term = state.fit.without(state.place(index)), state.terms[index]
+    train, held = state.blocks[index]
+    seen = np.asarray(sum(rest.basis[j].T @ (c / rest.sigma[j]) for j, c in train.items()))
+    change = state.change(rest, held, seen, term.coefficients)
+    doubt = doubt_of(state, rest, state.fit.residual)
+    return judge(state.held, state.held_residual(rest), change, doubt)
 
 
 def _warnings(label: str, joint: int, quantities: str, found: Evidence) -> list[str]:
