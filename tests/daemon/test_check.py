@@ -18,6 +18,19 @@ from pa10d.profile import find_profile, load_profile
 pytestmark = pytest.mark.realtime
 
 
+CALM = {"rate": 100.0}
+"""A rate whose deadlines a busy machine keeps: what is looked at here is not its speed."""
+
+
+def patient_eds(folder):
+    """The virtual drive, but one that does without SYNC for longer."""
+    text = OWN_EDS.read_text(encoding="utf-8")
+    at = text.index("[2F01]")
+    path = folder / "patient.eds"
+    path.write_text(text[:at] + text[at:].replace("DefaultValue=50", "DefaultValue=1000", 1))
+    return path
+
+
 def profile_with(folder, **sections):
     """The simulated arm on a bus of its own, some sections changed."""
     base = find_profile("pa10-sim")
@@ -26,6 +39,8 @@ def profile_with(folder, **sections):
     profile["can"]["channel"] = f"c{os.getpid()}-{time.time_ns() % 10**6}"
     for key, value in sections.items():
         profile[key] = value if value is None else {**profile[key], **value}
+    for drive in profile["drives"]:
+        drive["eds"] = str(patient_eds(folder))
     path = folder / "arm.yaml"
     path.write_text(yaml.safe_dump(profile))
     return path
@@ -47,7 +62,7 @@ def check(path, data):
 
 
 def test_a_healthy_arm_is_go(tmp_path):
-    status, go, found = check(profile_with(tmp_path), tmp_path)
+    status, go, found = check(profile_with(tmp_path, control=CALM), tmp_path)
     assert (status, go) == (0, True)
     assert set(found) >= {"bus", "limits", "disk", "clock", "timing", "drives", "safety"}
     assert [level for level, _ in found["drives"]] == ["ok"] * 7
@@ -75,12 +90,12 @@ def test_nobody_on_the_bus_is_no_go(tmp_path):
 
 def test_what_a_drive_lacks_is_a_warning_by_name(tmp_path):
     eds = tmp_path / "poor.eds"
-    text = OWN_EDS.read_text(encoding="utf-8")
+    path = profile_with(tmp_path, control=CALM)
+    text = patient_eds(tmp_path).read_text(encoding="utf-8")
     at = text.index("[6007]")
     end = text.index("[", at + 1)
     lines = [line for line in (text[:at] + text[end:]).splitlines() if not line.endswith("=0x6007")]
     eds.write_text("\n".join(lines), encoding="utf-8")
-    path = profile_with(tmp_path)
     profile = yaml.safe_load(path.read_text())
     profile["drives"][2]["eds"] = str(eds)
     path.write_text(yaml.safe_dump(profile))

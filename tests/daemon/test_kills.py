@@ -34,7 +34,7 @@ def last_run(bench):
     return info
 
 
-def wait_for_run(bench, seconds=8.0):
+def wait_for_run(bench, seconds=30.0):
     """Until the newest run is closed or repaired."""
     until = time.monotonic() + seconds
     while RunStore(bench.data).all()[-1].status == "started":
