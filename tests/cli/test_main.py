@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -104,15 +103,15 @@ def test_a_bug_of_ours_is_not_hidden(tmp_path, monkeypatch):
 
 
 def test_help_names_every_command_and_is_quick():
-    started = time.perf_counter()
-    best = min(_timed_help() for _ in range(3))
-    assert best < 0.3, time.perf_counter() - started
+    assert min(_timed_help() for _ in range(3)) < 0.3
 
 
 def _timed_help():
-    begin = time.perf_counter()
+    """s of processor time, whoever else uses this machine."""
+    begin = os.times()
     done = subprocess.run([*COMMAND, "--help"], capture_output=True, text=True, check=True)
-    took = time.perf_counter() - begin
+    end = os.times()
+    took = end.children_user + end.children_system - begin.children_user - begin.children_system
     assert "run " in done.stdout
     assert "--data" in done.stdout
     return took

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from rosbags.rosbag2 import Reader
 from store_data import channels, samples
 
 from pa10d.errors import UserError
-from pa10d.store import RunStore
+from pa10d.store import RunStore, run_writer
 from pa10d.store.bag_repair import finish_bag
 from pa10d.store.run_info import BAG
 
@@ -165,17 +165,17 @@ def test_something_else_than_a_bag(tmp_path):
         finish_bag(path)
 
 
-def test_appended_samples_are_on_disk_after_a_fifth_of_a_second(tmp_path):
+def test_appended_samples_are_on_disk_after_a_fifth_of_a_second(tmp_path, monkeypatch):
+    clock = SimpleNamespace(now=100.0)
+    monkeypatch.setattr(run_writer, "time", SimpleNamespace(monotonic=lambda: clock.now))
     store = RunStore(tmp_path)
     writer = store.start("live", channels())
-    deadline = time.monotonic() + 0.25
-    k = 0
-    while time.monotonic() < deadline:
+    on_disk = []
+    for k, waited in enumerate((0.21, 0.19, 0.02, 0.19, 0.02)):
+        clock.now += waited
         writer.append(samples(1, start_ns=10**18 + k * 2_000_000, seed=k))
-        k += 1
-        time.sleep(0.002)
-    assert len(store.read("live").samples) > 0
+        on_disk.append(len(store.read("live").samples))
+    assert on_disk == [1, 1, 3, 3, 5]
     writer.append(samples(1, start_ns=2 * 10**18))
-    assert len(store.read("live").samples) < k + 1
     writer.close()
-    assert len(store.read("live").samples) == k + 1
+    assert len(store.read("live").samples) == 6
