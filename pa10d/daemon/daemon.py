@@ -88,8 +88,7 @@ class Daemon:
         """One limit for all of it: whatever does not end by itself in time is killed."""
         notify("STOPPING=1")
         clock = asyncio.get_running_loop().time
-        began = clock()
-        until = began + END_TIME + self.robot.braking_time
+        until = clock() + END_TIME + self.robot.braking_time
         self.robot.keep_no_more()
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout_at(until - FOR_THE_ARM):
@@ -104,7 +103,6 @@ class Daemon:
         self.viewer.close()
         if self.simulator is not None:
             await self.simulator.close()
-        log.info("ended in good order within %.1f s", clock() - began)
 
     async def _provide_bus(self) -> None:
         if self.simulator is not None:
