@@ -18,7 +18,7 @@ from bus_observer import Observer
 
 from pa10d.client import Client, running_at
 
-START_MOVING = 80.0  # s from request to motion: on a busy machine planning takes long
+START_MOVING = 300.0  # s from request to motion: on a busy machine planning takes long
 
 REST = "seconds to rest"
 

@@ -12,7 +12,7 @@ import pytest
 from pa10d.client import JobFailed
 from pa10d.store import RunStore
 
-pytestmark = [pytest.mark.realtime, pytest.mark.timeout(240)]
+pytestmark = [pytest.mark.realtime, pytest.mark.timeout(600)]
 REST = 4.0  # s until the arm is at rest with its brakes on
 TIMES = 5
 
