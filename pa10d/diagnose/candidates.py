@@ -92,18 +92,17 @@ def scan(
 def sharpen(state: State, candidate: Candidate) -> Candidate:
     """The same candidate with its shape refined on the fit side."""
     known: dict[tuple[float, ...], Partial] = {}
+    kind, falls = candidate.effect, state.may_fall(candidate.effect)
 
     def partial_of(shape: dict[str, float]) -> Partial:
         key = tuple(shape.values())
         if key not in known:
-            columns = state.train.columns(candidate.effect, candidate.joints, [shape])
-            known[key] = partials(
-                state.fit, columns, candidate.effect, len(candidate.effect.coefficients)
-            )[0]
+            columns = state.train.columns(kind, candidate.joints, [shape])
+            known[key] = partials(state.fit, columns, kind, len(kind.coefficients), falls=falls)[0]
         return known[key]
 
-    shape = refine(candidate.effect, candidate.shape, lambda s: partial_of(s).gain)
-    return Candidate(candidate.effect, candidate.joints, shape, partial_of(shape))
+    shape = refine(kind, candidate.shape, lambda s: partial_of(s).gain)
+    return Candidate(kind, candidate.joints, shape, partial_of(shape))
 
 
 def held_columns(state: State, candidate: Candidate) -> PerJoint:
@@ -139,7 +138,8 @@ def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Candid
         columns = state.train.columns(effect, joints, shapes)
         if not columns:
             continue
-        for shape, partial in zip(shapes, partials(state.fit, columns, effect, width), strict=True):
+        found = partials(state.fit, columns, effect, width, falls=state.may_fall(effect))
+        for shape, partial in zip(shapes, found, strict=True):
             if partial.identifiable and (best is None or partial.gain > best.gain):
                 best = Candidate(effect, joints, dict(shape), partial)
     return best

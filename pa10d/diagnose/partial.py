@@ -34,9 +34,12 @@ class Partial:
     identifiable: bool
 
 
-def partials(fit: Fit, columns: PerJoint, effect: Effect, width: int) -> list[Partial]:
+def partials(
+    fit: Fit, columns: PerJoint, effect: Effect, width: int, *, falls: bool = False
+) -> list[Partial]:
     """Judge several shapes of one effect at once: their columns lie side by side in ``columns``,
-    ``width`` = number of coefficients each."""
+    ``width`` = number of coefficients each; falls: they are the change of what is there already,
+    and have no lower bound."""
     total = next(iter(columns.values())).shape[1]
     rank = fit.to_beta.shape[1]
     seen, rhs = np.zeros((rank, total)), np.zeros(total)
@@ -47,7 +50,7 @@ def partials(fit: Fit, columns: PerJoint, effect: Effect, width: int) -> list[Pa
         rhs += weighted.T @ fit.residual[j]
         parts = weighted.reshape(len(weighted), -1, width)
         own += np.einsum("msk,msl->skl", parts, parts)
-    lower = np.array([c.lower for c in effect.coefficients])
+    lower = np.array([-np.inf if falls else c.lower for c in effect.coefficients])
     upper = np.array([c.upper for c in effect.coefficients])
     out = []
     for s in range(total // width):

@@ -18,11 +18,11 @@ from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import find_structure
 from pa10d.diagnose.versions import snapshot, to_store, versions_of
+from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
 from pa10d.model import Term, TorqueModel
 from pa10d.recording import Recording
-from pa10d.words import listed, percent
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -194,7 +194,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         size=size,
         confounded_with=confusions,
         next_experiment=plan,
-        sentence=_sentence(term, before, after, size, confusions),
+        sentence=sentence(term, before, after, size, confusions, state.prior is not None),
     )
 
 
@@ -209,31 +209,8 @@ def _size(state: State, index: int, judged: Judged) -> Value:
 
 def _confusion(term: Term, rival: Judged) -> Confusion:
     other = rival.candidate
-    why = term.effect.confounders.get(
-        other.effect.id,
-        "on this data it predicts nearly the same torque, with no significantly larger error",
-    )
-    return Confusion(other.effect.id, other.joints, why)
+    return Confusion(other.effect.id, other.joints, reason(term.effect, other.effect))
 
 
 def _label(kind: Effect, joints: Sequence[int]) -> str:
     return f"{kind.id} J{','.join(str(j + 1) for j in joints)}" if joints else kind.id
-
-
-def _sentence(
-    term: Term, before: Array, after: Array, size: Value, confusions: Sequence[Confusion]
-) -> str:
-    """One sentence that a technician understands."""
-    worst = int(np.argmax(before**2 - after**2))
-    share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
-    joints = " and ".join(str(j + 1) for j in term.joints)
-    many = len(term.joints) > 1
-    where = f"Joint{'s' if many else ''} {joints}" if joints else "The arm"
-    text = (
-        f"{where} {'show' if many else 'shows'} {term.effect.named}: about {size.value:.2g} N·m "
-        f"that the model lacks; with it {share} of joint {worst + 1}'s squared error is gone."
-    )
-    if confusions:
-        others = sorted({effect(c.effect).named for c in confusions})
-        text += f" This data cannot yet tell it from {listed(others, 'or')}."
-    return text

@@ -178,7 +178,9 @@ class Search:
 
     def look(self) -> list[Judged]:
         """Scan all suspects and judge the shortlist on the held-out side."""
-        present = {(t.effect_id, t.joints) for t in self.state.terms}
+        # of a model that stays as it is, what it has already may have changed
+        first = self.fixed if self.state.prior is not None else 0
+        present = {(t.effect_id, t.joints) for t in self.state.terms[first:]}
         open_suspects = [
             (e, joints)
             for e, joints in self.suspects
@@ -287,7 +289,9 @@ class Search:
         rest = self.state.fit.without(self.state.place(index))
         term = self.state.terms[index]
         train, held = self.state.blocks[index]
-        partial = partials(rest, train, term.effect, len(term.effect.coefficients))[0]
+        kind = term.effect
+        falls = index >= self.fixed and self.state.may_fall(kind)
+        partial = partials(rest, train, kind, len(kind.coefficients), falls=falls)[0]
         change = self.state.change(rest, held, partial.seen, partial.theta)
         doubt = doubt_of(self.state, rest, self.state.fit.residual)
         found = judge(self.state.held, self.state.held_residual(rest), change, doubt)
@@ -317,10 +321,11 @@ class Search:
         term = self.state.terms[index]
         rest = self.state.fit.without(self.state.place(index))
         width = len(term.effect.coefficients)
+        falls = index >= self.fixed and self.state.may_fall(term.effect)
 
         def gain(shape: dict[str, float]) -> float:
             columns = self.state.train.columns(term.effect, term.joints, [shape])
-            return partials(rest, columns, term.effect, width)[0].gain
+            return partials(rest, columns, term.effect, width, falls=falls)[0].gain
 
         shape = refine(term.effect, term.shape, gain, evaluations=20)
         if shape != term.shape:

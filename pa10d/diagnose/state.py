@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.fit import Fit, Prior, iterated_fit, predict, weighted_fit
 from pa10d.diagnose.majority import agreed
 from pa10d.diagnose.side import PerJoint, Side
+from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
@@ -56,6 +57,10 @@ class State:
         """What the fit knows of the coefficients besides the data: a frozen model's own
         uncertainty, else how smooth its maps are."""
         return self.prior or smoothness(len(self.model.h), self.terms)
+
+    def may_fall(self, effect: Effect) -> bool:
+        """Is the effect sought as a change of what a frozen model has already?"""
+        return self.prior is not None and effect.question == "textbook"
 
     def push(self, term: Term) -> None:
         """Append a term; the caller refits."""

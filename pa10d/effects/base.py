@@ -87,6 +87,7 @@ class Effect(ABC):
     id: ClassVar[str]
     title: ClassVar[str]
     noun: ClassVar[str] = ""  # what a joint "shows"; the title in small letters where empty
+    plainly: ClassVar[str] = ""  # the same for somebody who has never heard the name
     equation: ClassVar[str]
     scope: ClassVar[Literal["joint", "pair", "robot"]] = "joint"
     question: ClassVar[Literal["textbook", "missing", "changed", "chosen"]] = "missing"

@@ -23,6 +23,8 @@ def test_says_all_there_is_to_say(name):
         assert 20 < len(text) < 480
     for text in (kind.title, kind.equation, kind.source):
         assert text == text.strip() != ""
+    assert len(kind.plainly) < 60
+    assert not kind.plainly.endswith(".")  # it stands within a sentence
     assert "τ" in kind.equation
     assert re.search(r"\(\d{4}\)", kind.source), "a source has a year"
     assert kind.experiment_kind in KINDS

@@ -19,6 +19,7 @@ class Backlash(Effect):
 
     id = "backlash"
     title = "Backlash"
+    plainly = "play in the gear"
     equation = "M_jj·δ̈ + teeth(|δ| > b) = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
     reaches_other_joints = True
     uses_model = True

@@ -11,6 +11,7 @@ class Coulomb(Effect):
     id = "coulomb"
     title = "Coulomb friction"
     noun = "Coulomb friction"
+    plainly = "the same friction at any speed"
     equation = "τ = Fc·tanh(q̇/v0)"
     question = "textbook"
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)

@@ -12,6 +12,7 @@ class CouplingFriction(Effect):
 
     id = "coupling_friction"
     title = "Coupled friction"
+    plainly = "one joint rubs when the other moves"
     equation = "τ_i = F·sign(v) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
     scope = "pair"
     reaches_other_joints = True

@@ -11,6 +11,7 @@ class CouplingInertia(Effect):
 
     id = "coupling_inertia"
     title = "Coupled rotor inertia"
+    plainly = "one joint pushes when the other speeds up"
     equation = "τ_i = Ia_ij·q̈_j,  τ_j = Ia_ij·q̈_i"
     scope = "pair"
     reaches_other_joints = True

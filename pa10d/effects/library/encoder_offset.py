@@ -12,6 +12,7 @@ class EncoderOffset(Effect):
     id = "encoder_offset"
     title = "Encoder offset"
     noun = "an encoder offset"
+    plainly = "its angle is off by a constant"
     equation = "τ = τ_rigid(q - offset) - τ_rigid(q)"
     question = "changed"
     reaches_other_joints = True

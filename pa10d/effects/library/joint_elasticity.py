@@ -15,6 +15,7 @@ class JointElasticity(Effect):
     id = "joint_elasticity"
     title = "Joint elasticity"
     noun = "elasticity"
+    plainly = "the gear gives like a spring"
     equation = "M_jj·δ̈ + C·δ̇ + K·δ = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
     reaches_other_joints = True
     uses_model = True

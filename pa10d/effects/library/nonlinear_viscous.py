@@ -11,6 +11,7 @@ class NonlinearViscous(Effect):
 
     id = "nonlinear_viscous"
     title = "Nonlinear viscous friction"
+    plainly = "friction that grows faster than the speed"
     equation = "τ = Fp·|q̇|^p·sign(q̇), p > 1"
     coefficients = (Coefficient("Fp", "N·m·(s/rad)^p", lower=0.0),)
     shapes = (ShapeParameter("p", "1", 1.2, 3.5, "linear"),)

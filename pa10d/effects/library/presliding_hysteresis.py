@@ -13,6 +13,7 @@ class PreslidingHysteresis(Effect):
 
     id = "presliding_hysteresis"
     title = "Pre-sliding hysteresis"
+    plainly = "after each turn friction builds up over a short way"
     equation = "τ = F·z, dz/dt = q̇·(1 - z·sign(q̇))/zs  (Dahl; LuGre in slow motion)"
     coefficients = (Coefficient("F", "N·m", lower=0.0),)
     shapes = (ShapeParameter("zs", "rad", 1e-4, 0.2, "log"),)

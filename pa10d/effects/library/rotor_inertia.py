@@ -10,6 +10,7 @@ class RotorInertia(Effect):
 
     id = "rotor_inertia"
     title = "Rotor inertia"
+    plainly = "the flywheel that the motor is"
     equation = "τ = Ia·q̈"
     question = "textbook"
     coefficients = (Coefficient("Ia", "kg·m²", lower=0.0),)

@@ -23,6 +23,7 @@ class Stribeck(Effect):
     id = "stribeck"
     title = "Stribeck friction"
     noun = "Stribeck friction"
+    plainly = "extra friction at low speed"
     equation = "τ = Fs·exp(-(|q̇|/vs)^δ)·sign(q̇)"
     coefficients = (Coefficient("Fs", "N·m", lower=0.0),)
     shapes = (

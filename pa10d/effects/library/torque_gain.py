@@ -10,6 +10,7 @@ class TorqueGain(Effect):
     id = "torque_gain"
     title = "Torque gain"
     noun = "a torque gain that is off"
+    plainly = "it reads too high or too low by a factor"
     equation = "τ = gain·τ_model"
     question = "changed"
     sensing = True

@@ -12,6 +12,7 @@ class TorqueOffset(Effect):
     id = "torque_offset"
     title = "Torque offset"
     noun = "a torque offset"
+    plainly = "it reads too high or too low by a constant"
     equation = "τ = offset"
     coefficients = (Coefficient("offset", "N·m"),)
     signature = "All of the error is shifted by the same amount, in both directions, in every pose."

@@ -14,6 +14,7 @@ class TorqueRipple(Effect):
 
     id = "torque_ripple"
     title = "Torque ripple"
+    plainly = "torque that comes again at the same angles"
     equation = "τ = a·sin(N·q) + b·cos(N·q)"
     coefficients = (Coefficient("a", "N·m"), Coefficient("b", "N·m"))
     shapes = (ShapeParameter("N", "cycles/rev", 3.0, 1000.0, "linear"),)

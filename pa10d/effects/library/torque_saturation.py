@@ -12,6 +12,7 @@ class TorqueSaturation(Effect):
 
     id = "torque_saturation"
     title = "Torque saturation"
+    plainly = "its largest torques are read too high"
     equation = "τ = c3·τ_measured³,  τ_measured = τ_model + c3·τ_measured³"
     sensing = True
     uses_model = True

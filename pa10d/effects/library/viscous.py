@@ -8,6 +8,7 @@ class Viscous(Effect):
 
     id = "viscous"
     title = "Viscous friction"
+    plainly = "friction in proportion to the speed"
     equation = "τ = Fv·q̇"
     question = "textbook"
     coefficients = (Coefficient("Fv", "N·m·s/rad", lower=0.0),)

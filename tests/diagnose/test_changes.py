@@ -1,0 +1,116 @@
+"""What changed since a model was made: friction that rose or fell, and how it is said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bare_sides import ar1
+from two_links import V0, recordings, textbook
+
+from pa10d.diagnose.outcome import Confusion
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.words import reason, sentence
+from pa10d.effects import Value, all_effects, effect
+from pa10d.effects.base import smooth_sign
+from pa10d.model import Term
+
+
+def sign(dq):
+    return np.column_stack([smooth_sign(v, V0) for v in dq.T])
+
+
+CHANGES = {
+    "coulomb rose": ("coulomb", 1, 0.4, lambda dq: [0.0, 0.4] * sign(dq)),
+    "coulomb fell": ("coulomb", 0, -0.8, lambda dq: [-0.8, 0.0] * sign(dq)),
+    "viscous rose": ("viscous", 0, 0.6, lambda dq: [0.6, 0.0] * dq),
+    "viscous fell": ("viscous", 1, -0.5, lambda dq: [0.0, -0.5] * dq),
+}
+
+
+def asked(reference, runs):
+    fit, judge = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    return diagnose(reference, fit, judge, frozen=True)
+
+
+LONG = {"coulomb rose", "viscous fell"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(k, marks=[pytest.mark.long] * (k in LONG)) for k in CHANGES]
+)
+def test_friction_that_rose_or_fell_is_named_with_its_size(name):
+    kind, joint, size, torque = CHANGES[name]
+    runs = recordings(3, lambda t, q, dq, ddq: torque(dq))
+    found = asked(textbook(recordings(4)), runs)
+    assert (found.verdict, found.unexplained) == ("missing", ())
+    (finding,) = found.findings
+    assert (finding.term.effect_id, finding.term.joints) == (kind, (joint,))
+    value = finding.parameters[effect(kind).coefficients[0].name]
+    assert abs(value.value - size) < 4 * value.std_error + 0.02 * abs(size)
+    assert finding.rms_after[joint] < 0.1 * finding.rms_before[joint]
+    way = "more" if size > 0 else "less"
+    assert finding.sentence.startswith(f"Joint {joint + 1} now has {way} ")
+
+
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+def test_where_nothing_changed_friction_did_not(seed):
+    def colour(rng, samples):
+        return ar1(rng, samples, 0.95)
+
+    found = asked(textbook(recordings(200 + seed)), recordings(100 + seed, colour=colour))
+    assert (found.verdict, found.findings) == ("none", ())
+
+
+@pytest.mark.long
+def test_a_new_model_never_has_friction_below_nothing():
+    """Less friction than the model has is a change of a frozen one; a refit just has less."""
+    runs = recordings(3, lambda t, q, dq, ddq: [-0.8, 0.0] * sign(dq))
+    fit, judge = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    found = diagnose(textbook(recordings(4)), fit, judge)
+    assert found.verdict == "none"
+    for term in found.model.terms:
+        assert term.effect_id != "coulomb" or term.coefficients[0] > 0
+
+
+def said(kind: str, frozen: bool, size: float = 1.0, rivals: tuple[str, ...] = ()) -> str:
+    one = effect(kind)
+    joints = {"joint": (3,), "pair": (4, 5), "robot": ()}[one.scope]
+    term = Term(kind, joints, np.full(len(one.coefficients), size))
+    before, after = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 0.0, 0.5])
+    doubts = [Confusion(other, joints, "alike") for other in rivals]
+    return sentence(term, before, after, Value(0.4321, 0.01, "N·m"), doubts, frozen)
+
+
+def test_a_sentence_says_what_where_how_much_and_what_it_takes_away():
+    assert said("stribeck", False) == (
+        "Joint 4 shows Stribeck friction (extra friction at low speed): about 0.43 N·m that the "
+        "model lacks; with it 75 % of joint 4's squared error is gone."
+    )
+    assert said("coupling_inertia", False).startswith("Joints 5 and 6 show coupled rotor inertia (")
+    assert said("payload", True).startswith(
+        "The arm now has a payload: about 0.43 N·m that its model does not know;"
+    )
+    assert said("viscous", True, -1.0).startswith(
+        "Joint 4 now has less viscous friction (friction in proportion to the speed) than its model"
+    )
+    doubtful = said("spring", False, rivals=("torque_offset", "contact"))
+    assert doubtful.endswith(
+        "This data cannot yet tell it from a contact at one end of its range or a torque offset."
+    )
+
+
+@pytest.mark.parametrize("kind", sorted(all_effects()))
+def test_every_effect_has_a_sentence_of_one_breath(kind):
+    for frozen in (False, True):
+        text = said(kind, frozen)
+        assert 80 < len(text) < 240
+        assert text.count(".") == text.count("0.43") + 1
+        assert "_" not in text
+
+
+def test_two_places_of_one_effect_are_confused_for_a_reason_in_words():
+    spring = effect("spring")
+    assert reason(spring, spring) == (
+        "on this data both ask for nearly the same torque, and leave as small an error"
+    )
+    assert reason(spring, effect("contact")) == spring.confounders["contact"]
