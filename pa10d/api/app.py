@@ -13,6 +13,7 @@ from fastapi.staticfiles import StaticFiles
 from pa10d import __version__
 from pa10d.api import problems
 from pa10d.api.access import Access, AccessMiddleware
+from pa10d.api.repeats import RepeatMiddleware
 from pa10d.api.routes import (
     analyses,
     docs,
@@ -35,7 +36,8 @@ model lacks. SI units; joints are numbered from 1.
 Whatever takes longer than a request is a *job*: the answer is 202 with the job, its address in
 `Location`; `GET` it, or listen to `/api/v1/events`, until its status is `succeeded`, `failed` or
 `cancelled`. One client commands the arm at a time (`/api/v1/robot/lease`); `stop` is for everyone.
-Every error is a problem document (RFC 9457).
+Every error is a problem document (RFC 9457). A POST that is sent again with the same
+`Idempotency-Key` header acts once: the first answer comes back.
 
 WebSockets: `/api/v1/events?since=N` (JSON) and `/api/v1/telemetry?history=SECONDS` (a JSON header,
 then binary packets: float64 start, float32 rows).
@@ -70,6 +72,7 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     app.include_router(docs.router)
     app.include_router(web.router)
     app.mount("/", StaticFiles(directory=WEB, html=True), name="web")
+    app.add_middleware(RepeatMiddleware)
     app.add_middleware(AccessMiddleware, access=access or Access())
     _document_problems(app)
     return app

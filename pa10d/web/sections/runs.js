@@ -79,6 +79,13 @@ function details(run) {
     await loadRuns();
     notice("Renamed.");
   }) }, "Rename");
+  const tags = el("input", { value: run.tags.filter((tag) => !MARKS.includes(tag)).join(", "), placeholder: "tags, with commas", "aria-label": "tags of the run" });
+  const retag = el("button", { type: "button", class: "small", onclick: guarded("The tags could not be changed.", async () => {
+    const own = tags.value.split(",").map((tag) => tag.trim()).filter(Boolean);
+    await patch(`runs/${run.id}`, { tags: [...run.tags.filter((tag) => MARKS.includes(tag)), ...own] });
+    await loadRuns();
+    notice("Tagged.");
+  }) }, "Tag");
   const exports = ["csv", "mcap", "parquet", "mat"].map((format) => el("button", {
     type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`runs/${run.id}/export`, { format }, `${run.name}.${format}`)),
   }, format.toUpperCase()));
@@ -87,7 +94,7 @@ function details(run) {
     await remove(`runs/${run.id}`);
     await loadRuns();
   }) }, "Delete");
-  return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, el("span", { class: "grow" }), "Export", exports, gone),
+  return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, tags, retag, el("span", { class: "grow" }), "Export", exports, gone),
     el("p", { class: "muted" }, `${run.samples} samples, ${number(run.rate, 4)} Hz, from ${run.source || run.profile}. ${run.reason ?? ""}`),
     run.warnings.length ? el("ul", { class: "levels" }, run.warnings.map((text) => el("li", { class: "warning" }, text))) : null,
     card("Positions and measured torques", null, plot.box, null),
