@@ -82,7 +82,8 @@ function details(run) {
   const tags = el("input", { value: run.tags.filter((tag) => !MARKS.includes(tag)).join(", "), placeholder: "tags, with commas", "aria-label": "tags of the run" });
   const retag = el("button", { type: "button", class: "small", onclick: guarded("The tags could not be changed.", async () => {
     const own = tags.value.split(",").map((tag) => tag.trim()).filter(Boolean);
-    await patch(`runs/${run.id}`, { tags: [...run.tags.filter((tag) => MARKS.includes(tag)), ...own] });
+    const marks = state.runs.find((one) => one.id === run.id).tags.filter((tag) => MARKS.includes(tag)); // as they are by now
+    await patch(`runs/${run.id}`, { tags: [...marks, ...own] });
     await loadRuns();
     notice("Tagged.");
   }) }, "Tag");
