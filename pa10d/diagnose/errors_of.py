@@ -63,6 +63,26 @@ class Doubts:
         return Doubt(self.state.held_matrix, covariance)
 
 
+def doubt_under(state: State, grams: dict[int, Array]) -> Doubt:
+    """How uncertain the model is on the held-out side, with each joint's noise given as
+    ``held_noise_gram`` has it."""
+    return Doubt(state.held_matrix, _covariance(state, state.fit, grams))
+
+
+def held_noise_gram(state: State, joint: int, noise: Array, heard: NDArray[np.bool_]) -> Array:
+    """QᵀΓQ of the fit side with a joint's noise as the held-out side has it.
+
+    noise: (m_j,) N·m held out; heard: the samples of it that count. What bends so freely that it
+    takes noise along leaves too little of it on the side it was fitted to, but not here.
+    """
+    rows = state.held.scatter({joint: noise / state.fit.sigma[joint]})
+    there = state.held.scatter({joint: heard.astype(float)})
+    keep = [t[:, joint] > 0 for t in there]
+    stretches = [(r[:, joint], k) for r, k in zip(rows, keep, strict=True)]
+    gamma = _colour(stretches, state.held.runs[0].rate)
+    return _coloured(state.train, joint, state.fit.basis[joint], gamma)
+
+
 def doubt_of(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Doubt:
     """How uncertain the model is on the held-out side."""
     return Doubt(state.held_matrix, full_covariance(state, fit, noise))
@@ -120,14 +140,20 @@ def noise_grams(side: Side, residual: PerJoint, columns: PerJoint) -> dict[int, 
 
 def _noise_gram(side: Side, joint: int, residual: Array, columns: Array) -> Array:
     scattered = side.scatter({joint: residual})
-    keep = [k[:, joint] for k in side.keep]
-    longest = int(min(LONGEST_SECONDS * side.runs[0].rate, min(len(k) for k in keep) // 4))
-    gamma, count = autocovariance(
-        ((r[:, joint], k) for r, k in zip(scattered, keep, strict=True)), longest
-    )
-    gamma = flat_top(gamma, correlation_length(gamma, count))
+    stretches = [(r[:, joint], k[:, joint]) for r, k in zip(scattered, side.keep, strict=True)]
+    return _coloured(side, joint, columns, _colour(stretches, side.runs[0].rate))
+
+
+def _colour(stretches: list[tuple[Array, NDArray[np.bool_]]], rate: float) -> Array:
+    longest = int(min(LONGEST_SECONDS * rate, min(len(k) for _, k in stretches) // 4))
+    gamma, count = autocovariance(stretches, longest)
+    return flat_top(gamma, correlation_length(gamma, count))
+
+
+def _coloured(side: Side, joint: int, columns: Array, gamma: Array) -> Array:
     total, start = np.zeros((columns.shape[1], columns.shape[1])), 0
-    for k in keep:
+    for run_keep in side.keep:
+        k = run_keep[:, joint]
         rows = int(k.sum())
         spread = np.zeros((len(k), columns.shape[1]))
         spread[k] = columns[start : start + rows]

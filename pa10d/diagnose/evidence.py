@@ -8,6 +8,7 @@ independent samples that it is.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,10 +29,12 @@ SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate ga
 @dataclass(frozen=True)
 class Evidence:
     """slope: of the held-out residual on the predicted change; z: slope over its error
-    p_value: one-sided, not corrected for the number of candidates
+    p_value: one-sided, not corrected for the number of candidates; Student's, with the degrees
+    of freedom that the estimate of the noise has (Satterthwaite)
     before, after: (n,) N·m RMS of the held-out residual without and with the candidate
     worse: joints whose error rises significantly
-    cluster_t: t of the same product over blocks of time, which no noise model enters
+    cluster_t: t over blocks of time of how alike residual and change are in each, which no noise
+    model enters and in which no single event counts for more than another
     gain: weighted squared error removed on the held-out side
     """
 
@@ -66,21 +69,31 @@ class Doubt:
         return max(float(along @ self.covariance @ along), 0.0)
 
 
-def judge(side: Side, r0: PerJoint, change: PerJoint, doubt: Doubt | None = None) -> Evidence:
-    """r0, change: joint -> (m_j,) N·m on the held-out side; doubt: of the model that left r0.
+def judge(
+    side: Side,
+    r0: PerJoint,
+    change: PerJoint,
+    doubt: Doubt | None = None,
+    ground: Mapping[int, NDArray[np.bool_]] | None = None,
+) -> Evidence:
+    """r0, change: joint -> (m_j,) N·m on the held-out side; doubt: of the model that left r0;
+    ground: joint -> (m_j,) the samples of which the change has something to say (all). What is
+    missing from the model is no noise only because the change does not speak there.
 
     Joints are weighted with their held-out error as it is, not with what the fit left: a joint
     that the fit flatters would otherwise outvote all others.
     """
     n = side.n
     sigma = spread(r0)
-    product = variance = power = 0.0
-    blocks: dict[tuple[int, int], float] = {}
+    product = variance = unsure = power = 0.0
+    blocks: dict[tuple[int, int], Array] = {}
     before, after = np.zeros(n), np.zeros(n)
     harmed: dict[int, float] = {}
     gain = 0.0
     r0_runs = side.scatter(r0)
     p_runs = side.scatter(change)
+    ground = ground or {}
+    heard = side.scatter({j: np.ones(len(r)) * ground.get(j, True) for j, r in r0.items()})
     for j in range(n):
         before[j] = np.sqrt(np.mean(r0[j] ** 2))
         after[j] = before[j]
@@ -93,19 +106,20 @@ def judge(side: Side, r0: PerJoint, change: PerJoint, doubt: Doubt | None = None
         gain += weight * loss
         loss_variance = 0.0
         for k, run in enumerate(side.runs):
-            keep = side.keep[k][:, j]
+            keep = heard[k][:, j] > 0
             pr, rr = p_runs[k][:, j], r0_runs[k][:, j]
             noise = np.where(keep, rr - pr, 0.0)
-            one = quadratic_form(pr, noise, keep, run.rate)
+            one, scattered = variance_of_sum(pr, noise, keep, run.rate)
             variance += weight**2 * one
+            unsure += weight**4 * scattered
             loss_variance += 4 * one
             product += weight * float(pr @ rr)
             power += weight * float(pr @ pr)
             length = max(1, int(BLOCK_SECONDS * run.rate))
             for start in range(0, len(pr), length):
                 cut = slice(start, start + length)
-                key = (k, start)
-                blocks[key] = blocks.get(key, 0.0) + weight * float(pr[cut] @ rr[cut])
+                here = np.array([pr[cut] @ rr[cut], pr[cut] @ pr[cut], rr[cut] @ rr[cut]])
+                blocks[k, start] = blocks.get((k, start), np.zeros(3)) + weight * here
         if doubt is not None:
             loss_variance += 4 * doubt.variance(doubt.along({j: p}))
         significant = loss < -3.0 * np.sqrt(max(loss_variance, 1e-300))
@@ -114,17 +128,17 @@ def judge(side: Side, r0: PerJoint, change: PerJoint, doubt: Doubt | None = None
     if doubt is not None:
         weighted = {j: change[j] / sigma[j] ** 2 for j in change}
         variance += doubt.variance(doubt.along(weighted))
-    sums = np.array(list(blocks.values()) or [0.0])
-    scatter = float(np.sqrt(np.sum(sums**2)))
+    alike = np.array([b[0] / np.sqrt(b[1] * b[2]) for b in blocks.values() if b[1] * b[2] > 0])
+    scatter = float(np.sqrt(np.sum(alike**2)))
     z = product / np.sqrt(variance) if variance > 0 else 0.0
     return Evidence(
         slope=product / power if power > 0 else 0.0,
         z=float(z),
-        p_value=float(stats.norm.sf(z)),
+        p_value=float(stats.t.sf(z, 2.0 * variance**2 / unsure) if unsure > 0 else 0.5),
         before=before,
         after=after,
         worse=tuple(j for j, harm in harmed.items() if harm > SHARE_OF_GAIN * gain),
-        cluster_t=float(np.sum(sums) / scatter) if scatter > 0 else 0.0,
+        cluster_t=float(np.sum(alike) / scatter) if scatter > 0 else 0.0,
         gain=float(gain),
     )
 
@@ -178,21 +192,29 @@ def rivalry(side: Side, r0: PerJoint, a: PerJoint, b: PerJoint) -> tuple[float, 
 
 
 def quadratic_form(signal: Array, noise: Array, keep: NDArray[np.bool_], rate: float) -> float:
-    """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum of
-    the given residual; gaps (keep False) count as missing, not as silence."""
+    """Var(Σ signal·noise), see ``variance_of_sum``."""
+    return variance_of_sum(signal, noise, keep, rate)[0]
+
+
+def variance_of_sum(
+    signal: Array, noise: Array, keep: NDArray[np.bool_], rate: float
+) -> tuple[float, float]:
+    """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum S of
+    the given residual, and the variance of that estimate (slow noise has few ordinates in its
+    periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not silent."""
     share = float(np.mean(keep))
     if share <= 0:
-        return 0.0
+        return 0.0, 0.0
     length = scipy.fft.next_fast_len(2 * len(signal), real=True)
-    spectrum = np.abs(scipy.fft.rfft(noise, length)) ** 2 / (len(noise) * share)
-    width = max(3, round(SMOOTHING_HZ * length / rate) | 1)
-    padded = np.concatenate(
-        [spectrum[width // 2 : 0 : -1], spectrum, spectrum[-2 : -2 - width // 2 : -1]]
-    )  # fmt: skip
-    smooth = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")[: len(spectrum)]
+    periodogram = np.abs(scipy.fft.rfft(noise, length)) ** 2 / (len(noise) * share)
     power = np.abs(scipy.fft.rfft(signal, length)) ** 2
-    weights = np.full(len(power), 2.0)
-    weights[0] = 1.0
-    if length % 2 == 0:
-        weights[-1] = 1.0
-    return float(np.sum(weights * power * smooth) / length)
+    power[1 : (length + 1) // 2] *= 2.0
+    # smoothing the signal's power instead of the periodogram gives the same sum
+    half = max(3, round(SMOOTHING_HZ * length / rate) | 1) // 2
+    smooth = np.convolve(power, np.full(2 * half + 1, 1.0 / (2 * half + 1)))
+    folded = smooth[half:-half]
+    folded[1 : half + 1] += smooth[:half][::-1]
+    folded[-half - 1 : -1] += smooth[-half:][::-1]
+    parts = folded * periodogram / length
+    oversampled = length / len(signal)
+    return float(np.sum(parts)), float(0.5 * oversampled * np.sum(parts**2))

@@ -58,6 +58,7 @@ def _step(effect: Effect, name: str, scale: str, start: Shape) -> float:
     """How far the starting grid leaves its neighbours apart, in the search's own scale."""
     by_effect = {
         ("position_friction", "qc"): 0.6 * start.get("w", 0.2),
+        ("position_friction", "w"): 0.2 if start.get("wave") else 0.7,
         ("torque_ripple", "N"): 0.15,
         ("contact", "qs"): 0.08,
         ("stribeck", "delta"): 0.5,

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.errors_of import Doubts
+from pa10d.diagnose.errors_of import doubt_under, held_noise_gram
 from pa10d.diagnose.evidence import Doubt, Evidence, judge
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.diagnose.state import State
@@ -73,20 +73,10 @@ def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     motions = motion_variables(state.train), motion_variables(state.held)
     residual = state.held_residual()
     n = state.train.n
-    best = {
-        joint: sorted(
-            (_fit_map(state, motions[0], joint, names) for names in questions(joint, n)),
-            key=lambda m: -m.gain,
-        )[:TRIED_PER_JOINT]
-        for joint in joints
-    }
-    moved = {id(m): _moved(state, motions[0], m) for tried in best.values() for m in tried}
-    doubts = Doubts.of(state, moved.values())
-    for tried in best.values():
-        judged = (
-            _judge(state, motions[1], residual, m, n * TRIED_PER_JOINT, doubts.beside(moved[id(m)]))
-            for m in tried
-        )
+    tried = {j: _strongest(state, motions[0], motions[1], j) for j in joints}
+    noise = _noise(state, residual, [p for maps in tried.values() for p in maps])
+    for maps in tried.values():
+        judged = (_judge(state, residual, p, n * TRIED_PER_JOINT, noise) for p in maps)
         results = [r for r in judged if r is not None]
         if results:
             yield results
@@ -164,32 +154,71 @@ def _fit_map(
     )  # fmt: skip
 
 
-def _moved(state: State, motion: list[dict[str, Array]], m: _Map) -> PerJoint:
-    """What the map changes on its own joint's fit side (weighted)."""
-    x = [_rows(state.train, motion, name, m.joint) for name in m.names]
-    values = basis_of(x, m.grid) @ m.values.ravel() / state.fit.sigma[m.joint]
-    q = state.fit.basis[m.joint]
-    return {m.joint: values - q @ (q.T @ values)}
+@dataclass
+class _Prediction:
+    """What a map says of the held-out side: values (m_j,) N·m, zero where it knows nothing;
+    inside: where it knows something."""
+
+    map: _Map
+    values: Array
+    inside: NDArray[np.bool_]
 
 
-def _judge(
-    state: State,
-    motion: list[dict[str, Array]],
-    residual: PerJoint,
-    m: _Map,
-    among: int,
-    doubt: Doubt,
-) -> Structure | None:
+def _strongest(
+    state: State, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
+) -> list[_Prediction]:
+    """The maps of one joint that help the fit side most, among those that know enough ground."""
+    maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
+    strongest = sorted(maps, key=lambda m: -m.gain)[:TRIED_PER_JOINT]
+    predictions = (_predict(state, held, m) for m in strongest)
+    return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+
+
+def _predict(state: State, motion: list[dict[str, Array]], m: _Map) -> _Prediction:
     x = [_rows(state.held, motion, name, m.joint) for name in m.names]
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
     inside &= basis @ ~m.visited < UNKNOWN_GROUND
     values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
-    values = np.where(inside, values, 0.0)
+    return _Prediction(m, np.where(inside, values, 0.0), inside)
+
+
+@dataclass
+class _Noise:
+    """How uncertain the model is, each joint's noise being the least that any map of it leaves."""
+
+    state: State
+    grams: dict[int, Array]
+    own: dict[int, Array]
+
+    def beside(self, prediction: _Prediction) -> Doubt:
+        """With this map added: the noise of its joint is what it leaves."""
+        own = {prediction.map.joint: self.own[id(prediction)]}
+        return doubt_under(self.state, {**self.grams, **own})
+
+
+def _noise(state: State, residual: PerJoint, predictions: list[_Prediction]) -> _Noise:
+    power = {j: float(np.mean(r**2)) for j, r in residual.items()}
+    grams = {
+        j: held_noise_gram(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()
+    }
+    own = {}
+    for p in predictions:
+        j = p.map.joint
+        left = residual[j] - p.values
+        own[id(p)] = held_noise_gram(state, j, left, p.inside)
+        if (now := float(np.mean(left[p.inside] ** 2))) < power[j]:
+            power[j], grams[j] = now, own[id(p)]
+    return _Noise(state, grams, own)
+
+
+def _judge(
+    state: State, residual: PerJoint, prediction: _Prediction, among: int, noise: _Noise
+) -> Structure | None:
+    m, values, inside = prediction.map, prediction.values, prediction.inside
+    doubt = noise.beside(prediction)
     evidence = judge(state.held, residual, {m.joint: values}, doubt, {m.joint: inside})
     r = residual[m.joint]
-    if inside.mean() < KNOWN_GROUND:
-        return None
     share = 1.0 - float(np.mean((r - values)[inside] ** 2) / np.mean(r[inside] ** 2))
     p = min(1.0, evidence.p_value * among)
     if p > LEVEL or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:

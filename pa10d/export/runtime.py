@@ -129,6 +129,10 @@ def own(formula):
     )
 
 
+def bell(x):
+    return np.exp(-0.5 * x**2)
+
+
 def coupling_friction(motion, term):
     """Friction on dq_i ± dq_j."""
     (i, j), (f, d), ratio = term["joints"], term["coefficients"], term["shape"]["ratio"]
@@ -197,7 +201,9 @@ MECHANICS = {
     ),
     "position_friction": own(
         lambda m, j, c, s: (
-            c[0] * np.exp(-0.5 * ((m.q[:, j] - s["qc"]) / s["w"]) ** 2) * m.sign(m.dq[:, j], 0.01)
+            c[0]
+            * (np.cos if s["wave"] else bell)((m.q[:, j] - s["qc"]) / s["w"])
+            * m.sign(m.dq[:, j], 0.01)
         )
     ),
     "torque_ripple": own(

@@ -61,12 +61,25 @@ def test_load_friction_against_pinocchio():
 def test_position_friction_sits_at_its_place_in_both_directions():
     for speed in (0.5, -0.5):
         context = constant_speed(2, speed, samples=2001)
-        found = columns("position_friction", context, 2, qc=0.2, w=0.05)[:, 0] * np.sign(speed)
+        found = columns("position_friction", context, 2, qc=0.2, w=0.05, wave=0.0)[:, 0] * np.sign(
+            speed
+        )
         q = context.q[:, 2]
         assert q[np.argmax(found)] == pytest.approx(0.2, abs=0.001)
         assert found[np.argmin(np.abs(q - 0.25))] == pytest.approx(np.exp(-0.5), rel=0.02)
         # area of a bell curve
         assert np.sum(found) * 0.5 * DT == pytest.approx(0.05 * np.sqrt(2 * np.pi), rel=1e-3)
+
+
+def test_friction_in_waves_comes_round_and_averages_to_nothing():
+    context = constant_speed(2, 0.5, samples=2001)
+    found = columns("position_friction", context, 2, qc=0.2, w=1 / 12, wave=1.0)[:, 0]
+    q = context.q[:, 2]
+    turn = (q >= 0.2) & (q < 0.2 + 2 * np.pi / 12)
+    assert turn.sum() > 200, "one wave at least"
+    assert np.mean(found[turn]) == pytest.approx(0.0, abs=0.02)
+    assert np.mean(found[turn] ** 2) == pytest.approx(0.5, abs=0.02)
+    assert found[np.argmin(np.abs(q - 0.2 - np.pi / 12))] == pytest.approx(-1.0, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +90,7 @@ def test_position_friction_sits_at_its_place_in_both_directions():
         ("stribeck", (2,), {"vs": 0.1, "delta": 2.0}),
         ("nonlinear_viscous", (3,), {"p": 1.7}),
         ("load_friction", (1,), {"v0": 0.01}),
-        ("position_friction", (1,), {"qc": 0.1, "w": 0.3}),
+        ("position_friction", (1,), {"qc": 0.1, "w": 0.3, "wave": 0.0}),
         ("coupling_friction", (4, 5), {"ratio": 1.0}),
         ("coupling_friction", (4, 5), {"ratio": -1.0}),
     ],

@@ -84,7 +84,7 @@ def some_term(effect_id: str, seed: int = 0) -> Term:
     if effect_id == "torque_ripple":
         shape = {"N": 31.5}
     if effect_id == "position_friction":
-        shape = {"qc": 0.1, "w": 0.2}
+        shape = {"qc": 0.1, "w": 0.2, "wave": float(rng.integers(2))}
     small = rng.uniform(0.05, 0.2, len(kind.coefficients))
     if effect_id == "torque_saturation":
         small *= 1e-4

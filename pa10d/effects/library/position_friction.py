@@ -4,19 +4,24 @@ import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
 
+WAVES_PER_TURN = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
+PHASES = (0.0, np.pi / 3, 2 * np.pi / 3)  # half a wave further is the same with A below zero
+
 
 class PositionFriction(Effect):
-    """A place where the joint runs harder, or easier, than elsewhere: a worn spot, a tight seal,
-    a bearing that pinches. A is the friction added at its centre qc (negative: missing there), w
-    how far it reaches."""
+    """Where the joint stands decides how hard it runs. Either at one place (wave 0): a worn spot,
+    a tight seal, a bearing that pinches; A is the friction added at its centre qc (negative:
+    missing there), w how far it reaches. Or in turns (wave 1): a shaft or a gear that is not
+    round; A is added at qc and taken away half a wave further, and 1/w waves make one turn."""
 
     id = "position_friction"
     title = "Position-dependent friction"
-    equation = "τ = A·exp(-(q - qc)²/(2·w²))·sign(q̇)"
+    equation = "τ = A·exp(-(q - qc)²/(2·w²))·sign(q̇), or in waves τ = A·cos((q - qc)/w)·sign(q̇)"
     coefficients = (Coefficient("A", "N·m"),)
     shapes = (
         ShapeParameter("qc", "rad", -10.0, 10.0, "linear"),
         ShapeParameter("w", "rad", 0.02, 1.5, "log"),
+        ShapeParameter("wave", "1", 0.0, 1.0, "choice"),
     )
     signature = (
         "In one range of the joint's angle friction is higher (or lower), and it opposes the "
@@ -32,18 +37,25 @@ class PositionFriction(Effect):
     experiment_kind = "velocity_sweep"
     source = "Armstrong-Hélouvry, Control of Machines with Friction (1991), ch. 4"
     remedy = "Inspect bearing, seal and gear teeth at that angle for dirt and wear."
-    example = Example((5.0,), against="q", shape={"qc": 0.7, "w": 0.08})
+    example = Example((5.0,), against="q", shape={"qc": 0.7, "w": 0.08, "wave": 0.0})
 
     def columns(self, context, joints, shape):
         j = joints[0]
-        bump = np.exp(-0.5 * ((context.q[:, j] - shape["qc"]) / shape["w"]) ** 2)
-        return (bump * smooth_sign(context.dq[:, j], context.softness(0.01)))[:, None]
+        away = (context.q[:, j] - shape["qc"]) / shape["w"]
+        where = np.cos(away) if shape["wave"] else np.exp(-0.5 * away**2)
+        return (where * smooth_sign(context.dq[:, j], context.softness(0.01)))[:, None]
 
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])
-        span = max(high - low, 1e-3)
-        return [
+        span, middle = max(high - low, 1e-3), 0.5 * (low + high)
+        spots = [
             {"qc": float(low + span * place), "w": float(np.clip(span * width, 0.02, 1.5))}
             for width, places in ((0.05, np.linspace(0, 1, 12)), (0.15, np.linspace(0, 1, 6)))
             for place in places
         ]
+        waves = [
+            {"qc": float(middle + phase / per_turn), "w": 1.0 / per_turn}
+            for per_turn in WAVES_PER_TURN
+            for phase in PHASES
+        ]
+        return [{**s, "wave": 0.0} for s in spots] + [{**s, "wave": 1.0} for s in waves]
