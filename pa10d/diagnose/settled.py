@@ -8,7 +8,7 @@ fitted to all motion and weighted as the given model was, or its errors would no
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Settled:
-    """Per joint the triangular factors of [columns, torque] in motion and at rest; what is known
-    of the coefficients besides, in units of their noise."""
+    """Per joint the triangular factors of [columns, torque] in motion and at rest; and of what
+    keeps its maps smooth, as if it had been measured: as strong beside the joint's noise as the
+    search had it."""
 
     moving: list[Triangle]
     rest: list[Triangle]
-    known: Triangle
+    known: list[Triangle]
 
     @classmethod
     def of(cls, state: State) -> Settled:
@@ -41,20 +42,25 @@ class Settled:
                 rows = np.column_stack([columns[:, j], state.train.runs[k].tau[:, j]])
                 moving[j].add(rows[run.moving[:, j]])
                 rest[j].add(rows[still[:, j]])
-        known = Triangle(width)
-        if state.knowledge is not None:
-            known.add(np.column_stack(state.knowledge.rows(width - 1)))
+        known = [Triangle(width) for _ in range(n)]
+        for index, term in enumerate(state.terms):
+            penalty = term.effect.penalty(term.shape)
+            if penalty is not None:
+                rows = np.zeros((len(penalty), width))
+                rows[:, state.place(index)] = penalty * state.fit.sigma[term.joints[0]]
+                known[term.joints[0]].add(rows)
         return cls(moving, rest, known)
 
     def solution(self, count: int) -> Solution:
         """Of the model with the first ``count`` columns only."""
-        factors, still = (
-            [t.without(np.s_[count:-1]) for t in side] for side in (self.moving, self.rest)
+        factors, still, known = (
+            [t.without(np.s_[count:-1]) for t in side]
+            for side in (self.moving, self.rest, self.known)
         )
-        indices = [np.arange(count)] * (len(factors) + 1)
-        sigma = estimate_weights(factors, still, indices[1:], count)
-        known = self.known.without(np.s_[count:-1])
-        return solve([*factors, known], indices, count, np.append(sigma, 1.0))
+        indices = [np.arange(count)] * len(factors)
+        sigma = estimate_weights(factors, still, indices, count)
+        found = solve([*factors, *known], [*indices, *indices], count, np.tile(sigma, 2))
+        return replace(found, sigma=sigma)
 
     def rms(self, beta: Array) -> Array:
         """(n,) N·m that these values of the first coefficients leave in motion."""
