@@ -143,9 +143,10 @@ def in_words(found: Diagnosis) -> str:
     from pa10d.diagnose.next_experiment import as_command
 
     n = len(found.rms)
+    what = "has changed" if found.frozen else "is missing"
     says = {
-        "none": "Nothing significant is missing: what is left is measurement noise.",
-        "unknown": "Something is missing that no effect of the library explains.",
+        "none": f"Nothing significant {what}: what is left is measurement noise.",
+        "unknown": f"Something {what} that no effect of the library explains.",
         "missing": "Missing:" if not found.frozen else "Changed:",
     }
     lines = [says[found.verdict]]

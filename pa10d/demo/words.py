@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.effects import all_effects
-from pa10d.report.verdict import place_words
+from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
 from pa10d.words import listed, percent
 
@@ -17,9 +17,11 @@ Document = Mapping[str, Any]
 __all__ = ["compared_words", "fall_words", "found_words", "named", "plan_words"]
 
 
-def named(finding: Document) -> str:
+def named(finding: Document, frozen: bool = False) -> str:
     """``Stribeck friction in joint 4``."""
-    return f"{all_effects()[finding['effect']].title}{place_words(finding['joints'])}"
+    kind = all_effects()[finding["effect"]]
+    change = next(iter(finding["parameters"].values()))["value"] if frozen else 0.0
+    return f"{more_or_less(kind, change, frozen)}{place_words(finding['joints'])}"
 
 
 def compared_words(found: Document) -> str:
@@ -45,9 +47,10 @@ def found_words(found: Document) -> str:
     if found["verdict"] == "unknown":
         places = [f"{percent(s['share'])} of joint {s['joint']}'s squared error depends on "
                   f"{' and '.join(s['depends_on'])}" for s in found["unexplained"]]  # fmt: skip
-        return f"Something is missing that no effect of the library explains: {listed(places)}."
+        what = "has changed" if found["frozen"] else "is missing"
+        return f"Something {what} that no effect of the library explains: {listed(places)}."
     verb = "What changed" if found["frozen"] else "Missing in the model"
-    text = f"{verb}: {listed([named(f) for f in found['findings']])}."
+    text = f"{verb}: {listed([named(f, found['frozen']) for f in found['findings']])}."
     sizes = [
         f"{name} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}"
         for name, v in found["findings"][0]["parameters"].items()

@@ -65,7 +65,7 @@ def variable_words(name: str) -> str:
     match = NAME.fullmatch(name)
     if match is None:
         return name
-    return f"{KINDS[match[1]][0]} of joint {match[2]}{match[3] or ''}"
+    return f"{KINDS[match[1]][0]} of joint {match[2]}{' about' + match[3] if match[3] else ''}"
 
 
 def _curve(found: Structure, x: Array, error: Array, label: str, unit: str) -> Figure:

@@ -73,7 +73,7 @@ def _glance(found: Diagnosis) -> Section:
     places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),
-         listed([finding_words(f) for f in found.findings]) or "none is significant"),
+         listed([finding_words(f, found.frozen) for f in found.findings]) or "none is significant"),
         ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
          "depends on the motion" if places else "significant"),
         ("joints near the noise", "–" if near is None else f"{near} of {len(last)}",

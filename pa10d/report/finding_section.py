@@ -32,7 +32,7 @@ def finding_section(found: Diagnosis, k: int, drawn: Mapping[str, Any], asked: A
     """The card of findings[k]; drawn: its entry of diagnosis_figures."""
     finding, joint = found.findings[k], shown_joint(found, k)
     share = removed(finding, joint)
-    title = finding_words(finding)
+    title = finding_words(finding, found.frozen)
     blocks: list[Block] = [
         Text(finding.sentence),
         Cards(_cards(finding, joint, share)),
@@ -44,7 +44,7 @@ def finding_section(found: Diagnosis, k: int, drawn: Mapping[str, Any], asked: A
         _decision(found, k, asked),
     ]
     mark = f"{percent(share)} of joint {joint + 1}'s squared error is gone"
-    return Section(f"{k + 1}. {title}", blocks, mark)
+    return Section(f"{k + 1}. {title[0].upper()}{title[1:]}", blocks, mark)
 
 
 def _reading(evidence: Mapping[str, Any]) -> Reading:

@@ -8,6 +8,7 @@ import numpy as np
 
 from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.diagnose.structure import Structure
+from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
 from pa10d.words import listed, percent
@@ -39,11 +40,12 @@ def answer(found: Diagnosis) -> str:
         first = "Nothing has changed" if found.frozen else "Nothing is missing"
         return f"{first}: what the model leaves over on new data is measurement noise."
     if found.verdict == "unknown":
+        what = "has changed" if found.frozen else "is missing"
         return (
-            "Something is missing that no effect of the library explains: "
+            f"Something {what} that no effect of the library explains: "
             f"{listed([structure_words(s) for s in found.unexplained])}."
         )
-    named = listed([finding_words(f) for f in found.findings])
+    named = listed([finding_words(f, found.frozen) for f in found.findings])
     verb = "What changed" if found.frozen else "Missing in the model"
     text = f"{verb}: {named}."
     if found.unexplained:
@@ -51,9 +53,17 @@ def answer(found: Diagnosis) -> str:
     return text
 
 
-def finding_words(finding: Finding) -> str:
-    """``Stribeck friction in joint 4``."""
-    return f"{finding.term.effect.title}{place(finding)}"
+def finding_words(finding: Finding, frozen: bool) -> str:
+    """``Stribeck friction in joint 4``; frozen: ``less Coulomb friction in joint 4``."""
+    kind = finding.term.effect
+    return f"{more_or_less(kind, finding.term.coefficients[0], frozen)}{place(finding)}"
+
+
+def more_or_less(kind: Effect, change: float, frozen: bool) -> str:
+    """The title; of what every model has, a frozen one lacks some or has some too much."""
+    if not (frozen and kind.question == "textbook"):
+        return kind.title
+    return f"{'more' if change > 0 else 'less'} {kind.named}"
 
 
 def place(finding: Finding) -> str:

@@ -196,7 +196,7 @@ def test_unexplained_structure_is_a_map_of_the_residual(crossed):
 def test_variables_are_named_in_words():
     prismatic = np.array([False, True])
     assert variable_label("dq1", prismatic) == "velocity of joint 1, rad/s"
-    assert variable_label("q2 0.4 s ago", prismatic) == "position of joint 2 0.4 s ago, m"
+    assert variable_label("q2 0.4 s ago", prismatic) == "position of joint 2 about 0.4 s ago, m"
     assert variable_label("ddq2", prismatic) == "acceleration of joint 2, m/s²"
 
 
