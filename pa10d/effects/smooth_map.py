@@ -16,7 +16,9 @@ from pa10d.effects.variables import parsed, unit_of, values_of
 DEGREE = 3
 SEGMENTS = {1: 24, 2: 8}  # of the range of each quantity, by how many there are
 SLOW = 0.1  # of the range of a speed: below it, its segments are equally fine
-FAINT = 1e-3  # precision of a coefficient itself beside that of the step to its neighbour
+# how strongly steps between neighbours, and coefficients themselves, are held beside bends: only
+# where no data are does either matter
+STEP, SIZE = 1e-3, 1e-5
 SMOOTHING = "smoothing"
 EXPLAINS_NOTHING = "removes the error, explains nothing: no physical effect"
 
@@ -29,7 +31,7 @@ class SmoothMap(Effect):
 
     id = "smooth_map"
     title = "Smooth map"
-    equation = "τ = Σ c·B(x)·B(y), cubic B-splines; smoothing·Σ(steps of c)² is held small"
+    equation = "τ = Σ c·B(x)·B(y), cubic B-splines; smoothing·Σ(bends of c)² is held small"
     question = "chosen"
     signature = "A smooth curve or surface over the quantities, like nothing that the library has."
     experiment = "Move each of the quantities alone: what the map then shows may get a name."
@@ -72,18 +74,17 @@ class SmoothMap(Effect):
         return np.asarray((parts[0][:, :, None] * parts[1][:, None, :]).reshape(len(context.t), -1))
 
     def penalty(self, shape: Shape) -> Array:
-        """Rows R (r, k) in 1/(N·m): ‖R·c‖² is how far the coefficients differ from their
-        neighbours', and, far more faintly, from nothing.
-
-        Nothing but the neighbours speaks where no data is, so the map goes on level there.
-        """
-        count = SEGMENTS[len(self.over)] + DEGREE
-        one, steps = np.eye(count), np.diff(np.eye(count), axis=0)
-        if len(self.over) == 1:
-            rows = [steps, np.sqrt(FAINT) * one]
-        else:
-            rows = [np.kron(steps, one), np.kron(one, steps), np.sqrt(FAINT) * np.eye(count**2)]
-        return np.asarray(np.sqrt(shape[SMOOTHING]) * np.concatenate(rows))
+        """Rows R (r, k) in 1/(N·m): ‖R·c‖² is how far the coefficients bend, and, far more
+        faintly, how far they differ from their neighbours and from nothing."""
+        one = np.eye(SEGMENTS[len(self.over)] + DEGREE)
+        rows = []
+        for order, weight in ((2, 1.0), (1, STEP), (0, SIZE)):
+            rough = np.sqrt(weight * shape[SMOOTHING]) * np.diff(one, order, axis=0)
+            if len(self.over) == 1:
+                rows.append(rough)
+            else:
+                rows += [np.kron(rough, one), np.kron(one, rough)]
+        return np.concatenate(rows)
 
     def outside(self, context: Context, shape: Shape) -> NDArray[np.bool_]:
         """(N,): where a quantity is beyond the range that the map was fitted on."""

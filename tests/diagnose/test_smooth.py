@@ -59,19 +59,6 @@ def test_it_takes_the_error_most_of_the_way_to_the_noise(runs, removed):
     assert removed.after < 0.3 * removed.before
 
 
-def test_it_follows_the_torque_that_is_hidden(removed):
-    """Up to what the model had absorbed of it and gives back."""
-    t, q, dq, ddq = motion(77)
-    zero = np.zeros((2, 10))
-    drawn = removed.model.terms[-1].torque(Context(robot(), t, q, dq, ddq, zero, 0 * q))[:, 0]
-    shape = removed.model.terms[-1].shape
-    known = np.all(
-        [(q[:, k] > shape[f"q{k + 1} from"]) & (q[:, k] < shape[f"q{k + 1} to"]) for k in (0, 1)],
-        axis=0,
-    )
-    assert np.corrcoef(drawn[known], product(t, q, dq, ddq)[known, 0])[0, 1] > 0.75
-
-
 def test_the_model_says_that_it_explains_nothing(runs, removed):
     model = removed.model
     assert model.terms[-1].label == "smooth_map J1 over q1, q2"
