@@ -15,6 +15,15 @@ import pytest
 
 from pa10d.client import Client, local_daemon
 
+HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items):
+    """One daemon serves these tests in their order: they are not dealt out to workers."""
+    for item in items:
+        if item.path.parent == HERE:
+            item.add_marker(pytest.mark.realtime)
+
 
 @pytest.fixture(scope="session")
 def arm(tmp_path_factory) -> Client:
