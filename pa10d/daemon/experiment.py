@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pa10d.daemon.jobs import Job, Progress, Report, part
-from pa10d.daemon.robot import CommandRefused, RobotProcess
+from pa10d.daemon.readiness import readiness
+from pa10d.daemon.robot import CommandRefused
 from pa10d.errors import UserError
 
 if TYPE_CHECKING:
@@ -103,8 +104,8 @@ class Experiment:
             start=self._robot.pose().tolist(),
             model=self._model(),
         )
-        self.result["checks"] = prepared["checks"]
-        wrong = [c["sentence"] for c in prepared["checks"] if c["level"] == "error"]
+        self.result["checks"] = [*readiness(self._robot), *prepared["checks"]]
+        wrong = [c["sentence"] for c in self.result["checks"] if c["level"] == "error"]
         if wrong:
             raise UserError("the pre-check refused the motion: " + "; ".join(wrong[:3]))
         return prepared
@@ -223,30 +224,10 @@ class Experiment:
         if robot.state in ("running", "stopping"):
             robot.stop()
             await robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
-        if power_off and robot.state == "holding":
+        if power_off and robot.moving:  # one that still stops powers off once it rests
             with contextlib.suppress(CommandRefused):
                 await robot.command("disable", timeout=30.0)
 
     def _why(self) -> str:
         fault = self._robot.fault
         return f": {fault['sentence']}" if fault else ""
-
-
-def refuse_unless_ready(robot: RobotProcess) -> None:
-    """Before a job is made of it: CommandRefused where the arm's state does not allow motion."""
-    if robot.state in ("inactive", "holding"):
-        return
-    remedies = {
-        "offline": "wait until the robot is connected, or connect it",
-        "fault": "remove the cause, then reset",
-    }
-    remedy = remedies.get(robot.state, "wait for the motion to end, or stop it")
-    why = robot.why_offline if robot.state == "offline" else (robot.fault or {}).get("sentence", "")
-    raise CommandRefused(
-        {
-            "state": robot.state,
-            "needed": ["inactive", "holding"],
-            "detail": f"experiment: the arm is {robot.state}" + (f": {why}" if why else ""),
-            "remedy": remedy,
-        }
-    )

@@ -64,6 +64,20 @@ def test_experiment_run_export_and_delete(arm, tmp_path):
     assert gone.value.status == 404
 
 
+def test_the_precheck_looks_at_plan_and_arm(arm):
+    asked = {"kind": "tracking", "parameters": {"cycles": 1}}
+    found = arm.check_experiment(asked)
+    assert found["go"]
+    subjects = {c["subject"] for c in found["checks"]}
+    assert subjects >= {"state", "bus", "drives", "position", "torque", "collision"}
+    arm.disconnect()
+    found = arm.check_experiment(asked)
+    arm.connect()
+    assert not found["go"]
+    (wrong,) = [c["sentence"] for c in found["checks"] if c["level"] == "error"]
+    assert "the arm is offline: disconnected on request" in wrong
+
+
 def test_a_motion_into_the_floor_is_refused(arm):
     low = {"joints": [1], "pose": [0.0, 1.5, 0.0, 0.9, 0.0, 0.0, 0.0], "cycles": 1}
     with pytest.raises(JobFailed, match="floor"):

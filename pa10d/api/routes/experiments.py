@@ -17,6 +17,7 @@ from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList, Serie
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.experiment import experiment_job
 from pa10d.daemon.jobs import Report
+from pa10d.daemon.readiness import readiness
 from pa10d.daemon.series import series_job
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import KINDS
@@ -75,7 +76,8 @@ async def start_series(
     "/check", response_model=Job, status_code=202, responses=responses("not-found", "conflict")
 )
 async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
-    """The pre-check alone, from where the arm stands: limits, torque, collisions, floor."""
+    """The pre-check alone, from where the arm stands: state, bus, drives, limits, torque,
+    collisions, floor."""
     asked = _checked(daemon, request)
 
     async def work(report: Report) -> Any:
@@ -93,9 +95,10 @@ async def check(daemon: TheDaemon, request: ExperimentRequest, response: Respons
             )  # fmt: skip
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, True)
-        go = all(c["level"] != "error" for c in found["checks"])
+        checks = [*readiness(daemon.robot), *found["checks"]]
+        go = all(c["level"] != "error" for c in checks)
         seconds = sum(motion["seconds"] for motion in found["motions"])
-        return {"go": go, "plan": plan, "checks": found["checks"], "seconds": seconds}
+        return {"go": go, "plan": plan, "checks": checks, "seconds": seconds}
 
     return accepted(daemon.jobs.start("check", asked, work), response)
 
