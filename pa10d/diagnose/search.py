@@ -55,6 +55,11 @@ class Judged:
         return self.candidate.effect.id, self.candidate.joints
 
     @property
+    def gain(self) -> float:
+        """Weighted squared error that it removes, on both sides together."""
+        return self.candidate.gain + self.evidence.gain
+
+    @property
     def complexity(self) -> int:
         """Number of free parameters that it spends."""
         return complexity(self.candidate.effect)
@@ -115,7 +120,7 @@ class Search:
             if dropped is None:
                 refused.add(chosen.place)
                 continue
-            refused |= dropped
+            refused |= dropped | self.reconsider()
             self.steps.append(Step(chosen, tied, before, rms(self.state.held_residual())))
         return self
 
@@ -241,9 +246,9 @@ class Search:
 
     def prefer(self, good: list[Judged], judged: list[Judged]) -> tuple[Judged, list[Judged]]:
         """The best candidate, or the simplest of those that this data cannot tell from it."""
-        best = max(good, key=lambda j: j.evidence.gain)
+        best = max(good, key=lambda j: j.gain)
         tied = [j for j in judged if j is best or self._tied(best, j)]
-        chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.evidence.gain))
+        chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
         return chosen, [j for j in tied if j is not chosen]
 
     def _tied(self, best: Judged, other: Judged) -> bool:
@@ -282,6 +287,23 @@ class Search:
             dropped.add(weakest[1].place)
             self.state.drop(weakest[0])
             self.state.refit()
+        return dropped
+
+    def reconsider(self) -> set[Place]:
+        """Drop earlier findings that the newest one, fitted again in their absence, can do
+        without: what imitated it until it was there. Says which."""
+        dropped: set[Place] = set()
+        for index in reversed(range(self.fixed, len(self.state.terms) - 1)):
+            if not set(self.state.terms[index].joints) & set(self.state.terms[-1].joints):
+                continue
+            saved, earlier = self.state.copy(), self.state.terms[index]
+            before = rms(self.state.held_residual())
+            self.state.drop(index)
+            self.settle()
+            if np.any(rms(self.state.held_residual()) > (1.0 + MATERIAL) * before):
+                self.state = saved
+            else:
+                dropped.add((earlier.effect_id, earlier.joints))
         return dropped
 
     def judge_term(self, index: int) -> Judged:
