@@ -119,7 +119,7 @@ def test_compare_finds_what_was_put_in(ask):
     assert where["joint"] == 2
     assert len(where["range"]) == 2
     assert 0 < where["share"] <= 1
-    assert where["sentence"].startswith("joint 2")
+    assert where["sentence"].startswith("Joint 2")
     assert errors  # progress
 
 
