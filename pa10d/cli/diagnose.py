@@ -153,7 +153,7 @@ def in_words(found: Diagnosis) -> str:
     for number, finding in enumerate(found.findings, 1):
         lines.append(f"{number}. {finding.sentence}")
         values = ", ".join(
-            f"{name} = {v.value:.4g} ± {v.std_error:.2g} {v.unit}"
+            f"{name} = {v.value:.4g} ± {v.std_error:.2g}" + ("" if v.unit == "1" else f" {v.unit}")
             for name, v in finding.parameters.items()
         )
         lines.append(f"   {finding.term.label}: {values}")

@@ -43,6 +43,7 @@ def told(folder: Path, bench: Bench, hidden: Hidden):
         return play(bench, hidden, 5, print, lambda share, what: None)
 
 
+@pytest.mark.long
 def test_what_is_missing_and_then_what_has_changed(tmp_path):
     """An arm with Stribeck friction is understood; later it holds something, and that is seen."""
     with bench(STRIBECK, PAYLOAD).running(tmp_path) as arm:

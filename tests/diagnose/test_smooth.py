@@ -124,7 +124,8 @@ def test_a_file_with_another_map_is_refused_in_one_line(removed, tmp_path, old, 
     assert len(str(said.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("over", [("q", "q2"), pytest.param(("dq",), marks=pytest.mark.long)])
+@pytest.mark.parametrize("over", [("q", "q2"), ("dq",)])
+@pytest.mark.long
 def test_on_a_clean_arm_it_gains_nothing_and_says_so(over):
     runs = recordings(1)
     made = mapped(runs, 0, over)

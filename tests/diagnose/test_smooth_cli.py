@@ -102,6 +102,7 @@ def test_the_service_takes_the_entry_as_well(data, unexplained):
     assert info.change.startswith("added smooth_map J1 over ")
 
 
+@pytest.mark.long
 def test_improve_draws_a_map_when_asked_to(run):
     _, smooth, _ = run("improve", "m0", *SIDES, "--smooth", "--name", "smooth")
     (version,) = smooth["versions"]
