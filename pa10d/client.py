@@ -153,7 +153,8 @@ class Client:
                     break
                 time.sleep(LOOK_EVERY)
         except KeyboardInterrupt:
-            self.cancel(job["id"])
+            with contextlib.suppress(UserError):  # a job that is just over is no reason to go on
+                self.cancel(job["id"])
             raise
         if job["status"] != "succeeded":
             raise JobFailed(job)

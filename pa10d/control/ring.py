@@ -109,9 +109,11 @@ class Ring:
         first = max(start, stop - self.capacity)
         if stop <= first:
             return np.empty((0, self.layout.width)), 0
-        rows = self._rows[np.arange(first, stop) % self.capacity]
-        good = rows[:, 0] == np.arange(first, stop)
-        kept = rows[good]
+        numbers = np.arange(first, stop)
+        places = numbers % self.capacity
+        rows = self._rows[places]
+        # read again: a row may have begun to be overwritten after its number was copied
+        kept = rows[(rows[:, 0] == numbers) & (self._rows[places, 0] == numbers)]
         return kept, (stop - start) - len(kept)
 
     def last(self) -> Array | None:
@@ -120,8 +122,9 @@ class Ring:
             count = self.written
             if count == 0:
                 return None
-            row = self._rows[(count - 1) % self.capacity].copy()
-            if row[0] == count - 1:
+            place = self._rows[(count - 1) % self.capacity]
+            row = place.copy()
+            if row[0] == count - 1 == place[0]:
                 return row
         return None
 
