@@ -69,6 +69,8 @@ class Telemetry:
         if not len(chosen):
             return
         t = chosen[:, self._ring.layout.scalars["time"]]
+        if self._history and t[0] <= self._history[-1][0]:
+            self._history.clear()  # a new connection: its clock has nothing to do with the past
         start = float(t[0])
         thin = np.empty((len(chosen), 1 + len(self._places)), dtype="<f4")
         thin[:, 0] = t - start
