@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from types import SimpleNamespace
 
 import pytest
+from loops import run_apart
 
 from pa10d.daemon import improvement
 from pa10d.errors import UserError
@@ -47,7 +47,7 @@ def improved(monkeypatch, daemon, request=REQUEST, refuses=(), stops=()):
     monkeypatch.setattr(improvement, "Experiment", Experiment)
     report = SimpleNamespace(job=SimpleNamespace(result=None))
     whole = type("Report", (), {"job": report.job, "__call__": lambda *_: None})()
-    return asyncio.run(improvement._improve(daemon, request, whole))
+    return run_apart(improvement._improve(daemon, request, whole))
 
 
 def test_it_looks_moves_and_looks_again(monkeypatch):

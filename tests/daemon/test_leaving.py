@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-
 import pytest
+from loops import run_apart
 
 from pa10d.daemon.experiment import Experiment
 
@@ -31,5 +30,5 @@ class SlowRobot:
 def test_a_stop_that_takes_long_still_ends_unpowered(power_off, told):
     experiment = Experiment.__new__(Experiment)
     experiment._robot = SlowRobot()
-    asyncio.run(experiment._come_to_rest(power_off))
+    run_apart(experiment._come_to_rest(power_off))
     assert experiment._robot.told == told
