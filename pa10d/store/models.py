@@ -55,10 +55,17 @@ class ModelStore:
 
     def find(self, wanted: str) -> ModelInfo:
         """By exact name, id, or unique start of an id; a broken file says so under its name."""
-        for bad in self.broken():
+        broken = self.broken()
+        for bad in broken:
             if wanted in (bad.name, bad.id) and not self._readable(wanted):
                 raise UserError(bad.error)
-        return resolve(wanted, self.all(), "model")
+        try:
+            return resolve(wanted, self.all(), "model")
+        except UserError as error:
+            nameless = [bad.error for bad in broken if not bad.name]
+            if not nameless:
+                raise
+            raise UserError(f"{error}; it may be in a file that is damaged: {nameless[0]}") from None
 
     def path(self, info: ModelInfo) -> Path:
         """The model's file."""

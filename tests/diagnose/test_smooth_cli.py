@@ -92,11 +92,16 @@ def test_what_is_unexplained_is_removed_as_it_stands(run, unexplained):
     assert {p["name"].split(": ")[1] for p in own} >= {"lowest", "highest", "smoothing"}
 
 
-def test_the_service_takes_the_entry_as_well(data, unexplained):
-    info, model, warnings = add_effect(
+@pytest.fixture(scope="module")
+def by_service(data, unexplained):
+    return add_effect(
         open_library(data), "m0", "smooth_map", [unexplained["joint"]], FIT, name="by-service",
         over=unexplained["depends_on"],
     )  # fmt: skip
+
+
+def test_the_service_takes_the_entry_as_well(by_service, unexplained):
+    info, model, warnings = by_service
     assert warnings == []
     assert model.terms[-1].over == tuple(unexplained["depends_on"])
     assert info.change.startswith("added smooth_map J1 over ")
@@ -162,8 +167,8 @@ def test_no_first_model_begins_with_a_map(run, data):
     assert "--with smooth_map: explains nothing; expected an effect" in said
 
 
-def test_exports_say_that_the_map_stays_behind(run, tmp_path):
+def test_exports_say_that_the_map_stays_behind(run, by_service, tmp_path):
     out = str(tmp_path / "m.py")
-    _, document, _ = run("model", "export", "by-service", "--format", "python", "--out", out)
+    _, document, _ = run("model", "export", by_service[0].name, "--format", "python", "--out", out)
     assert len(document["not_carried"]) == 1
     assert "a map of what nobody understands" in document["not_carried"][0]

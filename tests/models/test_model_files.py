@@ -165,6 +165,16 @@ def test_a_broken_file_does_not_hide_the_others(store):
     assert fresh.load("good").name == "good"
 
 
+@pytest.mark.parametrize("left", ["", "- 1\n- 2\n"])
+def test_a_file_that_lost_its_name_is_spoken_of_when_a_model_is_missed(store, left):
+    path = store.path(store.save(examples.textbook()))
+    path.write_text(left)
+    with pytest.raises(UserError, match="none of this name") as missed:
+        ModelStore(store.folder.parent).find(examples.textbook().name)
+    assert str(path) in str(missed.value)
+    assert "\n" not in str(missed.value)
+
+
 def test_what_could_not_be_read_back_is_not_written(store):
     model = replace(examples.textbook(), noise=np.array([0.1, np.nan, 0.1, 0.1]))
     with pytest.raises(UserError, match=r"fit\.rms"):
