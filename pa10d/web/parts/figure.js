@@ -46,11 +46,13 @@ export class Zoomable {
     this.box.style.height = `${height}px`;
     this.load = load;
     this.asked = 0;
+    this.span = null; // what is looked at, [begin, end]; null: the whole
   }
 
   /** Draw the whole, or a stretch of it. */
   async show(span = null) {
     const mine = ++this.asked;
+    this.span = span;
     this.box.classList.add("waiting");
     try {
       const found = await this.load(span ? { begin: span[0], end: span[1] } : {});

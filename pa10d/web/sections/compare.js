@@ -10,7 +10,7 @@ import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 
-const view = { id: null, model: "", runs: [], run: "", joint: 1, raw: false, result: null, place: null };
+const view = { id: null, model: "", runs: [], run: "", joint: 1, chosen: false, raw: false, result: null, place: null };
 let parts = null, prepared = "";
 
 export function mount(box) {
@@ -53,7 +53,7 @@ async function compare(model, runs) {
 }
 
 function begin(model, runs) {
-  Object.assign(view, { id: null, model, runs, run: runs[0], result: null, place: null });
+  Object.assign(view, { id: null, model, runs, run: runs[0], chosen: false, result: null, place: null });
   parts.work.hidden = false;
   parts.none.hidden = true;
   fill(parts.sentences, el("p", { class: "muted" }, "Looking for where the error piles up …"));
@@ -68,7 +68,7 @@ async function open(id, joint, started = null) {
   const job = started ?? await get(`comparisons/${id}`);
   if (!started) {
     begin(job.request.model, job.request.runs);
-    if (joint) view.joint = joint;
+    if (joint) Object.assign(view, { joint, chosen: true });
     tabs();
     drawTime();
   }
@@ -85,8 +85,8 @@ async function open(id, joint, started = null) {
   }
   if (view.id !== id) return;
   view.result = whole.result;
-  if (!joint) choose(worst());
-  else tabs();
+  if (view.chosen || parts.zoom.span) tabs(); // somebody is looking at something: it stays
+  else choose(worst());
   sentences();
   const sheet = await get(`comparisons/${id}/sheet`).catch(() => null);
   if (!sheet || view.id !== id) return;
@@ -107,7 +107,7 @@ function choose(joint) {
   tabs();
   if (view.id) history.replaceState(null, "", `#/compare/${view.id}/${joint}`);
   if (!changed) return;
-  drawTime();
+  drawTime(parts.zoom.span); // the same seconds of another joint
   drawMaps();
 }
 
@@ -115,7 +115,7 @@ function tabs() {
   const names = view.result?.joint_names ?? state.models.find((one) => one.name === nameOfModel(view.model))?.joints ?? [];
   const known = view.result ? ratios() : [];
   fill(parts.joints, names.map((name, j) => el("button", {
-    type: "button", role: "tab", "aria-selected": String(j + 1 === view.joint), onclick: () => choose(j + 1), dataset: { joint: j + 1 },
+    type: "button", role: "tab", "aria-selected": String(j + 1 === view.joint), onclick: () => { view.chosen = true; choose(j + 1); }, dataset: { joint: j + 1 },
     class: known[j] > 1.5 ? "high" : "",
   }, `${j + 1} ${name}`, el("small", {}, known.length ? `${fixed(known[j], 1)} × noise` : "…"))));
 }
@@ -123,7 +123,7 @@ function tabs() {
 function frame() {
   const run = el("select", { "aria-label": "run", onchange: () => { view.run = run.value; drawTime(); } },
     view.runs.map((one) => el("option", { value: one }, nameOf(one))));
-  const raw = el("input", { type: "checkbox", checked: view.raw, onchange: () => { view.raw = raw.checked; drawTime(); } });
+  const raw = el("input", { type: "checkbox", checked: view.raw, onchange: () => { view.raw = raw.checked; drawTime(parts.zoom.span); } });
   parts.reading = el("div", {});
   fill(parts.time, card("Measured, modelled, and what is between them",
     el("span", { class: "row" }, el("label", {}, raw, " every sample, unfiltered"), run),
