@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from pa10d.compare.correlation import autocorrelation
 from pa10d.compare.quantities import Quantity
@@ -69,4 +69,4 @@ def find_constant(samples: JointSamples, q: Array) -> tuple[Curve, float]:
     if len(means) < FEWEST_BATCHES:
         return curve, 1.0
     spread = max(float(means.std(ddof=1)), 1e-300) / np.sqrt(len(means))
-    return curve, float(2 * stats.t.sf(abs(float(means.mean())) / spread, len(means) - 1))
+    return curve, float(2 * scipy.stats.t.sf(abs(float(means.mean())) / spread, len(means) - 1))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.ndimage
-import scipy.optimize
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.compare.angle_periodogram import TURNS, periodogram

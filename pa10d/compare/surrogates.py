@@ -8,9 +8,9 @@ is no accident, however slowly both vary and however heavy the error's tails are
 from __future__ import annotations
 
 import numpy as np
+import scipy
 import scipy.fft
 from numpy.typing import NDArray
-from scipy import stats
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,7 +38,7 @@ def _random_phases(x: Array, exists: Mask, rng: np.random.Generator, count: int)
     bridged and the end is mirrored, because holes and a jump from end to start would look like
     fast variation, and surrogates that vary too fast make slow noise look like a finding."""
     at = np.flatnonzero(exists)
-    ranks = stats.norm.ppf(stats.rankdata(x[exists]) / (len(at) + 1))
+    ranks = scipy.stats.norm.ppf(scipy.stats.rankdata(x[exists]) / (len(at) + 1))
     bridged = np.interp(np.arange(at[0], at[-1] + 1), at, ranks)
     size = scipy.fft.next_fast_len(2 * len(bridged), real=True)
     gain = np.abs(scipy.fft.rfft(np.concatenate([bridged, bridged[::-1]]), size))

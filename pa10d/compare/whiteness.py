@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.fft
 from numpy.typing import NDArray
-from scipy import stats
 
 from pa10d.compare.correlation import autocorrelation
 from pa10d.compare.residuals import RunResidual
@@ -59,7 +59,7 @@ def whiteness(runs: list[RunResidual], joint: int) -> Whiteness:
     return Whiteness(
         lag=np.arange(lags + 1) / rate,
         rho=found.rho,
-        p_value=float(stats.chi2.sf(statistic, lags)),
+        p_value=float(scipy.stats.chi2.sf(statistic, lags)),
         samples=n,
         effective=found.effective,
         memory=found.time / rate,

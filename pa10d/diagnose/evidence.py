@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.fft
 from numpy.typing import NDArray
-from scipy import stats
 
 from pa10d.diagnose.side import PerJoint, Side
 
@@ -134,7 +134,7 @@ def judge(
     return Evidence(
         slope=product / power if power > 0 else 0.0,
         z=float(z),
-        p_value=float(stats.t.sf(z, 2.0 * variance**2 / unsure) if unsure > 0 else 0.5),
+        p_value=float(scipy.stats.t.sf(z, 2.0 * variance**2 / unsure) if unsure > 0 else 0.5),
         before=before,
         after=after,
         worse=tuple(j for j, harm in harmed.items() if harm > SHARE_OF_GAIN * gain),
@@ -164,7 +164,7 @@ def fit_side_p(side: Side, residual: PerJoint, change: PerJoint, parameters: int
             product += float(p @ r)
             variance += quadratic_form(p, np.where(keep, r - p, 0.0), keep, run.rate)
     z = product / np.sqrt(variance) if variance > 0 else 0.0
-    return float(stats.chi2.sf(max(z, 0.0) ** 2, parameters))
+    return float(scipy.stats.chi2.sf(max(z, 0.0) ** 2, parameters))
 
 
 def rivalry(side: Side, r0: PerJoint, a: PerJoint, b: PerJoint) -> tuple[float, float]:

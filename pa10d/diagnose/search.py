@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpen
 from pa10d.diagnose.errors_of import Doubts, doubt_of
@@ -239,7 +239,7 @@ class Search:
         the candidate was chosen, and for those judged beside it on the held-out side."""
         own = fit_side_p(self.state.train, fit.residual, seen, complexity(candidate.effect))
         chosen = min(1.0, own * len(self.suspects))
-        both = stats.chi2.sf(
+        both = scipy.stats.chi2.sf(
             -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
         )
         return float(min(1.0, both * among))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
+import scipy
 
 from pa10d.effects import Effect, Shape
 
@@ -35,7 +35,7 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 30) -> d
     steps = np.array([_step(effect, s.name, s.scale, start) for s in free])
     origin = np.array([np.log(start[s.name]) if s.scale == "log" else start[s.name] for s in free])
     if len(free) == 1:
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda x: cost(np.array([x])),
             bounds=(origin[0] - 1.2 * steps[0], origin[0] + 1.2 * steps[0]),
             method="bounded",
@@ -44,7 +44,7 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 30) -> d
         best = np.array([found.x])
     else:
         simplex = np.vstack([origin, origin + np.diag(0.6 * steps)])
-        found = minimize(
+        found = scipy.optimize.minimize(
             cost,
             origin,
             method="Nelder-Mead",

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from pa10d.dynamics import Robot, inverse_dynamics
 
@@ -72,7 +72,7 @@ class Context:
         n, robot = self.robot.n, self.robot
         low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
         high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-        q = low + (high - low) * qmc.Halton(n, scramble=False).random(POSES)
+        q = low + (high - low) * scipy.stats.qmc.Halton(n, scramble=False).random(POSES)
         rest = np.zeros_like(q)
         still = self.rigid_torque(q, rest, rest)
         found = [

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 
 from pa10d.effects.base import Array, Coefficient, Effect, Example, Shape, ShapeParameter, Value
 from pa10d.effects.context import Context
@@ -148,4 +148,4 @@ def splines(values: Array, low: float, high: float, segments: int) -> Array:
     width = max(high - low, 1e-9) / segments
     knots = low + width * np.arange(-DEGREE, segments + DEGREE + 1)
     inside = np.clip(values, knots[DEGREE], knots[-DEGREE - 1])
-    return np.asarray(BSpline.design_matrix(inside, knots, DEGREE).toarray())
+    return np.asarray(scipy.interpolate.BSpline.design_matrix(inside, knots, DEGREE).toarray())

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import butter, lfilter, sosfiltfilt
 
 from pa10d.effects.context import Context
 from pa10d.errors import UserError
@@ -69,11 +69,13 @@ def remembered(q: Array, seconds: float, dt: float) -> Array:
     """(N,) q as a first-order lag with this time constant remembers it."""
     share = 1.0 - np.exp(-dt / seconds)
     start = np.array([(1.0 - share) * q[0]])
-    return np.asarray(lfilter([share], [1.0, share - 1.0], q, zi=start)[0])
+    return np.asarray(scipy.signal.lfilter([share], [1.0, share - 1.0], q, zi=start)[0])
 
 
 def _smooth(values: Array, dt: float) -> Array:
     relative = SMOOTH_HZ * 2.0 * dt
     if relative >= 0.8 or len(values) < 20:
         return values
-    return np.asarray(sosfiltfilt(butter(2, relative, output="sos"), values))
+    return np.asarray(
+        scipy.signal.sosfiltfilt(scipy.signal.butter(2, relative, output="sos"), values)
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.signal
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.compare import RunResidual

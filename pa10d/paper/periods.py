@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from pa10d.errors import UserError
 from pa10d.recording import Recording
@@ -70,7 +70,7 @@ def average_periods(t: Array, values: Array, fundamental: float, start: float = 
     if exact and first + periods * per <= len(t):
         stack = values[first : first + periods * per].reshape(periods, per, -1)
     else:
-        stack = CubicSpline(t, values)(np.clip(at, t[0], t[-1]))
+        stack = scipy.interpolate.CubicSpline(t, values)(np.clip(at, t[0], t[-1]))
     mean = stack.mean(axis=0)
     deviation = stack - mean
     noise = np.sqrt(np.sum(deviation**2, axis=(0, 1)) / ((periods - 1) * per))

@@ -65,7 +65,9 @@ class ModelStore:
             nameless = [bad.error for bad in broken if not bad.name]
             if not nameless:
                 raise
-            raise UserError(f"{error}; it may be in a file that is damaged: {nameless[0]}") from None
+            raise UserError(
+                f"{error}; it may be in a file that is damaged: {nameless[0]}"
+            ) from None
 
     def path(self, info: ModelInfo) -> Path:
         """The model's file."""

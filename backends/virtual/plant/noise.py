@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 from backends.virtual.plant.records import Array
 from pa10d.errors import UserError
@@ -56,6 +55,7 @@ class Noise:
         normal = self._rng.standard_normal((steps, 2, n))
         kept = math.exp(-2.0 * math.pi * self._corner * dt)
         drive = math.sqrt(1.0 - kept * kept) * normal[:, 1]
-        slow, _ = lfilter([1.0], [1.0, -kept], drive, axis=0, zi=kept * self._state[None, :])
-        self._state = slow[-1]
+        slow = np.empty_like(drive)
+        for k, push in enumerate(drive):
+            slow[k] = self._state = kept * self._state + push
         return np.asarray(self._white * normal[:, 0] + self._slow * slow)

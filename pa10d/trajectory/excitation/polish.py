@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from pa10d.trajectory.excitation.problem import Problem
 
@@ -39,7 +39,7 @@ def polish(task: tuple[Problem, Array, tuple[tuple[float, float, int], ...]]) ->
             value, grad = problem.cost(z.reshape(problem.shape) * scale, sharpness, penalty)
             return value, (grad * scale).ravel()
 
-        found = minimize(
+        found = scipy.optimize.minimize(
             cost,
             (x / scale).ravel(),
             jac=True,
