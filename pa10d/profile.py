@@ -88,13 +88,22 @@ class Gains(_Strict):
     kd: list[NotNegative] | None = None
 
 
+BANDWIDTH = 4.0  # Hz
+BANDWIDTH_SHARE = BANDWIDTH / 500.0  # of the loop's rate: a slower loop's answer comes later
+
+
 class Control(_Strict):
     """The fixed-rate loop."""
 
     rate: Annotated[float, Field(strict=True, gt=0, le=2000)] = 500.0  # Hz
     controller: Literal["pid", "computed_torque"] = "pid"
-    bandwidth_hz: Positive = 4.0  # closed-loop natural frequency of the gain rule
+    bandwidth_hz: Positive | None = None  # closed-loop natural frequency of the gain rule
     gains: Gains = Gains()
+
+    @property
+    def servo_bandwidth(self) -> float:
+        """Hz; where the profile does not say: as fast as the loop's own delay allows."""
+        return self.bandwidth_hz or min(BANDWIDTH, BANDWIDTH_SHARE * self.rate)
 
 
 class Safety(_Strict):

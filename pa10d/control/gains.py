@@ -1,7 +1,8 @@
 """Gains of the joint servo by a stated rule.
 
 With inertia J and no other dynamics, PID puts three poles of the closed loop at -ω where
-kp = 3·J·ω², ki = J·ω³, kd = 3·J·ω; ω = 2π times the profile's ``bandwidth_hz``. The loop stays
+kp = 3·J·ω², ki = J·ω³, kd = 3·J·ω; ω = 2π times the profile's ``bandwidth_hz``, which by
+itself is 4 Hz, and less in proportion where the loop is slower than 500 Hz. The loop stays
 stable up to nine times this inertia. It does not far below it: there kd/J outruns the delay of
 the bus and of the speed's filter. So J is the median of M_jj over poses drawn within the limits,
 but at most ``ABOVE_LIGHTEST`` times what the joint moves in its lightest pose, all other joints
@@ -60,7 +61,7 @@ def mass_matrices(robot: Robot) -> Array:
 
 def pid_gains(robot: Robot, control: Control) -> PidGains:
     """From the profile where it has them, else by the rule."""
-    inertia, w = nominal_inertia(robot), 2.0 * np.pi * control.bandwidth_hz
+    inertia, w = nominal_inertia(robot), 2.0 * np.pi * control.servo_bandwidth
     given = control.gains
 
     def chosen(values: list[float] | None, rule: Array) -> Array:

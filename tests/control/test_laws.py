@@ -39,17 +39,18 @@ def robot(profile):
 
 def test_gain_rule_places_three_equal_poles(robot, profile):
     gains, inertia = pid_gains(robot, profile.control), nominal_inertia(robot)
-    w = 2 * np.pi * profile.control.bandwidth_hz
+    w = 2 * np.pi * profile.control.servo_bandwidth
     for j in range(robot.n):
         poles = np.roots([inertia[j], gains.kd[j], gains.kp[j], gains.ki[j]])
         np.testing.assert_allclose(poles, -w, rtol=1e-4)
 
 
+@pytest.mark.parametrize("loop_rate", [20.0, 100.0, 250.0, 500.0, 1000.0])
 @pytest.mark.parametrize("elbow", [0.0, 0.5, 1.5])
-def test_no_pose_makes_the_servo_swing_up(robot, profile, elbow):
+def test_no_pose_makes_the_servo_swing_up(robot, profile, elbow, loop_rate):
     """The loop as it is, with its filter and a cycle of delay, on rigid bodies and light rotors:
     a stretched arm is a quarter as heavy about its third joint as a bent one."""
-    period = 1.0 / profile.control.rate
+    control, period = profile.control.model_copy(update={"rate": loop_rate}), 1.0 / loop_rate
     q = np.full((1, robot.n), 0.3)
     q[0, 3] = elbow
     still, weightless = np.zeros_like(q), robot.with_gravity(np.zeros(3))
@@ -57,10 +58,10 @@ def test_no_pose_makes_the_servo_swing_up(robot, profile, elbow):
         [inverse_dynamics(weightless, robot.parameters, q, still, unit[None])[0]
          for unit in np.eye(robot.n)]
     ) + np.diag(0.8 * ROTOR * robot.effort**1.75)  # fmt: skip
-    law = Pid(pid_gains(robot, profile.control), 1e6 * np.ones(robot.n), period)
+    law = Pid(pid_gains(robot, control), 1e6 * np.ones(robot.n), period)
     speed, rest = SpeedEstimator(robot.n, period), Reference(robot.n)
     angle, rate, sent = 1e-4 * np.ones(robot.n), np.zeros(robot.n), np.zeros(robot.n)
-    for cycle in range(1000):
+    for cycle in range(max(1000, int(2 * loop_rate))):
         speed.update(angle, np.zeros(robot.n, np.int64), cycle * period)
         wanted = law.torque(rest, angle, speed.dq)
         push = np.linalg.solve(mass, sent)
