@@ -29,5 +29,5 @@ WHOLE = Scope(
 )  # fmt: skip
 QUICK = Scope(
     hidden=(2,), boundary={"cycles": 6, "slow_cycles": 1, "period": 3.2, "slow": 0.5},
-    generations=2, periods=2, other=1, cycles=1, slow_cycles=1, rate=250,
+    generations=2, periods=2, other=1, cycles=1, slow_cycles=1, rate=500,
 )  # fmt: skip

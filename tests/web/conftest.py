@@ -25,6 +25,16 @@ HIDDEN = {"effect": "stribeck", "joint": 3, "Fs": 4.0, "vs": 0.1}
 """In the third of three joints, which is the fourth of the whole arm."""
 
 
+HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items):
+    """A page is used in real time, even where the arm is not."""
+    for item in items:
+        if item.path.parent == HERE:
+            item.add_marker(pytest.mark.realtime)
+
+
 @pytest.fixture(scope="package")
 def browser():
     with chromium() as made:
