@@ -141,11 +141,12 @@ def _write_report(options: argparse.Namespace, found: Diagnosis, document: dict[
 def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     from pa10d.diagnose.next_experiment import as_command
+    from pa10d.diagnose.words import nothing
 
     n = len(found.rms)
     what = "has changed" if found.frozen else "is missing"
     says = {
-        "none": f"Nothing significant {what}: what is left is measurement noise.",
+        "none": nothing(found.rms, found.noise_floor, found.frozen),
         "unknown": f"Something {what} that no effect of the library explains.",
         "missing": "Missing:" if not found.frozen else "Changed:",
     }

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.diagnose.words import nothing
 from pa10d.effects import all_effects
 from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
@@ -42,8 +43,7 @@ def compared_words(found: Document) -> str:
 def found_words(found: Document) -> str:
     """The verdict of a diagnosis."""
     if found["verdict"] == "none":
-        first = "Nothing has changed" if found["frozen"] else "Nothing is missing"
-        return f"{first}: what the model leaves over on new data is measurement noise."
+        return nothing(found["rms"], found["noise_floor"], found["frozen"])
     if found["verdict"] == "unknown":
         places = [f"{percent(s['share'])} of joint {s['joint']}'s squared error depends on "
                   f"{' and '.join(s['depends_on'])}" for s in found["unexplained"]]  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pa10d.diagnose.outcome import Confusion
 from pa10d.effects import Effect, Value, effect
@@ -35,6 +35,25 @@ def sentence(
         others = sorted({effect(c.effect).named for c in confusions})
         text += f" This data cannot yet tell it from {listed(others, 'or')}."
     return text
+
+
+STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's own error
+
+
+def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
+    """The verdict where nothing was found, (n,) N·m each; an error far above noise is owned up to."""
+    ratio = np.asarray(rms) / np.maximum(np.asarray(noise_floor), 1e-300)
+    large = np.flatnonzero(np.isfinite(ratio) & (ratio > STILL_LARGE))
+    first = "Nothing has changed" if frozen else "Nothing is missing"
+    if not len(large):
+        return f"{first}: what the model leaves over on new data is measurement noise."
+    joints = listed([str(j + 1) for j in large])
+    keeps = "s {} keep" if len(large) > 1 else " {} keeps"
+    return (
+        f"{first} that this data can show. Joint{keeps.format(joints)} up to "
+        f"{np.max(ratio[large]):.1f} times the noise, but it follows no quantity of the motion "
+        "clearly enough. Record more, or the same motion twice: what repeats is no noise."
+    )
 
 
 def missing(term: Term, size: str) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 
 from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.diagnose.structure import Structure
+from pa10d.diagnose.words import nothing
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
@@ -37,8 +38,7 @@ def doubt_words(found: Diagnosis) -> str:
 def answer(found: Diagnosis) -> str:
     """The verdict alone."""
     if found.verdict == "none":
-        first = "Nothing has changed" if found.frozen else "Nothing is missing"
-        return f"{first}: what the model leaves over on new data is measurement noise."
+        return nothing(found.rms, found.noise_floor, found.frozen)
     if found.verdict == "unknown":
         what = "has changed" if found.frozen else "is missing"
         return (
