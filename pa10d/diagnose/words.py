@@ -41,7 +41,7 @@ STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's o
 
 
 def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
-    """The verdict where nothing was found, (n,) N·m each; an error far above noise is owned up to."""
+    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
     ratio = np.asarray(rms) / np.maximum(np.asarray(noise_floor), 1e-300)
     large = np.flatnonzero(np.isfinite(ratio) & (ratio > STILL_LARGE))
     first = "Nothing has changed" if frozen else "Nothing is missing"
