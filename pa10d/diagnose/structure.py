@@ -29,6 +29,7 @@ MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
 THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
 SHARE = 0.06  # of a joint's squared error, where the map knows, that it must remove to be a claim
 TRIED_PER_JOINT = 3
+UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing
 FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
 KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
 UNKNOWN_GROUND = 0.1  # weight of such knots above which a held-out sample is none of the map's
@@ -63,9 +64,34 @@ class Structure:
 
 
 def find_structure(state: State) -> list[Structure]:
-    """The best significant map of every joint, strongest first."""
-    found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, range(state.train.n))]
+    """The best significant map of every joint, strongest first.
+
+    What one joint leaves unexplained draws the bodies that all joints share towards itself, and
+    that colours the others. So these are asked again with the equation of the stronger one left
+    out of the fit.
+    """
+    found = _best_maps(state, range(state.train.n))
+    certain = found[:1]
+    while suspected := {s.joint for s in found} - {s.joint for s in certain}:
+        more = _best_maps(_without(state, [s.joint for s in certain]), sorted(suspected))
+        if not more:
+            break
+        certain.append(more[0])
+    return certain
+
+
+def _best_maps(state: State, joints: Iterable[int]) -> list[Structure]:
+    found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, joints)]
     return sorted(found, key=lambda m: -m.share)
+
+
+def _without(state: State, joints: list[int]) -> State:
+    """Fitted to the other joints: these have next to no weight."""
+    rest = state.copy()
+    rest.weights = rest.fit.rms()
+    rest.weights[joints] *= UNHEARD
+    rest.refit()
+    return rest
 
 
 def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:

@@ -20,6 +20,7 @@ from hidden_arms import (
     random_effect_of,
     true_parameters,
 )
+from scipy.stats import norm
 
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.effects import all_effects
@@ -28,7 +29,15 @@ VISIBLE = 0.9
 EFFECTS = sorted(e.id for e in all_effects().values() if e.question != "textbook")
 SEEDS = (1, 2)
 
-KNOWN: dict[tuple[str, int], str] = {}
+SURE = float(norm.isf(0.01 / 2 / 100))
+"""Standard errors that none of some 100 parameters exceeds in 99 of 100 runs of these tests."""
+
+KNOWN: dict[tuple[str, int], str] = {
+    ("backlash", 1): "named rightly; width of the gap 12 % off, its error far too small",
+    ("backlash", 2): "named rightly; width of the gap 10 % off, its error far too small",
+    ("joint_elasticity", 1): "named rightly; stiffness 6 % off, 5.4 standard errors",
+    ("position_friction", 2): "named rightly; centre 3.4 mrad off, 4.0 standard errors",
+}
 """Case -> what is measured instead. A case that begins to pass must leave this list."""
 
 
@@ -61,7 +70,7 @@ def test_a_hidden_effect_is_named_first_with_joint_and_size(name, seed):
     found = hidden_in.diagnose()
     assert found.verdict == "missing", f"{hidden} is not found"
     assert places(found)[0] == (name, joints_of(hidden)), f"{hidden}"
-    _within_three_errors(found, hidden_in)
+    _within_errors(found, hidden_in)
     _as_good_as_told(found, told)
 
 
@@ -69,13 +78,13 @@ def places(found: Diagnosis) -> list[tuple[str, tuple[int, ...]]]:
     return [(f.term.effect_id, f.term.joints) for f in found.findings]
 
 
-def _within_three_errors(found: Diagnosis, hidden_in: Arm) -> None:
+def _within_errors(found: Diagnosis, hidden_in: Arm) -> None:
     for hidden in hidden_in.hidden:
         place = (hidden["effect"], joints_of(hidden))
         reported = found.findings[places(found).index(place)].parameters
         for key, true in true_parameters(hidden, hidden_in.truth).items():
             value, error = reported[key].value, reported[key].std_error
-            assert abs(value - true) <= max(3.0 * error, 1e-9 * abs(true)), (
+            assert abs(value - true) <= max(SURE * error, 1e-9 * abs(true)), (
                 f"{place} {key}: {value:.5g} ± {error:.2g}, true {true:.5g}"
             )
 
@@ -103,7 +112,7 @@ def test_two_effects_at_once(first, second, seed):
     expected = {(h["effect"], joints_of(h)) for h in hidden_in.hidden}
     assert expected <= set(places(found)[:3])
     assert len(found.findings) == 2
-    _within_three_errors(found, hidden_in)
+    _within_errors(found, hidden_in)
     _as_good_as_told(found, told)
 
 
@@ -126,7 +135,7 @@ def test_the_same_effect_on_two_joints(name):
     told = error_when_told(hidden_in)
     found = hidden_in.diagnose()
     assert set(places(found)) == {(name, (1,)), (name, (5,))}
-    _within_three_errors(found, hidden_in)
+    _within_errors(found, hidden_in)
     _as_good_as_told(found, told)
 
 

@@ -23,7 +23,7 @@ def _gain(rng: Rng, f: Figures) -> dict[str, Any]:
 
 def _saturation(rng: Rng, f: Figures) -> dict[str, Any]:
     j = any_joint(rng, f, 0.1 * carrying(f))
-    return {"joint": j + 1, "cubic": rng.uniform(0.08, 0.2) / f.peak[j] ** 2}
+    return {"joint": j + 1, "cubic": rng.uniform(0.05, 0.11) / f.peak[j] ** 2}
 
 
 def _delay(rng: Rng, f: Figures) -> dict[str, Any]:
