@@ -54,7 +54,8 @@ class Visitor:
         self.url = url
         self.context = browser.new_context(**{"viewport": SIZE, **options})
         self.page = self.context.new_page()
-        self.page.set_default_timeout(30_000)
+        self.page.set_default_timeout(60_000)
+        self.page.set_default_navigation_timeout(150_000)  # a browser may come from a cold disk
         self.asked: list[str] = []
         self.errors: list[str] = []
         self.page.on("request", lambda request: self.asked.append(request.url))

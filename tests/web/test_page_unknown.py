@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
 import pytest
 from conftest import served, small_arm
 
 from backends.virtual.datasets import make_runs
 from pa10d.services.library import open_library
-from pa10d.services.models import identify_runs
+from pa10d.services.models import compare_runs, identify_runs
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels, Samples
 
@@ -61,15 +60,9 @@ def test_a_map_removes_what_nobody_can_name(puzzled, visit):
 
     done.click()
     page.locator("#models", has_text="smooth_map").wait_for()
-    before, after = (
-        (
-            np.mean([rms for rms in info.held_out.values()], axis=0)
-            for info in (library.models.find("m0"), made)
-            if info.held_out
-        )
-        if library.models.find("m0").held_out
-        else (None, None)
+    old, new = (
+        compare_runs(library, model, ["valid_a", "valid_b"]).comparison.pooled.scores.rms
+        for model in ("m0", made.name)
     )
-    if before is not None:
-        assert after[1] < 0.5 * before[1]
+    assert new[1] < 0.5 * old[1]
     assert not visitor.errors
