@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from pa10d.compare import noise_floor, residual_of
 from pa10d.diagnose.candidates import Candidate, places, suspects
@@ -29,7 +30,11 @@ Progress = Callable[[float, str], None]
 
 HIGHEST_HZ = 12.0
 
+# the matrices are many and small: threads of the linear algebra would mostly wait
+one_thread = threadpool_limits.wrap(limits=1, user_api="blas")
 
+
+@one_thread
 def diagnose(
     model: TorqueModel,
     fit: Sequence[Recording],
@@ -91,6 +96,7 @@ def diagnose(
     )
 
 
+@one_thread
 def add(
     model: TorqueModel,
     effect_id: str,

@@ -37,13 +37,31 @@ def twisted_torque(
     damping = 2.0 * zeta * float(np.sqrt(stiffness * context.typical_inertia[joint]))
     by_q, by_dq, by_ddq = context.sensitivity(joint)
     link = [np.ascontiguousarray(a[:, joint]) for a in (context.load, by_q, by_dq)]
-    delta, rate, acceleration = np.mean(
-        [lag(*link, inertia, stiffness, damping, gap, context.dt) for gap in gaps], axis=0
+    return _twisted(
+        *link, by_q, by_dq, by_ddq, inertia, stiffness, damping, np.array(gaps), context.dt
     )
+
+
+@numba.njit(cache=True, nogil=True)
+def _twisted(load, own_q, own_dq, by_q, by_dq, by_ddq, inertia, stiffness, damping, gaps, dt):
+    """-(∂τ/∂q·δ + ∂τ/∂q̇·δ̇ + ∂τ/∂q̈·δ̈) with the mean δ over the gaps, (N, n) N·m."""
+    n, joints = by_q.shape
+    delta, rate, acceleration = np.zeros(n), np.zeros(n), np.zeros(n)
+    for gap in gaps:
+        x, v, a = lag(load, own_q, own_dq, inertia, stiffness, damping, gap, dt)
+        delta += x
+        rate += v
+        acceleration += a
+    out, share = np.zeros((n, joints)), 1.0 / len(gaps)
     # far from the model's validity the integration may run away: no torque is better than inf
-    if not np.isfinite(delta).all() or np.max(np.abs(delta)) > 1.0:
-        return np.zeros_like(context.load)
-    return -(by_q * delta[:, None] + by_dq * rate[:, None] + by_ddq * acceleration[:, None])
+    for k in range(n):
+        if not abs(share * delta[k]) <= 1.0:
+            return out
+    for k in range(n):
+        x, v, a = share * delta[k], share * rate[k], share * acceleration[k]
+        for j in range(joints):
+            out[k, j] = -(by_q[k, j] * x + by_dq[k, j] * v + by_ddq[k, j] * a)
+    return out
 
 
 @numba.njit(cache=True, nogil=True)
