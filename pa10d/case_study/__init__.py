@@ -28,7 +28,7 @@ def carry_out(
     from pa10d.services.models import write_file
 
     scope = QUICK if quick else WHOLE
-    profile = write_profile(data / "profiles", scope.rate)
+    profile = write_profile(data / "profiles")
     hidden = hidden_friction(seed, profile, scope.hidden)
     with laboratory(profile, with_secret(profile, seed, hidden), data) as lab:
         found = case_study(

@@ -40,9 +40,8 @@ def hidden_friction(
     return tuple(one for one in drawn if one["joint"] in joints)
 
 
-def write_profile(folder: Path, rate: int) -> Profile:
-    """The profile of the arm, as a file in the folder: pa10-sim with its wrist locked and
-    a control loop of ``rate`` Hz.
+def write_profile(folder: Path) -> Profile:
+    """The profile of the arm, as a file in the folder: pa10-sim with its wrist locked.
 
     The wrist's brakes hold, and the loop does not know of it.
     """
@@ -52,7 +51,6 @@ def write_profile(folder: Path, rate: int) -> Profile:
         text[key] = text[key][:JOINTS]
     text["limits"] = {key: values[:JOINTS] for key, values in text["limits"].items()}
     text["name"] = NAME
-    text["control"] = text.get("control", {}) | {"rate": rate}
     text["simulation"] = {"clock": "simulated"}
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{NAME}.yaml"

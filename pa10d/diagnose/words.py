@@ -42,8 +42,9 @@ STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's o
 
 def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
     """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
-    ratio = np.asarray(rms) / np.maximum(np.asarray(noise_floor), 1e-300)
-    large = np.flatnonzero(np.isfinite(ratio) & (ratio > STILL_LARGE))
+    floor = np.asarray(noise_floor, dtype=float)
+    ratio = np.asarray(rms) / np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
+    large = np.flatnonzero(ratio > STILL_LARGE)
     first = "Nothing has changed" if frozen else "Nothing is missing"
     if not len(large):
         return f"{first}: what the model leaves over on new data is measurement noise."

@@ -19,7 +19,7 @@ ALL = (1, 2, 3, 4)
 
 @pytest.fixture(scope="module")
 def profile(tmp_path_factory):
-    return write_profile(tmp_path_factory.mktemp("profiles"), 500)
+    return write_profile(tmp_path_factory.mktemp("profiles"))
 
 
 def test_the_daemon_s_profile_knows_nothing_of_the_secret(profile):
