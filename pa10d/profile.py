@@ -90,6 +90,7 @@ class Gains(_Strict):
 
 BANDWIDTH = 4.0  # Hz
 BANDWIDTH_SHARE = BANDWIDTH / 500.0  # of the loop's rate: a slower loop's answer comes later
+MOST_BANDWIDTH = 1.0 / 100.0  # of the loop's rate: with more, some pose of the PA10 swings up
 
 
 class Control(_Strict):
@@ -144,7 +145,7 @@ class Profile(_Strict):
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:
-        problems = [*self._gravity_twice(), *self._lengths(), *self._repeated()]
+        problems = [*self._gravity_twice(), *self._lengths(), *self._repeated(), *self._too_fast()]
         if problems:
             raise several(problems)
         return self
@@ -170,6 +171,14 @@ class Profile(_Strict):
         if self.base is None or self.gravity is None:
             return []
         return [(("gravity",), self.gravity, "either 'base' or 'gravity', not both")]
+
+    def _too_fast(self) -> list[tuple[Location, Any, str]]:
+        """Gains for a servo that its loop is too slow for: it would swing up."""
+        asked, most = self.control.bandwidth_hz, MOST_BANDWIDTH * self.control.rate
+        if asked is None or asked <= most:
+            return []
+        wanted = f"at most {most:g}, a hundredth of the loop's rate: with more it would swing up"
+        return [(("control", "bandwidth_hz"), asked, wanted)]
 
     def _lengths(self) -> list[tuple[Location, Any, str]]:
         """All per-joint lists are as long as the first one (the joints, where they are named)."""

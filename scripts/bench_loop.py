@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.client import Client, local_daemon
+from pa10d.client import Client, JobFailed, local_daemon
 from pa10d.control.ring import Ring
 from pa10d.daemon.presence import present
 from pa10d.daemon.runtime import ring_of
@@ -55,14 +55,22 @@ def _measure(client: Client, data: Path, rounds: int, cycles: int) -> dict[str, 
     assert found is not None
     ring = Ring.attach(ring_of(found.pid))
     load = subprocess.Popen([sys.executable, str(HERE / "bench_load.py"), client.url])
-    loops, bare_late, bare_missed, recorded = [], [], [], 0
+    loops, bare_late, bare_missed, recorded, broken = [], [], [], 0, []
     try:
-        for k in range(rounds):
-            before = ring.written
-            client.experiment(
-                "tracking", {"period": PERIOD, "cycles": cycles}, name=f"bench{k}",
-                controller="computed_torque", model="identified",
-            )  # fmt: skip
+        while len(loops) < rounds:
+            k, before = len(loops) + len(broken), ring.written
+            try:
+                client.experiment(
+                    "tracking", {"period": PERIOD, "cycles": cycles}, name=f"bench{k}",
+                    controller="computed_torque", model="identified",
+                )  # fmt: skip
+            except JobFailed as failed:  # the machine stood still for longer than drives wait
+                broken.append(str(failed))
+                if len(broken) > rounds:
+                    raise
+                client.reset()
+                client.wait_for_robot("inactive")
+                continue
             rows, _ = ring.read(before)
             mine = rows[ring.layout.get(rows, "recording") > 0]
             loops.append(mine)
@@ -81,7 +89,8 @@ def _measure(client: Client, data: Path, rounds: int, cycles: int) -> dict[str, 
     finally:
         load.terminate()
         load.wait()
-    return _figures(ring, loops, np.array(bare_late), np.array(bare_missed), recorded)
+    figures = _figures(ring, loops, np.array(bare_late), np.array(bare_missed), recorded)
+    return figures | {"broken_off": broken}
 
 
 def _figures(
@@ -145,5 +154,6 @@ def sentences(figures: dict[str, Any]) -> str:
             f"{100 * f['bare_missed_share']:.3f} %; {verdict} (one-sided p = {f['p_value']:.2g}, "
             f"signs of the differences in {f['rounds']} alternating rounds)",
             f"{f['recorded']} samples recorded, {f['lost']} lost",
+            *(f"a round was broken off and repeated: {why}" for why in f["broken_off"]),
         ]
     )

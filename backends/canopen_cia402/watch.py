@@ -33,9 +33,9 @@ class Watch:
         self._silence = [SILENCE * period for period in heartbeat]
         self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
         self._heard = [0.0] * len(nodes)  # s, when each node's last heartbeat came
-        self._seen = [0.0] * len(nodes)  # s, when each axis' last position came
+        self._seen = [0.0] * len(nodes)  # s, before which no axis was where it was last seen
         self._codes: dict[int, int] = {}  # axis -> last error code
-        self._now = 0.0
+        self._now = self._earliest = self._latest = 0.0
 
     def start(self, axes: list[int], now: float) -> None:
         """These axes are configured and operational: forget their past.
@@ -54,7 +54,12 @@ class Watch:
 
     def begin(self, now: float) -> None:
         """A cycle starts at ``now`` s."""
-        self._now = now
+        self._now = self._earliest = self._latest = now
+
+    def answered(self, earliest: float, latest: float) -> None:
+        """Between these times, s, the drives saw what they answered in this cycle: a late SYNC or
+        a late answer lets an axis pass more than a period's worth from one cycle to the next."""
+        self._earliest, self._latest = earliest, latest
 
     def clear(self) -> None:
         """Faults were acknowledged; what persists is told anew."""
@@ -116,10 +121,10 @@ class Watch:
             self.tell(fault("left_enabled", f"left 'operation enabled' by itself: {name}", axis))
         if seen.previous is not None and axis not in self.faults:
             step = abs(seen.position - seen.previous)
-            periods = max(1.0, (self._now - self._seen[axis]) / self._period)
+            periods = max(1.0, (self._latest - self._seen[axis]) / self._period)
             if step > self._most_counts[axis] * periods:
                 self.tell(fault("encoder_jump", f"encoder jumped by {step} counts", axis))
-        self._seen[axis] = self._now
+        self._seen[axis] = self._earliest
 
     def _drive_fault(self, axis: int) -> None:
         code = self._codes.get(axis)

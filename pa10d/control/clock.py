@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 
+LATEST = 0.5  # of a period: a cycle that begins later could not be done before the next is due
+
+
 class Clock:
-    """Keeps deadlines at multiples of the period; a cycle that overruns skips whole periods."""
+    """Keeps deadlines at multiples of the period. A deadline that is passed by too much is given
+    up for the next one: two cycles in a row would not fit on the bus."""
 
     def __init__(self, period: float) -> None:
         self.period = period
-        self.late, self.busy, self.missed = 0.0, 0.0, 0
+        self.late, self.busy = 0.0, 0.0
+        self.missed = 0  # deadlines given up, and cycles that were not done within their period
         self._deadline = time.monotonic()
         self._began = 0.0
 
@@ -20,12 +26,15 @@ class Clock:
         self._deadline += self.period
         if not paced:
             self._deadline = now
-        elif now < self._deadline:
+        while paced:
+            passed = math.ceil((now - self._deadline) / self.period - LATEST)
+            if passed > 0:
+                self.missed += passed
+                self._deadline += passed * self.period
+            if now >= self._deadline:
+                break
             time.sleep(self._deadline - now)
             now = time.monotonic()
-        elif now - self._deadline > self.period:
-            skipped = int((now - self._deadline) / self.period)
-            self._deadline += skipped * self.period
         self.late = now - self._deadline
         self._began = time.thread_time()
 

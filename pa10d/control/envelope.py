@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 OVERSPEED = 1.2  # of the velocity limit: the estimate has noise, a runaway passes this at once
 OVERSHOOT = 0.02  # rad beyond a position limit, braking distance included
-PERSISTS = 4  # cycles that a speed must look too high: one late cycle is no fast joint
+PERSISTS = 8e-3  # s that a speed must look too high: one late cycle is no fast joint …
+FEWEST = 2  # … nor is it in a slow loop; but an arm that swings must not hide between its cycles
 
 _FINE, _STALE, _FAST, _OUTSIDE, _AWAY = range(5)
 _SAYS = {
@@ -27,8 +28,9 @@ _SAYS = {
 class Envelope:
     """Position with braking distance, speed, following error and freshness of every live axis."""
 
-    def __init__(self, limits: ArmLimits) -> None:
+    def __init__(self, limits: ArmLimits, period: float) -> None:
         self.limits = limits
+        self._persists = max(FEWEST, round(PERSISTS / period))  # cycles
         self._fast = OVERSPEED * limits.velocity
         self._brake = 0.5 / limits.acceleration
         self._lower, self._upper = limits.lower - OVERSHOOT, limits.upper + OVERSHOOT
@@ -42,7 +44,7 @@ class Envelope:
         """Violation where a live axis has left the envelope; (n,) rad, rad/s, cycles, rad."""
         kind, axis, value = _first_violation(
             q, dq, age, wanted, live, self._lower, self._upper, self._fast, self._brake,
-            self.limits.following_error, self.limits.stale_cycles, self._counts,
+            self.limits.following_error, self.limits.stale_cycles, self._persists, self._counts,
         )  # fmt: skip
         if kind != _FINE:
             name, says = _SAYS[kind]
@@ -51,7 +53,7 @@ class Envelope:
 
 @numba.njit(cache=True)
 def _first_violation(
-    q, dq, age, wanted, live, lower, upper, fast, brake, following, stale, counts
+    q, dq, age, wanted, live, lower, upper, fast, brake, following, stale, persists, counts
 ):  # fmt: skip
     found, where, what = _FINE, -1, 0.0
     for j in range(len(q)):
@@ -64,9 +66,9 @@ def _first_violation(
             continue
         if age[j] > stale:
             found, where, what = _STALE, j, float(age[j])
-        elif counts[0, j] >= PERSISTS:
+        elif counts[0, j] >= persists:
             found, where, what = _FAST, j, dq[j]
-        elif counts[1, j] >= PERSISTS:
+        elif counts[1, j] >= persists:
             found, where, what = _OUTSIDE, j, stop
         elif not abs(error) <= following[j]:  # also where a position is no number
             found, where, what = _AWAY, j, error

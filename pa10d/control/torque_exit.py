@@ -20,7 +20,7 @@ class TorqueExit:
         self.limits = limits
         self.sent = np.zeros_like(limits.torque)
         self._step = limits.torque_rate * period
-        self._envelope = Envelope(limits)
+        self._envelope = Envelope(limits, period)
 
     def watch(
         self, q: Array, dq: Array, age: NDArray[np.int64], wanted_q: Array, live: NDArray[np.bool_]

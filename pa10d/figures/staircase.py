@@ -15,16 +15,27 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Step:
-    """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs."""
+    """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs; the noise
+    floor (n,) N·m that is seen through this version, where it was asked for."""
 
     name: str
     change: str
     rms: Array
+    floor: Array | None = None
+
+
+def least_floor(steps: Sequence[Step], floor: Array | None = None) -> Array | None:
+    """(n,) N·m, or None where there is none. Noise is the same through every version; what else
+    the error of a poorer one has that never comes again only adds to its own floor."""
+    known = [step.floor for step in steps if step.floor is not None]
+    known += [] if floor is None else [floor]
+    return np.min(known, axis=0) if known else None
 
 
 def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None = None) -> Figure:
     """One line per joint from version to version; with a noise floor (n,) N·m as multiples of
     it, so that all joints share one scale whose bottom is 1."""
+    floor = least_floor(steps, floor)
     names = [step.name for step in steps]
     rms = np.array([step.rms for step in steps])
     shown = rms if floor is None else rms / np.maximum(floor, 1e-300)

@@ -167,5 +167,6 @@ def _earlier(library: Library, info: ModelInfo, recordings: Sequence[Recording])
     for older in library.models.history(info)[:-1]:
         model = library.models.load(older)
         seen = [run_residual(model, recording) for recording in recordings]
-        out.append(Step(older.name, older.change, scores(seen).rms))
+        floor = noise_floor(seen).values
+        out.append(Step(older.name, older.change, scores(seen).rms, floor))
     return out

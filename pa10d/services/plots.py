@@ -19,7 +19,7 @@ from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
 from pa10d.figures.plotly import Figure
 from pa10d.figures.recorded import recorded
-from pa10d.figures.staircase import Step, staircase
+from pa10d.figures.staircase import Step, least_floor, staircase
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
 from pa10d.model import TorqueModel
@@ -75,8 +75,12 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     library = _library(data)
     line = library.models.history(library.models.find(model))
     ids = _ids(library, runs)
-    steps = [Step(info.name, info.change, _rms(data, info.id, ids)) for info in line]
-    floor = _floor(data, line[-1].id, ids)
+    steps = [
+        Step(info.name, info.change, _rms(data, info.id, ids), _floor(data, info.id, ids))
+        for info in line
+    ]
+    floor = least_floor(steps)
+    assert floor is not None
     figure = staircase(steps, line[-1].joints, floor)
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(figure, TEXTS["staircase"], steps=told, noise_floor=floor.tolist())
@@ -88,7 +92,7 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     first, second = library.models.find(one), library.models.find(other)
     ids = _ids(library, runs)
     rms = [_rms(data, info.id, ids) for info in (first, second)]
-    floor = _floor(data, second.id, ids)
+    floor = np.minimum(*(_floor(data, info.id, ids) for info in (first, second)))
     names = (first.name, second.name)
     figure = before_after(first.joints, rms[0], rms[1], floor, names)
     return _plot(figure, TEXTS["versus"], rms=[r.tolist() for r in rms], noise_floor=floor.tolist())

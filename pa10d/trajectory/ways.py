@@ -15,6 +15,7 @@ NEAR = 1e-9  # rad: nothing to move
 REACH = 1.5  # rad (largest joint) by which a tree grows at once
 GROWTHS = 3000
 STRAY = np.pi  # rad that a way may lead beyond either end or the rest pose
+OUTSIDE = 0.02  # rad beyond a limit that a stop may have ended at
 CUTS = 60  # tries to leave out poses in between
 
 
@@ -31,6 +32,7 @@ def free_way(around: Surroundings, here: Array, there: Array, seed: int = 0) -> 
     if way_is_free(around, here, there):
         return [there]
     for pose in (here, there):
+        _require_inside(around, pose)
         if not way_is_free(around, pose, pose):
             raise UserError(
                 f"the pose {np.round(pose, 3).tolist()} rad has bodies nearer than {CLEAR:g} m to "
@@ -41,6 +43,15 @@ def free_way(around: Surroundings, here: Array, there: Array, seed: int = 0) -> 
         return [home, there]
     rng = np.random.default_rng(seed)
     return _shortened(around, _connected(around, here, there, rng), rng)[1:]
+
+
+def _require_inside(around: Surroundings, pose: Array) -> None:
+    low, high = around.limits.lower, around.limits.upper
+    for j in np.flatnonzero((pose < low - OUTSIDE) | (pose > high + OUTSIDE)):
+        raise UserError(
+            f"joint {j + 1} at {pose[j]:.4f} rad is outside of its limits, {low[j]:.4f} to "
+            f"{high[j]:.4f}: no way leads there; move it inside by hand, or correct its zero_offset"
+        )
 
 
 class _Tree:

@@ -62,7 +62,7 @@ def patient_eds(folder: Path, milliseconds: int = 1000) -> str:
     at = text.index("[2F01]")
     path = folder / "patient.eds"
     path.write_text(
-        text[:at] + text[at:].replace("DefaultValue=50", f"DefaultValue={milliseconds}", 1)
+        text[:at] + text[at:].replace("DefaultValue=200", f"DefaultValue={milliseconds}", 1)
     )
     return str(path)
 

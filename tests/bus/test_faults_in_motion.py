@@ -195,6 +195,28 @@ def test_a_late_cycle_without_an_answer_is_no_encoder_jump() -> None:
     assert found.kind == "encoder_jump"
 
 
+def test_an_answer_that_came_late_is_no_encoder_jump() -> None:
+    """An axis moves on until the drive looks, which is when a late SYNC reaches it."""
+    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=6)
+    axis = AxisInput(known=True)
+    exchange = SimpleNamespace(axes=[axis], cycle=0)
+
+    def cycle(sent: float, received: float, position: int) -> BackendFault | None:
+        exchange.cycle += 1
+        axis.previous, axis.position = axis.position, position
+        axis.cycle, axis.status = exchange.cycle, 0x27
+        watch.begin(sent)
+        watch.answered(sent, received)
+        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
+
+    assert cycle(0.01, 0.011, 0) is None
+    assert cycle(0.02, 0.065, 520) is None, "four periods late, at the highest speed"
+    assert cycle(0.07, 0.071, 580) is None
+    found = cycle(0.08, 0.081, 1180)
+    assert found is not None
+    assert found.kind == "encoder_jump"
+
+
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf

@@ -73,8 +73,8 @@ def profile() -> Path:
         made["limits"][section] = made["limits"][section][:AXES]
     made["joints"], made["drives"] = made["joints"][:AXES], made["drives"][:AXES]
     made["can"] = {"interface": "socketcan", "channel": "vcan0", "bitrate": 1000000}
-    made["control"] = {"rate": 20.0, "controller": "pid", "bandwidth_hz": 0.8}
-    made["safety"] = {"stale_cycles": 10, "following_error": [1.0] * AXES}
+    made["control"] = {"rate": 50.0, "controller": "pid"}
+    made["safety"] = {"stale_cycles": 25, "following_error": [1.0] * AXES}
     PLACE.mkdir(exist_ok=True)
     for drive in made["drives"]:
         drive |= {"eds": patient_eds(PLACE, 400), "heartbeat_ms": 500}

@@ -27,7 +27,7 @@ def patient_eds(folder):
     text = OWN_EDS.read_text(encoding="utf-8")
     at = text.index("[2F01]")
     path = folder / "patient.eds"
-    path.write_text(text[:at] + text[at:].replace("DefaultValue=50", "DefaultValue=1000", 1))
+    path.write_text(text[:at] + text[at:].replace("DefaultValue=200", "DefaultValue=1000", 1))
     return path
 
 

@@ -107,6 +107,10 @@ BROKEN = {
         HEAD + "can: {bitrate: 2000000}\n", 2, "can.bitrate", "2000000", "at most 1e+06",
     ),
     "channel is a number": (HEAD + "can: {channel: 0}\n", 2, "can.channel", "0", "text"),
+    "servo too fast for its loop": (
+        HEAD + "control: {rate: 20, bandwidth_hz: 0.8}\n",
+        2, "control.bandwidth_hz", "0.8", "at most 0.2, a hundredth of the loop's rate",
+    ),
     "plant is no factory": (
         HEAD + "simulation: {plant: my.plant}\n",
         2, "simulation.plant", "'my.plant'", "'package.module:factory'",

@@ -90,6 +90,16 @@ def test_staircase_in_units_of_the_noise():
     assert plain["data"][0]["y"] == [2.0, 0.5]
 
 
+def test_staircase_measures_with_the_least_noise_that_any_version_sees():
+    """Error that never comes again looks like noise through a poor version."""
+    steps = [
+        Step("m0", "textbook", np.array([2.0, 1.0]), np.array([0.9, 0.25])),
+        Step("m1", "+ x", np.array([0.5, 1.0]), np.array([0.5, 0.3])),
+    ]
+    figure = strict(figures.staircase(steps, ["a", "b"], np.array([0.8, 0.8])))
+    assert [trace["y"] for trace in figure["data"]] == [[4.0, 1.0], [4.0, 4.0]]
+
+
 def test_evidence_draws_a_curve_for_a_function_of_x_and_samples_otherwise():
     rng = np.random.default_rng(0)
     x = rng.uniform(-1, 1, 4000)

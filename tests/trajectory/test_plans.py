@@ -140,6 +140,13 @@ def test_no_way_leads_into_the_floor():
         free_way(around_pa10(), np.zeros(7), there)
 
 
+def test_an_arm_that_stands_outside_of_its_limits_is_told_so():
+    here = np.zeros(7)
+    here[1] = 18.75
+    with pytest.raises(UserError, match=r"joint 2 at 18\.7500 rad is outside of its limits"):
+        free_way(around_pa10(), here, np.full(7, 0.1))
+
+
 def test_moves_are_gentle():
     way = move(np.zeros(7), np.full(7, 0.8), LIMITS).sample(1000.0)
     assert np.all(np.abs(way.dq).max(axis=0) <= 0.5 * LIMITS.velocity * (1 + 1e-6))
