@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 
-
 LATEST = 0.5  # of a period: a cycle that begins later could not be done before the next is due
 
 

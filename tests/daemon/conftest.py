@@ -107,6 +107,17 @@ class Bench:
         self.server.wait(seconds)
         _close(self.server)
 
+    def recover(self) -> None:
+        """After a reset everything works again."""
+        until = time.monotonic() + 90
+        while (state := self.client.robot()["state"]) != "inactive":
+            if state == "fault":
+                self.client.reset()
+            elif state == "holding":
+                self.client.disable()
+            assert time.monotonic() < until, self.client.robot()
+            time.sleep(0.2)
+
     def mend(self) -> None:
         """Start again what is dead."""
         if self.simulator.poll() is not None:

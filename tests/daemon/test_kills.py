@@ -43,19 +43,6 @@ def wait_for_run(bench, seconds=30.0):
     return last_run(bench)
 
 
-def recover(bench):
-    """After a reset everything works again."""
-    until = time.monotonic() + 90
-    while bench.client.robot()["state"] != "inactive":
-        state = bench.client.robot()["state"]
-        if state == "fault":
-            bench.client.reset()
-        elif state == "holding":
-            bench.client.disable()
-        assert time.monotonic() < until, bench.client.robot()
-        time.sleep(0.2)
-
-
 def test_control(bench, moment, took_to_rest):
     job = bench.start_moving(moment)
     os.kill(bench.pid_of("pa10d.control"), signal.SIGKILL)
@@ -66,7 +53,7 @@ def test_control(bench, moment, took_to_rest):
     assert robot["state"] == "fault"
     assert robot["fault"]["kind"] == "control_gone"
     assert wait_for_run(bench).status == "failed"
-    recover(bench)
+    bench.recover()
 
 
 def test_recorder(bench, moment, took_to_rest):
@@ -85,7 +72,7 @@ def test_recorder(bench, moment, took_to_rest):
 def _whole(bench):
     """What one test has left broken is no other's failure."""
     bench.mend()
-    recover(bench)
+    bench.recover()
 
 
 def kill_workers(bench):
@@ -132,7 +119,7 @@ def test_virtual_arm(bench, moment, took_to_rest):
         bench.client.wait(job)
     assert wait_for_run(bench).status == "aborted"
     bench.start_simulator()
-    recover(bench)
+    bench.recover()
 
 
 def test_daemon(bench, moment, took_to_rest):
@@ -145,5 +132,5 @@ def test_daemon(bench, moment, took_to_rest):
     if "SYNC missing" not in run.reason:  # on a busy machine the drives may have been first
         assert "daemon" in run.reason
     bench.start_daemon()
-    recover(bench)
+    bench.recover()
     assert bench.client.run(run.id)["samples"] == run.samples
