@@ -42,6 +42,7 @@ class Candidate:
 
 
 THREADS = 2
+TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
 THIN = 10  # samples of which one is looked at for where to start
 CHANGES = ("coulomb", "viscous", "torque_offset", "contact")
 """Besides effects that only ask what changed: friction that rose or fell, a new bias, a stop."""
@@ -132,17 +133,23 @@ def all_motion(contexts: Sequence[Context]) -> Context:
 
 
 def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
-    width = len(effect.coefficients)
+    """Where others feel the effect too, its own joint's equation says which shape is best."""
+    width, falls = len(effect.coefficients), state.may_fall(effect)
+    own = effect.reaches_other_joints and len(joints) == 1
     best: Candidate | None = None
     for shapes in _starts(state, effect, joints):
-        columns = state.train.columns(effect, joints, shapes)
+        columns = state.train.columns(effect, joints, shapes, own)
         if not columns:
             continue
-        found = partials(state.fit, columns, effect, width, falls=state.may_fall(effect))
+        found = partials(state.fit, columns, effect, width, falls=falls)
         for shape, partial in zip(shapes, found, strict=True):
             if partial.identifiable and (best is None or partial.gain > best.gain):
                 best = Candidate(effect, joints, dict(shape), partial)
-    return best
+    if best is None or not own:
+        return best
+    columns = state.train.columns(effect, joints, [best.shape])
+    partial = partials(state.fit, columns, effect, width, falls=falls)[0]
+    return replace(best, partial=partial) if partial.identifiable else None
 
 
 def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:
@@ -155,6 +162,5 @@ def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[l
         one_run = effect.reaches_other_joints
         context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
         shapes = list(effect.starts(context, joints))
-    group = 2 if effect.reaches_other_joints else 12
-    for start in range(0, len(shapes), group):
-        yield shapes[start : start + group]
+    for start in range(0, len(shapes), TOGETHER):
+        yield shapes[start : start + TOGETHER]

@@ -69,17 +69,19 @@ class Side:
             out.append(columns)
         return out
 
-    def columns(self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape]) -> PerJoint:
-        """Filtered columns of one effect for several shapes, side by side (k per shape)."""
-        raw = [
-            np.concatenate([effect.columns(c, joints, s) for s in shapes], axis=-1)
-            for c in self.contexts
-        ]
-        if not effect.reaches_other_joints:
+    def columns(
+        self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape], own: bool = False
+    ) -> PerJoint:
+        """Filtered columns of one effect for several shapes, side by side (k per shape); own: in
+        the equation of ``joints[0]`` alone."""
+        raw = [effect.columns_of(c, joints, shapes, own) for c in self.contexts]
+        if own or not effect.reaches_other_joints:
             filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
             return {joints[0]: self._rows(filtered, joints[0])}
         touched = [j for j in range(self.n) if any(np.any(x[:, j]) for x in raw)]
-        filtered = [run.lowpass(x[:, touched]) for run, x in zip(self.runs, raw, strict=True)]
+        if len(touched) < self.n:
+            raw = [x[:, touched] for x in raw]
+        filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
         return {j: self._rows([x[:, i] for x in filtered], j) for i, j in enumerate(touched)}
 
     def scatter(self, rows: PerJoint) -> list[Array]:

@@ -4,6 +4,7 @@ Arrays in, arrays out. Nothing here knows of files, processes or devices.
 """
 
 from pa10d.dynamics.base import BaseParameters, base_parameters
+from pa10d.dynamics.derivatives import sensitivities
 from pa10d.dynamics.regressor import inverse_dynamics, regressor
 from pa10d.dynamics.robot import Robot, robot_from_profile, robot_from_urdf
 
@@ -15,4 +16,5 @@ __all__ = [
     "regressor",
     "robot_from_profile",
     "robot_from_urdf",
+    "sensitivities",
 ]

@@ -124,6 +124,14 @@ class Effect(ABC):
         ``reaches_other_joints``; k = number of coefficients. N·m per unit.
         """
 
+    def columns_of(
+        self, context: Context, joints: Sequence[int], shapes: Sequence[Shape], own: bool = False
+    ) -> Array:
+        """``columns`` of several shapes side by side, k per shape; own: those of ``joints[0]``'s
+        equation alone, (N, …), even where others feel the effect."""
+        together = np.concatenate([self.columns(context, joints, s) for s in shapes], axis=-1)
+        return together[:, joints[0]] if own and self.reaches_other_joints else together
+
     def starts(self, context: Context, joints: Sequence[int]) -> list[Shape]:
         """Shapes from which the nonlinear search begins; one empty shape where there is none."""
         return [{}]

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.dynamics import Robot, inverse_dynamics, sensitivities
 
 Array = NDArray[np.float64]
 
@@ -81,25 +81,13 @@ class Context:
         return np.maximum(np.abs(np.median(found, axis=1)), 1e-6)
 
     def sensitivity(self, joint: int) -> tuple[Array, Array, Array]:
-        """∂τ/∂q_j, ∂τ/∂q̇_j and ∂τ/∂q̈_j of all joints' link-side torque, (N, n) each.
-
-        τ is linear in q̈ and quadratic in q̇, so those two are exact; for q a central difference.
-        """
-        if joint not in self._sensitivities:
-            unit = np.zeros(self.robot.n)
-            unit[joint] = 1.0
-            step = 1e-4 * unit
-            by_q = self.rigid_torque(self.q + step, self.dq, self.ddq)
-            by_q -= self.rigid_torque(self.q - step, self.dq, self.ddq)
-            by_dq = self.rigid_torque(self.q, self.dq + unit, self.ddq)
-            by_dq -= self.rigid_torque(self.q, self.dq - unit, self.ddq)
-            by_ddq = self.rigid_torque(self.q, self.dq, self.ddq + unit) - self.load
-            self._sensitivities[joint] = (by_q / 2e-4, by_dq / 2.0, by_ddq)
-        return self._sensitivities[joint]
+        """∂τ/∂q_j, ∂τ/∂q̇_j and ∂τ/∂q̈_j of all joints' link-side torque, (N, n) each."""
+        by_q, by_dq, by_ddq = self._sensitivities
+        return by_q[joint], by_dq[joint], by_ddq[joint]
 
     @cached_property
-    def _sensitivities(self) -> dict[int, tuple[Array, Array, Array]]:
-        return {}
+    def _sensitivities(self) -> tuple[Array, Array, Array]:
+        return sensitivities(self.robot, self.rigid, self.q, self.dq, self.ddq)
 
     def with_model(self, rigid: Array, total: Array) -> Context:
         """The same motion seen by another model."""

@@ -41,10 +41,13 @@ class Backlash(Effect):
     example = Example((1.0,), against="load", shape={"b": 0.01}, motion="across_upright")
 
     def columns(self, context, joints, shape):
+        return self.columns_of(context, joints, [shape])
+
+    def columns_of(self, context, joints, shapes, own=False):
         inertia = context.typical_inertia[joints[0]]
         stiffness = float(inertia * (2 * np.pi * CONTACT_HZ) ** 2)
-        gaps = [shape["b"] * factor for factor in BLUR]
-        return twisted_torque(context, joints[0], stiffness, CONTACT_DAMPING, gaps)[..., None]
+        gaps = [[shape["b"] * factor for factor in BLUR] for shape in shapes]
+        return twisted_torque(context, joints[0], stiffness, CONTACT_DAMPING, gaps, own)
 
     def starts(self, context, joints):
         # closely: a gap a quarter too wide or too narrow has its knocks at other moments

@@ -47,7 +47,14 @@ class JointElasticity(Effect):
     )
 
     def columns(self, context, joints, shape):
-        return twisted_torque(context, joints[0], shape["K"], shape["zeta"])[..., None]
+        return self.columns_of(context, joints, [shape])
+
+    def columns_of(self, context, joints, shapes, own=False):
+        made = [
+            twisted_torque(context, joints[0], shape["K"], shape["zeta"], own=own)
+            for shape in shapes
+        ]
+        return np.concatenate(made, axis=-1)
 
     def starts(self, context, joints):
         inertia = float(np.median(context.inertia_seen(joints[0])))
