@@ -17,6 +17,7 @@ from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
 from pa10d.effects import Context, Effect, all_effects
 from pa10d.model import Term
+from pa10d.parallel import shared_map
 
 Array = NDArray[np.float64]
 
@@ -40,6 +41,9 @@ class Candidate:
         """As a term of a model."""
         return Term(self.effect.id, self.joints, self.partial.theta, dict(self.shape))
 
+
+Best = tuple[dict[str, float], Partial]
+"""A shape and what it adds."""
 
 THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
@@ -74,24 +78,34 @@ def scan(
     tick: Callable[[float], None] = lambda share: None,
 ) -> list[Candidate]:
     """Best starting shape of every suspect, strongest first."""
-    found = []
-    with ThreadPoolExecutor(THREADS) as pool:  # filters and compiled loops leave the interpreter
-        tasks = [pool.submit(_best_start, state, effect, joints) for effect, joints in pairs]
-        try:
-            for index, task in enumerate(tasks):
-                best = task.result()
-                if best is not None:
-                    found.append(best)
-                tick((index + 1) / len(pairs))
-        except BaseException:
-            for task in tasks:
-                task.cancel()
-            raise
+    _prepare(state, [effect for effect, _ in pairs])
+    tried = shared_map(lambda pair: _best_start(state, *pair), pairs, tick)
+    found = [
+        Candidate(effect, joints, *best)
+        for (effect, joints), best in zip(pairs, tried, strict=True)
+        if best is not None
+    ]
     return sorted(found, key=lambda c: -c.gain)
 
 
-def sharpen(state: State, candidate: Candidate) -> Candidate:
-    """The same candidate with its shape refined on the fit side."""
+def sharpened(state: State, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The same candidates with their shapes refined on the fit side, strongest first."""
+    refined = shared_map(lambda c: _refined(state, c), candidates)
+    found = [
+        replace(candidate, shape=shape, partial=partial)
+        for candidate, (shape, partial) in zip(candidates, refined, strict=True)
+    ]
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def _prepare(state: State, effects: Iterable[Effect]) -> None:
+    """What many suspects look at, before two processes would compute it each for themselves."""
+    if any(e.uses_model and e.reaches_other_joints for e in effects):
+        with ThreadPoolExecutor(THREADS) as pool:  # compiled code that leaves the interpreter
+            list(pool.map(lambda context: context.sensitivity(0), state.train.contexts))
+
+
+def _refined(state: State, candidate: Candidate) -> Best:
     known: dict[tuple[float, ...], Partial] = {}
     kind, falls = candidate.effect, state.may_fall(candidate.effect)
 
@@ -103,7 +117,7 @@ def sharpen(state: State, candidate: Candidate) -> Candidate:
         return known[key]
 
     shape = refine(kind, candidate.shape, lambda s: partial_of(s).gain)
-    return Candidate(kind, candidate.joints, shape, partial_of(shape))
+    return shape, partial_of(shape)
 
 
 def held_columns(state: State, candidate: Candidate) -> PerJoint:
@@ -132,24 +146,24 @@ def all_motion(contexts: Sequence[Context]) -> Context:
     )
 
 
-def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
+def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Best | None:
     """Where others feel the effect too, its own joint's equation says which shape is best."""
     width, falls = len(effect.coefficients), state.may_fall(effect)
     own = effect.reaches_other_joints and len(joints) == 1
-    best: Candidate | None = None
+    best: Best | None = None
     for shapes in _starts(state, effect, joints):
         columns = state.train.columns(effect, joints, shapes, own)
         if not columns:
             continue
         found = partials(state.fit, columns, effect, width, falls=falls)
         for shape, partial in zip(shapes, found, strict=True):
-            if partial.identifiable and (best is None or partial.gain > best.gain):
-                best = Candidate(effect, joints, dict(shape), partial)
+            if partial.identifiable and (best is None or partial.gain > best[1].gain):
+                best = dict(shape), partial
     if best is None or not own:
         return best
-    columns = state.train.columns(effect, joints, [best.shape])
+    columns = state.train.columns(effect, joints, [best[0]])
     partial = partials(state.fit, columns, effect, width, falls=falls)[0]
-    return replace(best, partial=partial) if partial.identifiable else None
+    return (best[0], partial) if partial.identifiable else None
 
 
 def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:

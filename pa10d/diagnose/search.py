@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpen
+from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpened
 from pa10d.diagnose.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_p, judge, rivalry
 from pa10d.diagnose.fit import Fit, predict
@@ -148,7 +148,7 @@ class Search:
     def best(self, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
         """The best shape of one effect in one place, or None where the data cannot show it."""
         found = scan(self.state, [(effect, joints)])
-        return sharpen(self.state, found[0]) if found else None
+        return sharpened(self.state, found)[0] if found else None
 
     def rivals_of(self, term: Term) -> list[Judged]:
         """What explained the same error equally well when the term was chosen."""
@@ -192,7 +192,7 @@ class Search:
             if (e.id, joints) not in present or e.id in REPEATABLE
         ]
         found = self._shortlist(scan(self.state, open_suspects))
-        sharp = sorted((sharpen(self.state, c) for c in found), key=lambda c: -c.gain)
+        sharp = sharpened(self.state, found)
         columns = [self._columns(c) for c in sharp]
         seen = [_seen_change(self.state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
         own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]

@@ -19,6 +19,7 @@ from pa10d.diagnose.evidence import Doubt, Evidence, judge
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.diagnose.state import State
 from pa10d.effects.variables import remembered
+from pa10d.parallel import shared_map
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,9 @@ def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     motions = motion_variables(state.train), motion_variables(state.held)
     residual = state.held_residual()
     n = state.train.n
-    tried = {j: _strongest(state, motions[0], motions[1], j) for j in joints}
+    asked = list(joints)
+    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j), asked)
+    tried = dict(zip(asked, maps_of, strict=True))
     noise = _noise(state, residual, [p for maps in tried.values() for p in maps])
     for maps in tried.values():
         judged = (_judge(state, residual, p, n * TRIED_PER_JOINT, noise) for p in maps)
