@@ -147,9 +147,8 @@ def all_motion(contexts: Sequence[Context]) -> Context:
 
 
 def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Best | None:
-    """Where others feel the effect too, its own joint's equation says which shape is best."""
     width, falls = len(effect.coefficients), state.may_fall(effect)
-    own = effect.reaches_other_joints and len(joints) == 1
+    own = effect.starts_by_own_equation
     best: Best | None = None
     for shapes in _starts(state, effect, joints):
         columns = state.train.columns(effect, joints, shapes, own)

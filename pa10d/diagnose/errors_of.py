@@ -129,7 +129,11 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     if state.knowledge is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    shape_errors = {s.name: float(e) for s, e in zip(free, errors[k:], strict=True)}
+    shape_errors = {
+        # values that the columns blur together no noise could tell apart, however small it is
+        s.name: float(np.hypot(e, s.blur * term.shape[s.name]))
+        for s, e in zip(free, errors[k:], strict=True)
+    }
     return covariance[:k, :k], shape_errors
 
 

@@ -44,6 +44,7 @@ class ShapeParameter:
     upper: float
     scale: Literal["linear", "log", "choice"] = "linear"
     smoothing: bool = False  # only rounds a corner; may lie at its bound
+    blur: float = 0.0  # standard deviation, relative, over which the columns average
 
     def at_edge(self, value: float) -> bool:
         """At the end of a logarithmic range, where the effect has turned into another one."""
@@ -93,6 +94,7 @@ class Effect(ABC):
     question: ClassVar[Literal["textbook", "missing", "changed", "chosen"]] = "missing"
     sensing: ClassVar[bool] = False  # acts on the measured side: sensor, not mechanics
     reaches_other_joints: ClassVar[bool] = False  # columns in every joint's equation
+    starts_by_own_equation: ClassVar[bool] = False  # which says best where a search begins
     over: tuple[str, ...] = ()  # quantities of a map (only those have any)
     uses_model: bool = False  # columns change with the model's loads and torques
     coefficients: tuple[Coefficient, ...]

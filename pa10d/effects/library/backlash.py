@@ -22,9 +22,10 @@ class Backlash(Effect):
     plainly = "play in the gear"
     equation = "M_jj·δ̈ + teeth(|δ| > b) = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
     reaches_other_joints = True
+    starts_by_own_equation = True  # many starts, and a knock is felt at home first
     uses_model = True
     coefficients = (Coefficient("share", "1", 0.5, 1.25),)
-    shapes = (ShapeParameter("b", "rad", 5e-5, 0.1, "log"),)
+    shapes = (ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR))),)
     signature = (
         "Each time the joint's load changes sides, no torque passes for a moment; then comes a "
         "knock. In between the error is small."
