@@ -34,6 +34,8 @@ class Watch:
         self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
         self._heard = [0.0] * len(nodes)  # s, when each node's last heartbeat came
         self._seen = [0.0] * len(nodes)  # s, before which no axis was where it was last seen
+        self._owed = [0] * len(nodes)  # answers that did not come in time and may come yet …
+        self._asked = [0.0] * len(nodes)  # … s, and when the first of them was asked for
         self._codes: dict[int, int] = {}  # axis -> last error code
         self._now = self._earliest = self._latest = 0.0
 
@@ -107,6 +109,10 @@ class Watch:
             self.tell(fault("repeated_pdo", f"TPDO 1 twice in {seen.repeats} cycles running", axis))
         elif seen.cycle == cycle:
             self._check_values(axis, seen, enabled)
+        else:
+            self._owed[axis] += 1
+            if self._owed[axis] == 1:
+                self._asked[axis] = self._earliest
         gap = self._now - self._heard[axis]
         if gap > self._silence[axis] and axis not in self.faults:
             self.tell(fault("heartbeat_lost", f"no heartbeat for {gap:.2f} s", axis))
@@ -124,7 +130,8 @@ class Watch:
             periods = max(1.0, (self._latest - self._seen[axis]) / self._period)
             if step > self._most_counts[axis] * periods:
                 self.tell(fault("encoder_jump", f"encoder jumped by {step} counts", axis))
-        self._seen[axis] = self._earliest
+        self._seen[axis] = self._asked[axis] if self._owed[axis] else self._earliest
+        self._owed[axis] -= self._owed[axis] > 0
 
     def _drive_fault(self, axis: int) -> None:
         code = self._codes.get(axis)

@@ -217,6 +217,29 @@ def test_an_answer_that_came_late_is_no_encoder_jump() -> None:
     assert found.kind == "encoder_jump"
 
 
+def test_an_old_position_that_comes_late_makes_the_next_one_no_jump() -> None:
+    """A drive that was held up between looking and telling: its answer is as old as the SYNC."""
+    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=9)
+    axis = AxisInput(known=True)
+    exchange = SimpleNamespace(axes=[axis], cycle=0)
+
+    def cycle(position: int | None) -> BackendFault | None:
+        exchange.cycle += 1
+        now = 0.01 * exchange.cycle
+        if position is not None:
+            axis.previous, axis.position = axis.position, position
+            axis.cycle, axis.status = exchange.cycle, 0x27
+        watch.begin(now)
+        watch.answered(now, now + 0.005)
+        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
+
+    moving = [0, 100, None, None, None, None, 200, 700, 800, 900, 1000, 1100, 1200, 1300]
+    assert not any(cycle(position) for position in moving)
+    found = cycle(2000)
+    assert found is not None
+    assert found.kind == "encoder_jump"
+
+
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf
