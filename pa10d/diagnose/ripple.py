@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,14 +32,32 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     step = max(0.12, np.pi / span / 3.0)
     orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, step)
     lowpass = side.runs[0].lowpass
-    score = np.empty(len(orders))
-    order_of_filter = 2 * lowpass.order
-    for start in range(0, len(orders), 64):
-        some = orders[start : start + 64, None]
-        gain = 1.0 / (1.0 + (some * v / (2 * np.pi * lowpass.cutoff)) ** order_of_filter)
-        line = gain * np.exp(-1j * some * q)
-        power = np.sum(gain**2, axis=1)
-        score[start : start + 64] = np.abs(line @ r) ** 2 / np.maximum(power, 1e-12)
+    power = 2 * lowpass.order
+    score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
     peaks = np.flatnonzero((score[1:-1] >= score[:-2]) & (score[1:-1] >= score[2:])) + 1
     best = peaks[np.argsort(score[peaks])[::-1][:count]]
     return [float(orders[i]) for i in best]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "nsz", "contract"})
+def _lines(q, slowness, r, orders, power):
+    """|Σ g·r·exp(-iNq)|² / Σ g² at equally spaced orders N, g = 1 / (1 + N^power · slowness).
+
+    Each order's phases are those of the one before, turned on by one step.
+    """
+    m, step = len(q), orders[1] - orders[0]
+    real, imaginary = np.cos(orders[0] * q), np.sin(orders[0] * q)
+    turn_real, turn_imaginary = np.cos(step * q), np.sin(step * q)
+    out = np.empty(len(orders))
+    for k in range(len(orders)):
+        steep, a, b, total = orders[k] ** power, 0.0, 0.0, 0.0
+        for i in range(m):
+            gain = 1.0 / (1.0 + steep * slowness[i])
+            a += gain * r[i] * real[i]
+            b += gain * r[i] * imaginary[i]
+            total += gain * gain
+            turned = real[i] * turn_real[i] - imaginary[i] * turn_imaginary[i]
+            imaginary[i] = imaginary[i] * turn_real[i] + real[i] * turn_imaginary[i]
+            real[i] = turned
+        out[k] = (a * a + b * b) / max(total, 1e-12)
+    return out
