@@ -82,12 +82,17 @@ class Context:
 
     def sensitivity(self, joint: int) -> tuple[Array, Array, Array]:
         """∂τ/∂q_j, ∂τ/∂q̇_j and ∂τ/∂q̈_j of all joints' link-side torque, (N, n) each."""
-        by_q, by_dq, by_ddq = self._sensitivities
+        # no cached_property: until Python 3.12 that is one lock for all contexts, so that several
+        # threads would wait for each other
+        if "sensitivities" not in self._kept:
+            found = sensitivities(self.robot, self.rigid, self.q, self.dq, self.ddq)
+            self._kept["sensitivities"] = found
+        by_q, by_dq, by_ddq = self._kept["sensitivities"]
         return by_q[joint], by_dq[joint], by_ddq[joint]
 
     @cached_property
-    def _sensitivities(self) -> tuple[Array, Array, Array]:
-        return sensitivities(self.robot, self.rigid, self.q, self.dq, self.ddq)
+    def _kept(self) -> dict[str, tuple[Array, Array, Array]]:
+        return {}
 
     def with_model(self, rigid: Array, total: Array) -> Context:
         """The same motion seen by another model."""
