@@ -131,7 +131,8 @@ def test_a_doubt_is_settled_by_the_experiment_that_the_diagnosis_asks_for(tmp_pa
         assert done.returncode == 0, done.stderr
         made = json.loads(done.stdout)
         assert made["experiments"][0]["plan"]["kind"] == doubt["next_experiment"]["kind"]
-        first = made["findings"][0]
+        first, *more = made["findings"]
+        assert not more, [finding["sentence"] for finding in more]
         assert (first["effect"], first["joints"]) == ("nonlinear_viscous", [5])
         rivals = [c["effect"] for c in doubt["confounded_with"]]
         assert not {c["effect"] for c in first["confounded_with"]} & set(rivals), "settled"

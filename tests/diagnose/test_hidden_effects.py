@@ -46,6 +46,8 @@ KNOWN: dict[tuple[str, int], str] = {
 }
 """Case -> what is measured instead. A case that begins to pass must leave this list."""
 
+TWICE = "both named rightly; joint 2's Stribeck velocity 1.5 % off, 5.1 standard errors"
+
 
 def cases() -> list[Any]:
     out = []
@@ -134,7 +136,14 @@ def test_two_changes_at_once(name):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["stribeck", "torque_ripple", "contact"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("stribeck", marks=pytest.mark.xfail(strict=True, reason=TWICE)),
+        "torque_ripple",
+        "contact",
+    ],
+)
 def test_the_same_effect_on_two_joints(name):
     one, other = (random_effect_of(name, joint) for joint in (2, 6))
     hidden_in = arm(600, [one, other])
