@@ -7,6 +7,7 @@ motion in it, the other the noise of twice differentiated angles) is: white nois
 strength would leave so much below. The last two are lower bounds (noise may be stronger in
 motion, or at low frequencies), so the larger is taken where no motion comes again; but not a
 standstill whose torque wavers more than the error in motion, because then it is creep or braking.
+And never more than the error itself: friction that jumps at a reversal reaches above any cut-off.
 """
 
 from __future__ import annotations
@@ -54,9 +55,9 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
             continue
         used = moving(runs, j)
         above = _pooled([_above(run, j) for run in used])
-        rest = _pooled([_at_rest(run, j) for run in used])
-        rest = rest if rest < float(scores(used).rms[j]) else 0.0
-        values.append(max(above, rest))
+        rest, left = _pooled([_at_rest(run, j) for run in used]), float(scores(used).rms[j])
+        rest = rest if rest < left else 0.0
+        values.append(min(max(above, rest), left))
         methods.append(STANDSTILL if rest > above else ABOVE)
     return NoiseFloor(np.array(values), tuple(methods))
 

@@ -166,7 +166,8 @@ def test_what_changed_is_not_added_but_undone(stribeck):
 
 def test_nothing_missing_is_said_plainly(stribeck):
     found, seen, _ = stribeck
-    clean = replace(found, verdict="none", findings=(), versions=found.versions[:1])
+    noise = {"noise_floor": found.rms}
+    clean = replace(found, verdict="none", findings=(), versions=found.versions[:1], **noise)
     page = page_of(clean, seen)
     assert headline(clean) in page.words
     assert "measurement noise" in headline(clean)
