@@ -171,73 +171,60 @@ def test_a_reboot_explains_a_silence() -> None:
     assert watch.faults[0].kind == "rebooted", "and not the other way round"
 
 
-@pytest.mark.realtime
-def test_a_late_cycle_without_an_answer_is_no_encoder_jump() -> None:
-    """What an axis may have passed goes by time, whatever came in between."""
-    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=6)
-    axis = AxisInput()
-    exchange = SimpleNamespace(axes=[axis], cycle=0)
+class Looking:
+    """A watch over one axis that may pass 300 counts in a period of 10 ms."""
 
-    def cycle(now: float, position: int | None) -> BackendFault | None:
-        exchange.cycle += 1
+    def __init__(self) -> None:
+        self.watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=9)
+        self.axis, self.cycle = AxisInput(), 0
+
+    def sees(
+        self, position: int | None, sent: float, received: float | None = None
+    ) -> BackendFault | None:
+        """One cycle's position, None where no answer came; s of its SYNC and of the answer."""
+        self.cycle += 1
+        axis = self.axis
         if position is not None:
             axis.previous, axis.known = axis.position if axis.known else None, True
-            axis.position, axis.cycle, axis.status = position, exchange.cycle, 0x27
-        watch.begin(now)
-        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
+            axis.position, axis.cycle, axis.status = position, self.cycle, 0x27
+        self.watch.begin(sent)
+        self.watch.answered(sent, sent if received is None else received)
+        exchange = SimpleNamespace(axes=[axis], cycle=self.cycle)
+        return self.watch.check(exchange, enabled=True)  # type: ignore[arg-type]
 
-    assert cycle(0.01, 0) is None
-    assert cycle(0.02, 90) is None
-    assert cycle(0.12, None) is None, "ten periods late, and nobody answers"
-    assert cycle(0.13, 1100) is None
-    found = cycle(0.14, 2100)
-    assert found is not None
-    assert found.kind == "encoder_jump"
+
+def is_jump(found: BackendFault | None) -> bool:
+    return found is not None and found.kind == "encoder_jump"
+
+
+def test_a_late_cycle_without_an_answer_is_no_encoder_jump() -> None:
+    """What an axis may have passed goes by time, whatever came in between."""
+    looking = Looking()
+    assert looking.sees(0, 0.01) is None
+    assert looking.sees(90, 0.02) is None
+    assert looking.sees(None, 0.12) is None, "ten periods late, and nobody answers"
+    assert looking.sees(1100, 0.13) is None
+    assert looking.sees(1180, 0.14) is None
+    assert is_jump(looking.sees(2180, 0.15))
 
 
 def test_an_answer_that_came_late_is_no_encoder_jump() -> None:
     """An axis moves on until the drive looks, which is when a late SYNC reaches it."""
-    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=6)
-    axis = AxisInput(known=True)
-    exchange = SimpleNamespace(axes=[axis], cycle=0)
-
-    def cycle(sent: float, received: float, position: int) -> BackendFault | None:
-        exchange.cycle += 1
-        axis.previous, axis.position = axis.position, position
-        axis.cycle, axis.status = exchange.cycle, 0x27
-        watch.begin(sent)
-        watch.answered(sent, received)
-        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
-
-    assert cycle(0.01, 0.011, 0) is None
-    assert cycle(0.02, 0.065, 520) is None, "four periods late, at the highest speed"
-    assert cycle(0.07, 0.071, 580) is None
-    found = cycle(0.08, 0.081, 1180)
-    assert found is not None
-    assert found.kind == "encoder_jump"
+    looking = Looking()
+    assert looking.sees(0, 0.01, 0.011) is None
+    assert looking.sees(520, 0.02, 0.065) is None, "four periods late"
+    assert looking.sees(580, 0.07, 0.071) is None
+    assert is_jump(looking.sees(1180, 0.08, 0.081))
 
 
 def test_an_old_position_that_comes_late_makes_the_next_one_no_jump() -> None:
     """A drive that was held up between looking and telling: its answer is as old as the SYNC."""
-    watch = Watch([10], [10.0], [100.0], period=0.01, stale_cycles=9)
-    axis = AxisInput(known=True)
-    exchange = SimpleNamespace(axes=[axis], cycle=0)
-
-    def cycle(position: int | None) -> BackendFault | None:
-        exchange.cycle += 1
-        now = 0.01 * exchange.cycle
-        if position is not None:
-            axis.previous, axis.position = axis.position, position
-            axis.cycle, axis.status = exchange.cycle, 0x27
-        watch.begin(now)
-        watch.answered(now, now + 0.005)
-        return watch.check(exchange, enabled=True)  # type: ignore[arg-type]
-
+    looking = Looking()
     moving = [0, 100, None, None, None, None, 200, 700, 800, 900, 1000, 1100, 1200, 1300]
-    assert not any(cycle(position) for position in moving)
-    found = cycle(2000)
-    assert found is not None
-    assert found.kind == "encoder_jump"
+    times = [0.01 * (k + 1) for k in range(len(moving) + 1)]
+    for position, now in zip(moving, times[:-1], strict=True):
+        assert looking.sees(position, now, now + 0.005) is None
+    assert is_jump(looking.sees(2000, times[-1], times[-1] + 0.005))
 
 
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:

@@ -166,8 +166,9 @@ def test_what_changed_is_not_added_but_undone(stribeck):
 
 def test_nothing_missing_is_said_plainly(stribeck):
     found, seen, _ = stribeck
-    noise = {"noise_floor": found.rms}
-    clean = replace(found, verdict="none", findings=(), versions=found.versions[:1], **noise)
+    clean = replace(
+        found, verdict="none", findings=(), versions=found.versions[:1], noise_floor=found.rms
+    )
     page = page_of(clean, seen)
     assert headline(clean) in page.words
     assert "measurement noise" in headline(clean)
