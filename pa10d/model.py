@@ -20,6 +20,9 @@ from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 
+RUBBING = ("coulomb", "viscous")  # friction that needs nothing but the motion
+WARMING_ROUNDS = 4  # friction makes heat and heat takes friction: in these the two settle
+
 
 @dataclass(frozen=True)
 class Term:
@@ -155,15 +158,31 @@ class TorqueModel:
     def contextualise(self, context: Context) -> Context:
         """The same motion with this model's loads and total torque.
 
-        Load-dependent effects see the rigid bodies; sensing effects see the torque of all
-        mechanical ones.
+        Load-dependent effects see the rigid bodies, warming ones the friction that heats them;
+        sensing effects see the torque of all mechanical ones.
         """
-        loaded = context.with_model(self.rigid, np.zeros_like(context.q))
-        total = loaded.load.copy()
+        textbook, rubbing = self._friction(context)
+        loaded = context.with_model(self.rigid, np.zeros_like(context.q), rubbing)
+        total = loaded.load + textbook
         for term in self.terms:
-            if not term.effect.sensing:
+            if not term.effect.sensing and term.effect_id not in RUBBING:
                 total += term.torque(loaded)
         return replace(loaded, total=total)
+
+    def _friction(self, context: Context) -> tuple[Array, Array]:
+        """(N, n) N·m each: Coulomb and viscous friction, and what warmth has left of it."""
+        textbook = np.zeros_like(context.q)
+        for term in self.terms:
+            if term.effect_id in RUBBING:
+                textbook += term.torque(context)
+        left = textbook
+        for _ in range(WARMING_ROUNDS):
+            seen = context.with_model(self.rigid, textbook, left)
+            warming = [t.torque(seen) for t in self.terms if t.effect.feels_own_heat]
+            if not warming:
+                break
+            left = textbook + np.sum(warming, axis=0)
+        return textbook, left
 
     def predict(self, context: Context) -> Array:
         """Torque (N, n) N·m at the raw rate, as the sensors would report it."""

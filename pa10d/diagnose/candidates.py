@@ -129,10 +129,13 @@ def all_motion(contexts: Sequence[Context]) -> Context:
     """Every run's motion, thinned out, as one that lasts as long as the longest: where to start
     must not depend on which run comes first (only one of them may reach a stop)."""
     longest = max(float(c.t[-1] - c.t[0]) for c in contexts)
-    warm = [c.temperature for c in contexts if c.temperature is not None]
 
     def joined(parts: Iterable[Array]) -> Array:
         return np.concatenate([x[::THIN] for x in parts])
+
+    def of_all(parts: Iterable[Array | None]) -> Array | None:
+        there = [x for x in parts if x is not None]
+        return joined(there) if len(there) == len(contexts) else None
 
     q = joined(c.q for c in contexts)
     return replace(
@@ -142,7 +145,8 @@ def all_motion(contexts: Sequence[Context]) -> Context:
         dq=joined(c.dq for c in contexts),
         ddq=joined(c.ddq for c in contexts),
         total=joined(c.total for c in contexts),
-        temperature=joined(warm) if len(warm) == len(contexts) else None,
+        temperature=of_all(c.temperature for c in contexts),
+        rubbing=of_all(c.rubbing for c in contexts),
     )
 
 

@@ -1,4 +1,5 @@
-"""Where to start looking for torque ripple: the spectrum of the residual against angle."""
+"""Torque ripple in the spectrum of the residual against angle: where to start looking, and how
+easily noise alone has such a line somewhere."""
 
 from __future__ import annotations
 
@@ -37,6 +38,21 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     peaks = np.flatnonzero((score[1:-1] >= score[:-2]) & (score[1:-1] >= score[2:])) + 1
     best = peaks[np.argsort(score[peaks])[::-1][:count]]
     return [float(orders[i]) for i in best]
+
+
+def chance_of_line(side: Side, joint: int, power: float) -> float:
+    """Probability that noise alone has a line of at least this power at any order looked through.
+
+    power: of the strongest line, χ² of two where its order is given beforehand. An order is no
+    parameter like others: with every cycle over the range of q it is a new attempt. Upper bound
+    for large power after Baluev, Mon. Not. R. Astron. Soc. 385 (2008), eq. 6:
+    e^(-z)·(1 + W·√z), z half the power, W = range of orders in cycles per rad · √(4π·var q).
+    """
+    q = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
+    seen = np.concatenate([x[k[:, joint]] for x, k in zip(q, side.keep, strict=True)])
+    attempts = (HIGHEST_ORDER - LOWEST_ORDER) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
+    z = 0.5 * power
+    return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "nsz", "contract"})

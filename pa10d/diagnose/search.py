@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpened
 from pa10d.diagnose.errors_of import Doubts, doubt_of
-from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_p, judge, rivalry
+from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.fit import Fit, predict
 from pa10d.diagnose.partial import partials
+from pa10d.diagnose.ripple import chance_of_line
 from pa10d.diagnose.shapes import refine
 from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
@@ -237,7 +238,11 @@ class Search:
     ) -> float:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
-        own = fit_side_p(self.state.train, fit.residual, seen, complexity(candidate.effect))
+        power = fit_side_power(self.state.train, fit.residual, seen)
+        if candidate.effect.id == "torque_ripple":
+            own = chance_of_line(self.state.train, candidate.joints[0], power)
+        else:
+            own = float(scipy.stats.chi2.sf(power, complexity(candidate.effect)))
         chosen = min(1.0, own * len(self.suspects))
         both = scipy.stats.chi2.sf(
             -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4

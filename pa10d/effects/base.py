@@ -95,6 +95,7 @@ class Effect(ABC):
     sensing: ClassVar[bool] = False  # acts on the measured side: sensor, not mechanics
     reaches_other_joints: ClassVar[bool] = False  # columns in every joint's equation
     starts_by_own_equation: ClassVar[bool] = False  # which says best where a search begins
+    feels_own_heat: ClassVar[bool] = False  # is friction that depends on the heat of friction
     over: tuple[str, ...] = ()  # quantities of a map (only those have any)
     uses_model: bool = False  # columns change with the model's loads and torques
     coefficients: tuple[Coefficient, ...]

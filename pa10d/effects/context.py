@@ -27,6 +27,7 @@ class Context:
                      parameters), without rotor inertia; link-side loads follow from them
     total            (N, n) N·m, torque of the whole model so far, friction included
     temperature      (N, n) °C or None
+    rubbing          (N, n) N·m, friction of the model so far that heats the joints, or None
     desired          the motion was not measured but is wanted: without noise, so that no sign of a
                      velocity has to be smoothed against it
     """
@@ -39,6 +40,7 @@ class Context:
     rigid: Array
     total: Array
     temperature: Array | None = None
+    rubbing: Array | None = None
     desired: bool = False
 
     def softness(self, v0: float) -> float:
@@ -58,6 +60,13 @@ class Context:
     def rigid_torque(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Link-side torque (N, n) of the model's rigid bodies for another motion."""
         return inverse_dynamics(self.robot, self.rigid, q, dq, ddq)
+
+    @property
+    def friction_heat(self) -> Array:
+        """(N, n) W that the model's friction turns into heat."""
+        if self.rubbing is None:
+            return np.zeros_like(self.q)
+        return np.maximum(self.rubbing * self.dq, 0.0)
 
     def inertia_seen(self, joint: int) -> Array:
         """(N,) kg·m²: M_jj(q), the inertia that joint j moves; never below a small part of
@@ -94,6 +103,6 @@ class Context:
     def _kept(self) -> dict[str, tuple[Array, Array, Array]]:
         return {}
 
-    def with_model(self, rigid: Array, total: Array) -> Context:
+    def with_model(self, rigid: Array, total: Array, rubbing: Array) -> Context:
         """The same motion seen by another model."""
-        return replace(self, rigid=rigid, total=total)
+        return replace(self, rigid=rigid, total=total, rubbing=rubbing)

@@ -80,7 +80,9 @@ def _notes(kind: Effect) -> str:
     if kind.reaches_other_joints:
         notes.append("It shows in the equations of several joints.")
     if kind.uses_model:
-        notes.append("τ_load and τ_model are torques of the model so far, not measured ones.")
+        notes.append(
+            "τ_load, τ_friction and τ_model are torques of the model so far, not measured ones."
+        )
     return " ".join(notes)
 
 

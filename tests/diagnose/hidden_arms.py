@@ -95,8 +95,8 @@ def true_parameters(hidden: Entry, truth: Mapping[str, Any]) -> dict[str, float]
     if kind == "torque_gain":
         return {"gain": hidden["gain"] - 1.0}
     if kind == "thermal_friction":
-        if hidden["law"] != "time":
-            return {}
+        if hidden["law"] != "time":  # what is lost is told per watt, there per its own power
+            return {"T": hidden["T"]}
         j, loss = hidden["joint"] - 1, hidden["loss"]
         lost = {
             "dFv": loss * truth["viscous"][j],
@@ -198,6 +198,7 @@ def told(search: Search, hidden: Entry, truth: Mapping[str, Any]) -> Term:
 
 
 SHAPES: dict[str, Callable[[Entry], dict[str, float]]] = {
+    "thermal_friction": lambda h: {"T": h["T"], "heated": float(h["law"] == "power")},
     "torque_delay": lambda h: {"at": h["Td"]},
     "torque_saturation": lambda h: {"at": h["cubic"]},
     "encoder_offset": lambda h: {"at": h["offset"]},

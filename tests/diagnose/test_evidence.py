@@ -8,7 +8,7 @@ import scipy.linalg
 from bare_sides import RATE, ar1, bare_side, smooth_signal
 from scipy import stats
 
-from pa10d.diagnose.evidence import Doubt, fit_side_p, judge, quadratic_form, rivalry, spread
+from pa10d.diagnose.evidence import Doubt, fit_side_power, judge, quadratic_form, rivalry, spread
 
 SAMPLES = 1500
 NOISES = {"white": 0.0, "ar1": 0.9, "slow": 0.98}
@@ -124,7 +124,7 @@ def test_a_joint_that_gets_worse_is_named():
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.9])
-def test_fit_side_p_of_fitted_noise_is_uniform(phi):
+def test_fit_side_power_of_fitted_noise_is_chi_squared(phi):
     """k columns that have nothing to do with the noise are fitted to it: the gain is χ² with k
     degrees of freedom once the colour of the noise is accounted for."""
     rng = np.random.default_rng(17)
@@ -134,7 +134,7 @@ def test_fit_side_p_of_fitted_noise_is_uniform(phi):
         noise = ar1(rng, SAMPLES, phi)
         columns = smooth_signal(rng, SAMPLES)[:, None]
         change = columns @ np.linalg.lstsq(columns, noise, rcond=None)[0]
-        p.append(fit_side_p(side, {0: noise}, {0: change}, 1))
+        p.append(stats.chi2.sf(fit_side_power(side, {0: noise}, {0: change}), 1))
     # what the fit has taken from the noise makes p slightly too small
     assert np.mean(np.array(p) < 0.01) < 0.03
     assert np.mean(np.array(p) < 0.1) == pytest.approx(0.1, abs=0.04)

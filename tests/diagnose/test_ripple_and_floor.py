@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfreqz
+from scipy.stats import chi2
 from two_links import CUTOFF, RATE, recordings, state_of
 
 from pa10d.compare import noise_floor, residual_of
-from pa10d.diagnose.ripple import order_peaks
+from pa10d.diagnose.ripple import HIGHEST_ORDER, LOWEST_ORDER, chance_of_line, order_peaks
 
 
 @pytest.mark.parametrize("order", [12.0, 37.0, 50.5])
@@ -29,6 +32,24 @@ def test_a_joint_that_hardly_moves_has_no_orders():
     for run in state.train.runs:
         run.context.q[:, 1] = 0.1
     assert order_peaks(state.train, state.train_residual(), 1) == []
+
+
+def test_chance_of_a_line_is_how_often_noise_alone_has_one_that_strong():
+    """White noise, fitted at each of many orders on its own: how strong the strongest is."""
+    state = state_of(recordings(3))
+    (run,) = state.train.runs[:1]
+    side = replace(state.train, runs=[run])
+    q = run.context.q[:: run.lowpass.factor, 1][side.keep[0][:, 1]]
+    rng = np.random.default_rng(8)
+    noise = rng.standard_normal((len(q), 400))
+    strongest = np.zeros(noise.shape[1])
+    for order in np.arange(LOWEST_ORDER, HIGHEST_ORDER, 1.0 / np.ptp(q)):
+        line = np.linalg.qr(np.column_stack([np.cos(order * q), np.sin(order * q)]))[0]
+        strongest = np.maximum(strongest, np.sum((line.T @ noise) ** 2, axis=0))
+    for share in (0.2, 0.05):
+        power = float(np.quantile(strongest, 1.0 - share))
+        assert 0.6 * share < chance_of_line(side, 1, power) < 2.5 * share
+        assert chi2.sf(power, 3) < 0.1 * share, "an order is no parameter like others"
 
 
 def test_noise_floor_is_what_the_low_pass_leaves_of_white_noise():

@@ -131,13 +131,18 @@ def test_torque_is_linear_in_the_coefficients(name):
 def test_only_those_that_say_so_depend_on_the_model(name):
     kind, context = EFFECTS[name], arm_context(seed=8, seconds=0.5)
     joints = SCOPES[kind.scope]
-    other = context.with_model(1.3 * context.rigid, 1.7 * context.total + 1.0)
-    same = np.allclose(
-        kind.columns(context, joints, typical(kind)),
-        kind.columns(other, joints, typical(kind)),
-        rtol=1e-6,
+    other = context.with_model(
+        1.3 * context.rigid, 1.7 * context.total + 1.0, 2.0 * context.rubbing
     )
-    assert same != kind.uses_model
+    choices = [s.name for s in kind.shapes if s.scale == "choice"]
+    same = [
+        np.allclose(
+            kind.columns(context, joints, shape), kind.columns(other, joints, shape), rtol=1e-6
+        )
+        for value in (0.0, 1.0)
+        for shape in [{**typical(kind), **dict.fromkeys(choices, value)}]
+    ]
+    assert all(same) != kind.uses_model
 
 
 SECONDS = {  # power of the second in each unit, N·m being kg·m²/s²

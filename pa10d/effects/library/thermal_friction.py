@@ -1,6 +1,7 @@
 """Friction that falls as the joint warms."""
 
 import numpy as np
+import scipy
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
 
@@ -9,20 +10,30 @@ KELVIN = 10.0  # K of warmth to which the coefficients refer where temperature i
 
 
 class ThermalFriction(Effect):
-    """Grease thins as the joint warms, so friction falls during the first minutes of motion. dFv
-    and dFc are what a joint that is warm through has lost. Without a temperature reading a run
-    starts cold and warms with the time constant T; with one, the loss follows the temperature
-    (dFv and dFc per 10 K above 20 °C) and T plays no part."""
+    """Grease thins as the joint warms, so friction falls during the first minutes of motion. A run
+    starts cold and warms with the time constant T: by what surrounds the joint, whatever it does
+    (heated 0; dFv and dFc are what a joint that is warm through has lost), or by its own friction
+    (heated 1; dFv and dFc are lost per watt of it, and rest lets the joint cool). With a
+    temperature reading the loss follows that (dFv and dFc per 10 K above 20 °C), and T plays no
+    part."""
 
     id = "thermal_friction"
     title = "Warm-up of friction"
     noun = "friction that changes as it warms up"
-    equation = "τ = -w·(dFv·q̇ + dFc·sign(q̇)),  w = 1 - exp(-t/T), or w = (temperature - 20 °C)/10 K"
+    equation = (
+        "τ = -w·(dFv·q̇ + dFc·sign(q̇)),  T·ẇ = 1 - w, or T·ẇ = |τ_friction·q̇|/1 W - w, "
+        "or w = (temperature - 20 °C)/10 K"
+    )
+    uses_model = True
+    feels_own_heat = True
     coefficients = (
         Coefficient("dFv", "N·m·s/rad", lower=0.0),
         Coefficient("dFc", "N·m", lower=0.0),
     )
-    shapes = (ShapeParameter("T", "s", 2.0, 2000.0, "log"),)
+    shapes = (
+        ShapeParameter("T", "s", 2.0, 2000.0, "log"),
+        ShapeParameter("heated", "1", 0.0, 1.0, "choice"),
+    )
     signature = (
         "In the same pose at the same speed, friction is lower late in the run than at its start."
     )
@@ -34,20 +45,34 @@ class ThermalFriction(Effect):
     experiment_kind = "warm_up"
     source = "Bittencourt & Gunnarsson, ASME J. Dyn. Sys. Meas. Control 134 (2012)"
     remedy = "Warm the joint up before identification, and before work that needs the model."
-    example = Example((6.0, 2.0), against="dq", shape={"T": 150.0}, motion="warm_up")
+    example = Example((6.0, 2.0), against="dq", shape={"T": 150.0, "heated": 0.0}, motion="warm_up")
 
     def columns(self, context, joints, shape):
         j = joints[0]
         warm = measured_warmth(context, j)
-        if warm is None:
+        if warm is None and shape["heated"]:
+            warm = own_warmth(context, j, shape["T"])
+        elif warm is None:
             warm = 1.0 - np.exp(-context.t / shape["T"])
         v = context.dq[:, j]
         return -np.column_stack([warm * v, warm * smooth_sign(v, context.softness(0.01))])
 
     def starts(self, context, joints):
         span = float(context.t[-1] - context.t[0])
-        shares = (0.1, 0.25, 0.6, 1.5) if measured_warmth(context, joints[0]) is None else (1.0,)
-        return [{"T": float(np.clip(span * s, 2.0, 2000.0))} for s in shares]
+        known = measured_warmth(context, joints[0]) is not None
+        return [
+            {"T": float(np.clip(span * share, 2.0, 2000.0)), "heated": heated}
+            for share in ((1.0,) if known else (0.1, 0.25, 0.6, 1.5))
+            for heated in ((0.0,) if known else (0.0, 1.0))
+        ]
+
+
+def own_warmth(context, joint, time_constant):
+    """(N,) solution of T·ẇ = heat - w from cold, heat in W and constant over each interval."""
+    heat = context.friction_heat[:, joint]
+    mean = 0.5 * (heat[1:] + heat[:-1])
+    kept = float(np.exp(-context.dt / time_constant))
+    return np.concatenate([[0.0], scipy.signal.lfilter([1.0 - kept], [1.0, -kept], mean)])
 
 
 def measured_warmth(context, joint):
