@@ -88,6 +88,8 @@ class TorqueModel:
     covariance  (p, p) of [h, all coefficients in order]; standard errors are its diagonal's roots
     noise       (n,) N·m, RMS of the filtered residual of the fit
     cutoff      Hz of the zero-phase low-pass on both sides of the fit
+    loads       (b,) base parameters from which effects take their loads where these are not h: a
+                model with knocks in it has the loads that most samples agree on
     shift       s, by which the torque channel was found late against position
     standard    (n, 10) feasible standard parameters, or None where none were sought
     runs        names or ids of the runs it was fitted to
@@ -103,6 +105,7 @@ class TorqueModel:
     noise: Array
     cutoff: float
     shift: float = 0.0
+    loads: Array | None = None
     standard: Array | None = None
     feasible: bool = False
     parent: str | None = None
@@ -114,8 +117,11 @@ class TorqueModel:
     @property
     def rigid(self) -> Array:
         """(n, 10) standard parameters with the model's base parameters (zeros elsewhere)."""
+        return self._standard_form(self.h)
+
+    def _standard_form(self, base: Array) -> Array:
         out = np.zeros(10 * self.robot.n)
-        out[self.base.kept] = self.h
+        out[self.base.kept] = base
         return out.reshape(self.robot.n, 10)
 
     @property
@@ -162,8 +168,16 @@ class TorqueModel:
         sensing effects see the torque of all mechanical ones.
         """
         textbook, rubbing = self._friction(context)
-        loaded = context.with_model(self.rigid, np.zeros_like(context.q), rubbing)
-        total = loaded.load + textbook
+        own_rotor = [t.joints[0] for t in self.terms if t.effect_id == "rotor_inertia"]
+        loaded = replace(
+            context,
+            rigid=self.rigid if self.loads is None else self._standard_form(self.loads),
+            total=np.zeros_like(context.q),
+            rubbing=rubbing,
+            rotor_in_load=tuple(sorted(set(range(self.robot.n)) - set(own_rotor))),
+        )
+        own = loaded if self.loads is None else replace(context, rigid=self.rigid)
+        total = own.load + textbook
         for term in self.terms:
             if not term.effect.sensing and term.effect_id not in RUBBING:
                 total += term.torque(loaded)
@@ -177,7 +191,7 @@ class TorqueModel:
                 textbook += term.torque(context)
         left = textbook
         for _ in range(WARMING_ROUNDS):
-            seen = context.with_model(self.rigid, textbook, left)
+            seen = replace(context, rubbing=left)
             warming = [t.torque(seen) for t in self.terms if t.effect.feels_own_heat]
             if not warming:
                 break

@@ -33,6 +33,8 @@ SHORTLIST = 12  # candidates that a term already in the model is taken to have b
 PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
 LEAST_GAIN = 12.0  # drop of the weighted squared error below which noise alone does as well
 STEPS = 8
+MORE_ROUNDS = 4  # of settling, beyond the usual
+WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints
 SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
 MATERIAL = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
 MUCH_WORSE = 0.25  # rise of one joint's RMS for which no finding is worth it
@@ -63,7 +65,7 @@ class Judged:
     @property
     def complexity(self) -> int:
         """Number of free parameters that it spends."""
-        return complexity(self.candidate.effect)
+        return complexity(self.candidate)
 
     @property
     def acceptable(self) -> bool:
@@ -74,7 +76,7 @@ class Judged:
         own = list(joints) if joints and not kind.reaches_other_joints else slice(None)
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
         shape = self.candidate.shape
-        degenerate = any(s.at_edge(shape[s.name]) for s in self.candidate.effect.shapes)
+        degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate
             and self.p_corrected < LEVEL
@@ -133,7 +135,7 @@ class Search:
         may spoil another joint, so a second attempt leaves the weights as they were.
         """
         saved = self.state.copy()
-        before, everywhere = rms(saved.held_residual()), moving_rms(saved)
+        before, everywhere = rms(saved.held_residual()), saved.moving_rms()
         for weights in (saved.weights, saved.fit.sigma):
             self.state = saved.copy()
             self.state.weights = weights
@@ -141,7 +143,7 @@ class Search:
             self.settle()
             dropped = self.prune()
             after = rms(self.state.held_residual())
-            if not (harmful(before, after) or harmful(everywhere, moving_rms(self.state))):
+            if not (harmful(before, after) or harmful(everywhere, self.state.moving_rms())):
                 return dropped
         self.state = saved
         return None
@@ -242,7 +244,7 @@ class Search:
         if candidate.effect.id == "torque_ripple":
             own = chance_of_line(self.state.train, candidate.joints[0], power)
         else:
-            own = float(scipy.stats.chi2.sf(power, complexity(candidate.effect)))
+            own = float(scipy.stats.chi2.sf(power, complexity(candidate)))
         chosen = min(1.0, own * len(self.suspects))
         both = scipy.stats.chi2.sf(
             -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
@@ -263,18 +265,28 @@ class Search:
         return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
 
     def settle(self, rounds: int = 2) -> None:
-        """Refit; loads of the new model; shapes of all nonlinear terms anew."""
+        """Refit; loads of the new model; shapes of all nonlinear terms anew. Where loads and shapes
+        draw each other on (a gap, a spring), as many more rounds as bring something."""
         self.state.refit()
         self._align()
-        for _ in range(rounds):
+        drawn = self.state.drawn_by_loads
+        best, least, idle = self.state, np.inf, 0
+        for _ in range(rounds + MORE_ROUNDS * drawn):
             self._relinearise()
             self.state.relook()
             self.state.refit()
             for index, term in enumerate(self.state.terms):
                 if term.effect.shapes and self._worth_refining(index):
                     self._refine(index)
-        self.state.relook()
-        self.state.refit()
+            self.state.relook()
+            self.state.refit()
+            left = float(np.sum(np.log(self.state.fit.rms())))
+            idle = 0 if left < least - WORTH_A_ROUND else idle + 1
+            if left < least or not drawn:
+                best, least = self.state.copy(), left
+            if idle == 2:
+                break
+        self.state = best
 
     def prune(self) -> set[Place]:
         """Drop additions that later ones made redundant, the least useful first; says which."""
@@ -354,7 +366,7 @@ class Search:
             columns = self.state.train.columns(term.effect, term.joints, [shape])
             return partials(rest, columns, term.effect, width, falls=falls)[0].gain
 
-        shape = refine(term.effect, term.shape, gain, evaluations=20)
+        shape = refine(term.effect, term.shape, gain, evaluations=10)
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()
@@ -374,28 +386,17 @@ REPEATABLE = ("torque_ripple", "contact", "position_friction")
 """Effects of which a joint may have several: another order, the other stop, a second worn spot."""
 
 
-def moving_rms(state: State) -> Array:
-    """(n,) N·m on the held-out side, reversals included: what a fit has not looked at must not
-    become worse either."""
-    squares, counts = np.zeros(state.held.n), np.zeros(state.held.n)
-    for run in state.held.runs:
-        error = run.tau - run.lowpass(state.model.predict(run.context))
-        near = run.moving
-        squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
-        counts += near.sum(axis=0)
-    return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
-
-
 def harmful(before: Array, after: Array) -> bool:
     """Did the errors, each joint by its own measure, grow on the whole or much on one joint?"""
     ratio = (after / np.maximum(before, 1e-300)) ** 2
     return bool(np.sum(ratio - 1.0) > 0 or np.max(ratio) > (1.0 + MUCH_WORSE) ** 2)
 
 
-def complexity(effect: Effect) -> int:
+def complexity(candidate: Candidate) -> int:
     """Number of free parameters of an effect."""
-    free = sum(not c.nuisance for c in effect.coefficients)
-    return free + sum(s.scale != "choice" for s in effect.shapes)
+    kind = candidate.effect
+    free = sum(not c.nuisance for c in kind.coefficients)
+    return free + sum(s.scale != "choice" for s in kind.shapes_in(candidate.shape))
 
 
 def rms(residual: dict[int, Array]) -> Array:

@@ -16,8 +16,9 @@ from pa10d.effects import Effect, Shape
 Gain = Callable[[dict[str, float]], float]
 
 
-def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 30) -> dict[str, float]:
-    """The shape near ``start`` with the largest gain; choices (sides, signs) stay as they are."""
+def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 15) -> dict[str, float]:
+    """The shape near ``start`` with the largest gain, after so many evaluations for each of its
+    parameters; choices (sides, signs) stay as they are."""
     free = [s for s in effect.shapes if s.scale != "choice" and s.name in start]
     if not free:
         return dict(start)
@@ -39,7 +40,7 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 30) -> d
             lambda x: cost(np.array([x])),
             bounds=(origin[0] - 1.2 * steps[0], origin[0] + 1.2 * steps[0]),
             method="bounded",
-            options={"maxiter": evaluations // 2, "xatol": 0.02 * steps[0]},
+            options={"maxiter": evaluations, "xatol": 0.02 * steps[0]},
         )
         best = np.array([found.x])
     else:
@@ -48,7 +49,12 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 30) -> d
             cost,
             origin,
             method="Nelder-Mead",
-            options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 0, "fatol": 0},
+            options={
+                "initial_simplex": simplex,
+                "maxfev": evaluations * len(free),
+                "xatol": 0,
+                "fatol": 0,
+            },
         )
         best = found.x
     return inside(best) if -cost(best) >= gain(dict(start)) else dict(start)
@@ -63,5 +69,8 @@ def _step(effect: Effect, name: str, scale: str, start: Shape) -> float:
         ("contact", "qs"): 0.08,
         ("stribeck", "delta"): 0.5,
         ("nonlinear_viscous", "p"): 0.5,
+        ("joint_elasticity", "rotor"): 0.3 * start.get("rotor", 0.0),
+        ("backlash", "rotor"): 0.2 * start.get("rotor", 0.0),
+        ("backlash", "b"): 0.12,
     }
     return by_effect.get((effect.id, name), 0.7 if scale == "log" else 0.2)

@@ -32,6 +32,7 @@ class State:
     held_matrix: PerJoint = field(default_factory=dict)
     prior: Prior | None = None
     weights: Array | None = None  # σ per joint where it is not to follow the residual
+    loads: Array | None = None  # base parameters of the model that the columns look at
 
     @classmethod
     def start(cls, model: TorqueModel, train: Side, held: Side, frozen: bool = False) -> State:
@@ -57,6 +58,11 @@ class State:
         """What the fit knows of the coefficients besides the data: a frozen model's own
         uncertainty, else how smooth its maps are."""
         return self.prior or smoothness(len(self.model.h), self.terms)
+
+    @property
+    def drawn_by_loads(self) -> bool:
+        """Do terms throw the links about by loads of the model itself, as gaps and springs do?"""
+        return any(t.effect.uses_model and t.effect.reaches_other_joints for t in self.terms)
 
     def may_fall(self, effect: Effect) -> bool:
         """Is the effect sought as a change of what a frozen model has already?"""
@@ -121,7 +127,11 @@ class State:
         Loads are those of the coefficients that most samples agree on; a model that brings its
         own knowledge is not bent by a few samples anyway.
         """
-        model = self.model if self.prior is not None else self.with_coefficients(agreed(self.fit))
+        if self.prior is None:
+            model = replace(self.with_coefficients(agreed(self.fit)), loads=None)
+            self.loads = model.h
+        else:
+            model = self.model
         self.train.look_through(model)
         self.held.look_through(model)
         for index, term in enumerate(self.terms):
@@ -155,6 +165,17 @@ class State:
         """joint -> (m_j,) N·m left over on the training side."""
         return {j: r * self.fit.sigma[j] for j, r in self.fit.residual.items()}
 
+    def moving_rms(self) -> Array:
+        """(n,) N·m on the held-out side, reversals included: what a fit has not looked at must not
+        become worse either."""
+        squares, counts = np.zeros(self.held.n), np.zeros(self.held.n)
+        for run in self.held.runs:
+            error = run.tau - run.lowpass(self.model.predict(run.context))
+            near = run.moving
+            squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
+            counts += near.sum(axis=0)
+        return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
+
     def change(self, fit: Fit, columns: PerJoint, seen: Array, theta: Array) -> PerJoint:
         """What adding a candidate changes on the held-out side, the model refitted around it.
 
@@ -173,7 +194,8 @@ class State:
             fitted.append(replace(term, coefficients=beta[start : start + k].copy()))
             start += k
         h, covariance = beta[: len(self.model.h)].copy(), self.fit.covariance()
-        return replace(self.model, h=h, terms=tuple(fitted), covariance=covariance)
+        loads = self.loads if self.drawn_by_loads else None
+        return replace(self.model, h=h, terms=tuple(fitted), covariance=covariance, loads=loads)
 
     def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:
         return (

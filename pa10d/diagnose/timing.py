@@ -34,9 +34,10 @@ def align(state: State) -> float:
         limit = MOST_SAMPLES / state.train.runs[0].lowpass.rate
         if abs(taken + offset) > limit:
             break
-        before = _size(state)
+        before = _sizes(state)
         _move(state, offset)
-        if _size(state) > before:  # what the fit side asks for must hold on the other side too
+        # what the fit side asks for must hold on the other side too, and where the arm turns round
+        if np.any(_sizes(state) > before):
             _move(state, -offset)
             break
         taken += offset
@@ -51,9 +52,10 @@ def _move(state: State, seconds: float) -> None:
     state.refit()
 
 
-def _size(state: State) -> float:
-    """Of the held-out error, every joint by its own measure."""
-    return float(sum(np.log(np.mean(r**2)) for r in state.held_residual().values()))
+def _sizes(state: State) -> Array:
+    """Of the held-out error, every joint by its own measure: without reversals and with them."""
+    without = sum(np.log(np.mean(r**2)) for r in state.held_residual().values())
+    return np.array([without, np.sum(np.log(state.moving_rms() ** 2))])
 
 
 def joint_delays(state: State) -> tuple[Array, Array]:

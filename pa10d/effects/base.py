@@ -44,6 +44,7 @@ class ShapeParameter:
     upper: float
     scale: Literal["linear", "log", "choice"] = "linear"
     smoothing: bool = False  # only rounds a corner; may lie at its bound
+    optional: bool = False  # only some joints have it; absent from the shapes of others
     blur: float = 0.0  # standard deviation, relative, over which the columns average
 
     def at_edge(self, value: float) -> bool:
@@ -153,6 +154,10 @@ class Effect(ABC):
         nonlinear law and the coefficients have become known better."""
         return dict(shape)
 
+    def shapes_in(self, shape: Mapping[str, object]) -> list[ShapeParameter]:
+        """The shape parameters that this case of the effect has."""
+        return [s for s in self.shapes if not s.optional or s.name in shape]
+
     def values(
         self, coefficients: Array, covariance: Array, shape: Shape, shape_errors: Shape
     ) -> dict[str, Value]:
@@ -162,7 +167,7 @@ class Effect(ABC):
             for c, v, s in zip(self.coefficients, coefficients, np.diag(covariance), strict=True)
             if not c.nuisance
         }
-        for s in self.shapes:
+        for s in self.shapes_in(shape):
             out[s.name] = Value(float(shape[s.name]), float(shape_errors.get(s.name, 0.0)), s.unit)
         return out
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,8 @@ class Context:
                      parameters), without rotor inertia; link-side loads follow from them
     total            (N, n) N·m, torque of the whole model so far, friction included
     temperature      (N, n) °C or None
+    rotor_in_load    joints (0-based) whose rotor's inertia the rigid bodies have taken in: their
+                     load is the torque at the rotor, not at the link
     rubbing          (N, n) N·m, friction of the model so far that heats the joints, or None
     desired          the motion was not measured but is wanted: without noise, so that no sign of a
                      velocity has to be smoothed against it
@@ -41,6 +43,7 @@ class Context:
     total: Array
     temperature: Array | None = None
     rubbing: Array | None = None
+    rotor_in_load: tuple[int, ...] = ()
     desired: bool = False
 
     def softness(self, v0: float) -> float:
@@ -102,7 +105,3 @@ class Context:
     @cached_property
     def _kept(self) -> dict[str, tuple[Array, Array, Array]]:
         return {}
-
-    def with_model(self, rigid: Array, total: Array, rubbing: Array) -> Context:
-        """The same motion seen by another model."""
-        return replace(self, rigid=rigid, total=total, rubbing=rubbing)

@@ -7,7 +7,7 @@ leaves of it, so both are given.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +111,7 @@ def _context(robot: Robot, path: Motion) -> Context:
     bare = Context(robot, path.t, path.q, path.dq, path.ddq, robot.parameters, path.q * 0.0)
     level = 0.04 * np.where(np.isfinite(robot.effort), robot.effort, 100.0)
     friction = level * (np.tanh(path.dq / 0.05) + path.dq)
-    return bare.with_model(robot.parameters, bare.load + friction, friction)
+    return replace(bare, total=bare.load + friction, rubbing=friction)
 
 
 def _refitted(torque: Array, context: Context, j: int) -> Array:

@@ -22,6 +22,7 @@ from pa10d.effects.context import Context
 
 Array = NDArray[np.float64]
 
+LIGHTEST = 0.02  # of the inertia that a joint moves: the least that a link is taken to have
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 
 
@@ -31,21 +32,46 @@ def twisted_torque(
     stiffness: float,
     zeta: float,
     gaps: Sequence[Sequence[float]] = ((0.0,),),
+    rotor: float = 0.0,
     own: bool = False,
 ) -> Array:
     """Δτ (N, n, S) N·m that a compliant joint adds to the rigid model; own: (N, S), its own.
 
-    stiffness N·m/rad, zeta: damping ratio on that stiffness at the joint's typical inertia, gaps
-    (S, E): half widths in rad, E of each case, over which the motion of its link is averaged.
+    stiffness N·m/rad, zeta: damping ratio on that stiffness at the link's typical inertia, gaps
+    (S, E): half widths in rad, E of each case, over which the motion of its link is averaged;
+    rotor: kg·m² of what the rigid bodies count to the link and sits on the motor's side.
     """
-    inertia = context.inertia_seen(joint)
-    damping = 2.0 * zeta * float(np.sqrt(stiffness * context.typical_inertia[joint]))
     by_q, by_dq, by_ddq = context.sensitivity(joint)
-    link = [np.ascontiguousarray(a[:, joint]) for a in (context.load, by_q, by_dq)]
+    inertia = link_inertia(context, joint, rotor)
+    damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
+    load = context.load[:, joint] - rotor * context.ddq[:, joint]
+    link = [load, *(np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))]
     twist = mean_lag(*link, inertia, stiffness, damping, np.array(gaps, float), context.dt)
     reach = slice(joint, joint + 1) if own else slice(None)
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
+    torque[:, 0 if own else joint] += rotor * twist[:, 2]
     return torque[:, 0] if own else torque
+
+
+def link_inertia(context: Context, joint: int, rotor: float) -> Array:
+    """(N,) kg·m² that swings on the spring: M_jj(q) without what sits on the motor's side."""
+    seen = context.inertia_seen(joint)
+    return np.maximum(seen - rotor, LIGHTEST * float(seen.max()))
+
+
+def typical_link(context: Context, joint: int, rotor: float) -> float:
+    """The same over the joint's range, kg·m²."""
+    typical = float(context.typical_inertia[joint])
+    return max(typical - rotor, LIGHTEST * typical)
+
+
+def rotor_starts(context: Context, joint: int, shares: Sequence[float]) -> list[dict[str, float]]:
+    """Where a search for the rotor's part of the least inertia begins; not at all where the model
+    knows its rotor."""
+    if joint not in context.rotor_in_load:
+        return [{}]
+    least = float(context.inertia_seen(joint).min())
+    return [{"rotor": share * least} for share in shares]
 
 
 @numba.njit(cache=True, nogil=True)

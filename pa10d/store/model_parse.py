@@ -79,6 +79,7 @@ class _Parser:
             robot=robot,
             base=base,
             h=np.array([parameter.value for parameter in entry.base_parameters]),
+            loads=self._loads(),
             terms=terms,
             covariance=self._covariance(size),
             noise=self._per_joint(("fit", "rms"), fit.rms),
@@ -95,6 +96,15 @@ class _Parser:
             },
             notes=entry.notes | floor,
         )
+
+    def _loads(self) -> Array | None:
+        found = [parameter.in_loads for parameter in self._entry.base_parameters]
+        if all(value is None for value in found):
+            return None
+        for i, value in enumerate(found):
+            if value is None:
+                self._fail(("base_parameters", i, "in_loads"), "nothing", "a value, as others have")
+        return np.array(found, dtype=float)
 
     def _robot(self) -> Robot:
         entry = self._entry.robot
@@ -145,7 +155,7 @@ class _Parser:
             self._fail((*where, "joints"), entry.joints, f"{wanted} of joints 1 to {self._n}")
         for key, found, names in (
             ("coefficients", entry.coefficients, [c.name for c in kind.coefficients]),
-            ("shape", entry.shape, [s.name for s in kind.shapes]),
+            ("shape", entry.shape, [s.name for s in kind.shapes_in(entry.shape)]),
         ):
             if sorted(found) != sorted(names):
                 text = ", ".join(found) or "nothing"
@@ -155,7 +165,8 @@ class _Parser:
             entry.effect,
             tuple(j - 1 for j in entry.joints),
             np.array([entry.coefficients[c.name].value for c in kind.coefficients]),
-            {s.name: entry.shape[s.name].value for s in kind.shapes} | entry.linear_about,
+            {s.name: entry.shape[s.name].value for s in kind.shapes_in(entry.shape)}
+            | entry.linear_about,
             {name: error for name, error in errors.items() if error is not None},
             tuple(entry.over),
         )

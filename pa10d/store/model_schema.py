@@ -31,6 +31,7 @@ class BaseParameter(_Strict):
     std_error: NotNegative | None = None
     unit: str
     plus: dict[str, Number] = {}
+    in_loads: Number | None = None  # value from which effects take their loads, where another
 
 
 class EffectEntry(_Strict):

@@ -92,7 +92,8 @@ def _base(model: TorqueModel) -> list[Flow]:
         entry = _estimate(model.h[i], errors[i], parameter_unit(name))
         used = np.flatnonzero(base.relations[i])
         plus = {parameter_name(int(base.dropped[c])): float(base.relations[i, c]) for c in used}
-        out.append(Flow({"name": name, **entry} | ({"plus": Flow(plus)} if plus else {})))
+        loads = {} if model.loads is None else {"in_loads": float(model.loads[i])}
+        out.append(Flow({"name": name, **entry} | ({"plus": Flow(plus)} if plus else {}) | loads))
     return out
 
 
@@ -113,7 +114,7 @@ def _effects(model: TorqueModel) -> list[dict[str, Any]]:
         if kind.shapes:
             entry["shape"] = {
                 s.name: _estimate(term.shape[s.name], term.shape_errors.get(s.name), s.unit)
-                for s in kind.shapes
+                for s in kind.shapes_in(term.shape)
             }
         about = {k: float(v) for k, v in term.shape.items() if k not in entry.get("shape", {})}
         if about:

@@ -105,7 +105,11 @@ def true_parameters(hidden: Entry, truth: Mapping[str, Any]) -> dict[str, float]
         return {"T": hidden["T"], **lost}
     if "wave" in hidden or kind == "presliding_hysteresis":
         return {}
-    return {ours: float(hidden[theirs]) for ours, theirs in SAME[kind].items() if theirs in hidden}
+    same = {ours: float(hidden[theirs]) for ours, theirs in SAME[kind].items() if theirs in hidden}
+    if kind in ("joint_elasticity", "backlash") and hidden["joint"] <= 2:
+        # only these joints' rotors cannot be told from their links by a rigid model
+        same["rotor"] = truth["rotor_inertia"][hidden["joint"] - 1]
+    return same
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -56,7 +57,7 @@ def context_of(robot: Robot, motion: Motion, seconds: float = 8.0, dt: float = D
     q, dq, ddq = motion(t)
     bare = Context(robot, t, q, dq, ddq, robot.parameters, np.zeros_like(q))
     friction = 2.0 * np.tanh(dq / 0.02) + 1.5 * dq
-    return bare.with_model(robot.parameters, bare.load + friction, friction)
+    return replace(bare, total=bare.load + friction, rubbing=friction)
 
 
 def arm_context(seed: int = 0, seconds: float = 8.0, **motion: float) -> Context:
@@ -74,7 +75,7 @@ def alone(joint: int, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, dt: float 
         array[:, joint] = values
     t = np.arange(len(q)) * dt
     bare = Context(robot, t, *many, robot.parameters, np.zeros((len(q), 7)))
-    return bare.with_model(robot.parameters, bare.load, np.zeros_like(bare.q))
+    return replace(bare, total=bare.load, rubbing=np.zeros_like(bare.q))
 
 
 def constant_speed(joint: int, speed: float, samples: int = 400) -> Context:

@@ -1,5 +1,7 @@
 """Series spring and gap against closed forms, an ODE solver, and links moved by Pinocchio."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -18,9 +20,11 @@ from effect_motions import (
 )
 from scipy.integrate import solve_ivp
 
+from pa10d.effects import all_effects
 from pa10d.effects.library.backlash import CONTACT_DAMPING, CONTACT_HZ
 
 J = 3  # 0-based: the elbow
+EFFECTS = all_effects()
 
 
 @pytest.mark.parametrize("hertz", [1.0, 4.0, 7.0, 12.0])
@@ -42,6 +46,35 @@ def test_harmonic_response_of_a_flywheel_on_a_spring(hertz):
     exact = np.imag(inertia * omega**2 * delta * np.exp(1j * omega * context.t))
     late = context.t > 6.0
     assert rms((found - exact)[late]) < 0.03 * rms(exact[late])
+
+
+@pytest.mark.parametrize("hertz", [2.0, 9.0, 12.0])
+def test_a_rotor_that_a_rigid_model_counts_to_its_link_stays_on_the_motor(hertz):
+    """Of the inertia J only J - Ir swings: δ = (J - Ir)·q̈/(K - (J - Ir)·ω² + iωC)."""
+    inertia, rotor, stiffness, zeta = 1.2, 0.7, 2000.0, 0.1  # resonance at 10 Hz instead of 6.5
+    omega, link = 2 * np.pi * hertz, inertia - rotor
+
+    def swing(t):
+        return tuple(
+            (omega**d * 0.01 * np.sin(omega * t + d * np.pi / 2))[:, None] for d in range(3)
+        )
+
+    context = context_of(flywheel(), swing, seconds=10.0)
+    shape = {"K": stiffness, "zeta": zeta, "rotor": rotor}
+    found = columns("joint_elasticity", context, 0, **shape)[:, 0, 0]
+    damping = 2 * zeta * np.sqrt(stiffness * link)
+    delta = link * -(omega**2) * 0.01 / (stiffness - link * omega**2 + 1j * omega * damping)
+    exact = np.imag(link * omega**2 * delta * np.exp(1j * omega * context.t))
+    late = context.t > 6.0
+    assert rms((found - exact)[late]) < 0.03 * rms(exact[late])
+
+
+def test_the_search_for_a_rotor_begins_only_where_the_model_does_not_know_it():
+    kinds = [EFFECTS[name] for name in ("joint_elasticity", "backlash")]
+    context = replace(arm_context(seconds=1.0), rotor_in_load=(0, 1))
+    for kind in kinds:
+        assert {"rotor" in s for s in kind.starts(context, [0])} == {True}
+        assert {"rotor" in s for s in kind.starts(context, [J])} == {False}
 
 
 @pytest.mark.parametrize(

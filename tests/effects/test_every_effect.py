@@ -43,8 +43,8 @@ def test_starts_name_every_shape_and_lie_within_bounds(name):
         starts = kind.starts(arm_context(seed=seed, seconds=seconds), SCOPES[kind.scope])
         assert len(starts) >= 1
         for shape in starts:
-            assert set(shape) == {s.name for s in kind.shapes}
-            for s in kind.shapes:
+            assert set(shape) == {s.name for s in kind.shapes_in(shape)}
+            for s in kind.shapes_in(shape):
                 assert s.lower <= shape[s.name] <= s.upper
 
 
@@ -131,8 +131,11 @@ def test_torque_is_linear_in_the_coefficients(name):
 def test_only_those_that_say_so_depend_on_the_model(name):
     kind, context = EFFECTS[name], arm_context(seed=8, seconds=0.5)
     joints = SCOPES[kind.scope]
-    other = context.with_model(
-        1.3 * context.rigid, 1.7 * context.total + 1.0, 2.0 * context.rubbing
+    other = replace(
+        context,
+        rigid=1.3 * context.rigid,
+        total=1.7 * context.total + 1.0,
+        rubbing=2.0 * context.rubbing,
     )
     choices = [s.name for s in kind.shapes if s.scale == "choice"]
     same = [
@@ -173,7 +176,10 @@ def test_units_are_those_that_the_columns_have(name, monkeypatch):
         ddq=context.ddq / factor**2,
         total=context.total / factor**2,
     )
-    other = {s.name: shape[s.name] * factor ** power_of_time(s.unit, shape) for s in kind.shapes}
+    other = {
+        s.name: shape[s.name] * factor ** power_of_time(s.unit, shape)
+        for s in kind.shapes_in(shape)
+    }
     here = kind.columns(context, joints, shape)
     monkeypatch.setattr(backlash, "CONTACT_HZ", backlash.CONTACT_HZ / factor)
     there = kind.columns(in_halves, joints, other)

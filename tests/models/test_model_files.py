@@ -54,6 +54,23 @@ def test_every_effect_comes_back(store, effect_id):
     same(model, store.load("m1"))
 
 
+def test_loads_of_their_own_come_back_and_count(store):
+    gap = replace(examples.some_term("backlash"), shape={"b": 0.01})
+    model = examples.textbook(terms=(gap,))
+    other = replace(model, loads=1.5 * model.h)
+    store.save(other)
+    again = store.load("m0")
+    assert np.array_equal(again.loads, other.loads)
+    assert "rotor" not in again.terms[0].shape, "a shape that only some joints have"
+    motion = examples.motion()
+    assert np.array_equal(other.predict(motion), again.predict(replace(motion, robot=again.robot)))
+    # the bodies' own torque is that of h; only the gap looks at the loads
+    seen, plain = other.contextualise(motion), model.contextualise(motion)
+    thrown = gap.torque(seen) - gap.torque(plain)
+    assert np.abs(thrown).max() > 1e-3
+    assert other.predict(motion) - model.predict(motion) == pytest.approx(thrown)
+
+
 def test_the_point_of_linearisation_comes_back(store):
     term = replace(examples.some_term("encoder_offset"), shape={"at": 0.0123})
     model = examples.textbook(terms=(term,))
@@ -122,6 +139,10 @@ BROKEN = {
     "not a number": ((r"value: [-0-9.e]+", "value: heavy"), "value: found 'heavy'"),
     "not finite": ((r"value: [-0-9.e]+", "value: .nan"), "expected a finite number"),
     "unknown effect": ((r"effect: viscous", "effect: viscose"), "effect: found viscose"),
+    "loads in part": (
+        (r"(- \{name: \w+, value: [^\n]*)\}$", r"\1, in_loads: 1.0}"),
+        "in_loads: found nothing, expected a value",
+    ),
     "coefficient's name": ((r"^    Fv:", "    Fw:"), "coefficients: found Fw, expected Fv"),
     "shape missing": ((r"  shape:\n    v0: [^\n]*\n", ""), "shape: found nothing, expected v0"),
     "joint too high": ((r"joints: \[4\]", "joints: [9]"), "expected 1 of joints 1 to 4"),

@@ -3,26 +3,31 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
-from pa10d.effects.twist import twisted_torque
+from pa10d.effects.twist import link_inertia, rotor_starts, twisted_torque
 
 
 class JointElasticity(Effect):
     """The gear gives under load like a stiff spring. The link lags behind the motor, where the
     angle is measured, and can swing against it at a frequency of its own. K is the spring's
     stiffness, zeta its damping (1 would let it creep back without swinging); a share near 1
-    confirms that the lag explains the error."""
+    confirms that the lag explains the error. Where a rigid model cannot tell rotor from link (axes
+    that are fixed), the spring can: rotor is the inertia on the motor's side."""
 
     id = "joint_elasticity"
     title = "Joint elasticity"
     noun = "elasticity"
     plainly = "the gear gives like a spring"
-    equation = "M_jj·δ̈ + C·δ̇ + K·δ = τ_load(q - δ),  Δτ = share·(τ_rigid(q - δ) - τ_rigid(q))"
+    equation = (
+        "M_link·δ̈ + C·δ̇ + K·δ = τ_link(q - δ),  M_link = M_jj - rotor, τ_link = τ_load - rotor·q̈,  "
+        "Δτ = share·(τ_link(q - δ) - τ_link(q))"
+    )
     reaches_other_joints = True
     uses_model = True
     coefficients = (Coefficient("share", "1", 0.8, 1.25),)
     shapes = (
         ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
+        ShapeParameter("rotor", "kg·m²", 0.0, 100.0, optional=True),
     )
     signature = (
         "The error grows with acceleration and its changes, and is largest near one frequency in "
@@ -51,14 +56,20 @@ class JointElasticity(Effect):
 
     def columns_of(self, context, joints, shapes, own=False):
         made = [
-            twisted_torque(context, joints[0], shape["K"], shape["zeta"], own=own)
-            for shape in shapes
+            twisted_torque(
+                context, joints[0], s["K"], s["zeta"], rotor=s.get("rotor", 0.0), own=own
+            )
+            for s in shapes
         ]
         return np.concatenate(made, axis=-1)
 
     def starts(self, context, joints):
-        inertia = float(np.median(context.inertia_seen(joints[0])))
-        return [
-            {"K": float(np.clip(inertia * (2 * np.pi * f) ** 2, 5.0, 1e7)), "zeta": 0.05}
-            for f in (2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 20.0)
-        ]
+        out = []
+        for rotor in rotor_starts(context, joints[0], (0.1, 0.35, 0.7)):
+            inertia = float(np.median(link_inertia(context, joints[0], rotor.get("rotor", 0.0))))
+            out += [
+                {"K": float(np.clip(inertia * (2 * np.pi * f) ** 2, 5.0, 1e7)), "zeta": 0.05}
+                | rotor
+                for f in (2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 20.0)
+            ]
+        return out
