@@ -62,6 +62,8 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 15) -> d
 
 def _step(effect: Effect, name: str, scale: str, start: Shape) -> float:
     """How far the starting grid leaves its neighbours apart, in the search's own scale."""
+    if name == "rotor":
+        return 0.25 * start["rotor"]
     by_effect = {
         ("position_friction", "qc"): 0.6 * start.get("w", 0.2),
         ("position_friction", "w"): 0.2 if start.get("wave") else 0.7,
@@ -69,8 +71,6 @@ def _step(effect: Effect, name: str, scale: str, start: Shape) -> float:
         ("contact", "qs"): 0.08,
         ("stribeck", "delta"): 0.5,
         ("nonlinear_viscous", "p"): 0.5,
-        ("joint_elasticity", "rotor"): 0.3 * start.get("rotor", 0.0),
-        ("backlash", "rotor"): 0.2 * start.get("rotor", 0.0),
         ("backlash", "b"): 0.12,
     }
     return by_effect.get((effect.id, name), 0.7 if scale == "log" else 0.2)

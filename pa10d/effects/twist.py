@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
+from pa10d.effects.rotor import link_inertia, link_load, typical_link
 
 Array = NDArray[np.float64]
 
-LIGHTEST = 0.02  # of the inertia that a joint moves: the least that a link is taken to have
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 
 
@@ -44,34 +44,15 @@ def twisted_torque(
     by_q, by_dq, by_ddq = context.sensitivity(joint)
     inertia = link_inertia(context, joint, rotor)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
-    load = context.load[:, joint] - rotor * context.ddq[:, joint]
-    link = [load, *(np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))]
+    link = [
+        link_load(context, joint, rotor),
+        *(np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq)),
+    ]
     twist = mean_lag(*link, inertia, stiffness, damping, np.array(gaps, float), context.dt)
     reach = slice(joint, joint + 1) if own else slice(None)
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     return torque[:, 0] if own else torque
-
-
-def link_inertia(context: Context, joint: int, rotor: float) -> Array:
-    """(N,) kg·m² that swings on the spring: M_jj(q) without what sits on the motor's side."""
-    seen = context.inertia_seen(joint)
-    return np.maximum(seen - rotor, LIGHTEST * float(seen.max()))
-
-
-def typical_link(context: Context, joint: int, rotor: float) -> float:
-    """The same over the joint's range, kg·m²."""
-    typical = float(context.typical_inertia[joint])
-    return max(typical - rotor, LIGHTEST * typical)
-
-
-def rotor_starts(context: Context, joint: int, shares: Sequence[float]) -> list[dict[str, float]]:
-    """Where a search for the rotor's part of the least inertia begins; not at all where the model
-    knows its rotor."""
-    if joint not in context.rotor_in_load:
-        return [{}]
-    least = float(context.inertia_seen(joint).min())
-    return [{"rotor": share * least} for share in shares]
 
 
 @numba.njit(cache=True, nogil=True)

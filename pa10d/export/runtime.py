@@ -197,7 +197,11 @@ MECHANICS = {
         lambda m, j, c, s: c[0] * np.abs(m.dq[:, j]) ** s["p"] * np.sign(m.dq[:, j])
     ),
     "load_friction": own(
-        lambda m, j, c, s: c[0] * np.abs(m.load[:, j]) * m.sign(m.dq[:, j], s["v0"])
+        lambda m, j, c, s: (
+            c[0]
+            * np.abs(m.load[:, j] - s.get("rotor", 0.0) * m.ddq[:, j])
+            * m.sign(m.dq[:, j], s["v0"])
+        )
     ),
     "position_friction": own(
         lambda m, j, c, s: (

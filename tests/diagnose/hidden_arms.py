@@ -106,7 +106,7 @@ def true_parameters(hidden: Entry, truth: Mapping[str, Any]) -> dict[str, float]
     if "wave" in hidden or kind == "presliding_hysteresis":
         return {}
     same = {ours: float(hidden[theirs]) for ours, theirs in SAME[kind].items() if theirs in hidden}
-    if kind in ("joint_elasticity", "backlash") and hidden["joint"] <= 2:
+    if kind in ("joint_elasticity", "backlash", "load_friction") and hidden["joint"] <= 2:
         # only these joints' rotors cannot be told from their links by a rigid model
         same["rotor"] = truth["rotor_inertia"][hidden["joint"] - 1]
     return same

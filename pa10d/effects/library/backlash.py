@@ -5,7 +5,8 @@ from itertools import groupby
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
-from pa10d.effects.twist import rotor_starts, twisted_torque, typical_link
+from pa10d.effects.rotor import ROTOR, rotor_starts, typical_link
+from pa10d.effects.twist import twisted_torque
 
 CONTACT_HZ = 25.0  # stiffness of the flanks, as the link's natural frequency on them
 CONTACT_DAMPING = 0.5
@@ -33,7 +34,7 @@ class Backlash(Effect):
     coefficients = (Coefficient("share", "1", 0.5, 1.25),)
     shapes = (
         ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR))),
-        ShapeParameter("rotor", "kg·m²", 0.0, 100.0, optional=True),
+        ROTOR,
     )
     signature = (
         "Each time the joint's load changes sides, no torque passes for a moment; then comes a "

@@ -3,7 +3,8 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
-from pa10d.effects.twist import link_inertia, rotor_starts, twisted_torque
+from pa10d.effects.rotor import ROTOR, link_inertia, rotor_starts
+from pa10d.effects.twist import twisted_torque
 
 
 class JointElasticity(Effect):
@@ -27,7 +28,7 @@ class JointElasticity(Effect):
     shapes = (
         ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
-        ShapeParameter("rotor", "kg·m²", 0.0, 100.0, optional=True),
+        ROTOR,
     )
     signature = (
         "The error grows with acceleration and its changes, and is largest near one frequency in "

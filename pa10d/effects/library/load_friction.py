@@ -3,19 +3,21 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.rotor import ROTOR, link_load, rotor_starts
 
 
 class LoadFriction(Effect):
     """The torque that passes through gear teeth and bearings presses them together, and what is
     pressed harder rubs more. mu is the share of the load that is lost to friction; the load is
-    what the links ask for, without rotor and friction."""
+    what the links ask for, without rotor and friction (rotor: the inertia that a rigid model
+    cannot tell from the link, on axes that are fixed)."""
 
     id = "load_friction"
     title = "Load-dependent friction"
-    equation = "τ = μ·|τ_load|·tanh(q̇/v0)"
+    equation = "τ = μ·|τ_load - rotor·q̈|·tanh(q̇/v0)"
     uses_model = True
     coefficients = (Coefficient("mu", "1", lower=0.0),)
-    shapes = (ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True),)
+    shapes = (ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True), ROTOR)
     signature = (
         "The level of friction (half the difference between going there and coming back) follows "
         "the torque that the gear passes on to the links."
@@ -36,7 +38,12 @@ class LoadFriction(Effect):
 
     def columns(self, context, joints, shape):
         j = joints[0]
-        return (np.abs(context.load[:, j]) * smooth_sign(context.dq[:, j], shape["v0"]))[:, None]
+        load = link_load(context, j, shape.get("rotor", 0.0))
+        return (np.abs(load) * smooth_sign(context.dq[:, j], shape["v0"]))[:, None]
 
     def starts(self, context, joints):
-        return [{"v0": 0.01}, {"v0": 0.05}]
+        return [
+            {"v0": v0} | rotor
+            for rotor in rotor_starts(context, joints[0], (0.05, 0.35, 0.7))
+            for v0 in (0.01, 0.05)
+        ]
