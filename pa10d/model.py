@@ -65,6 +65,13 @@ class Term:
         return out
 
 
+def in_units_of(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
+    """An effect's values in the units of its joints."""
+    if not term.joints or not all(robot.prismatic[j] for j in term.joints):
+        return values
+    return {name: value.of_a_slide() for name, value in values.items()}
+
+
 def label(effect_id: str, joints: Sequence[int], over: Sequence[str] = ()) -> str:
     """What a term is called; joints numbered from 1."""
     where = f" J{','.join(map(str, joints))}" if joints else ""
@@ -157,9 +164,10 @@ class TorqueModel:
     def term_values(self, index: int) -> dict[str, Value]:
         """Parameters of one effect with standard errors and units."""
         term, where = self.terms[index], self.term_slice(index)
-        return term.effect.values(
+        found = term.effect.values(
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
+        return in_units_of(self.robot, term, found)
 
     def contextualise(self, context: Context) -> Context:
         """The same motion with this model's loads and total torque.

@@ -170,7 +170,12 @@ def in_words(found: Diagnosis) -> str:
                 "   a smooth map removes it, and explains nothing: pa10d add … smooth_map --joint "
                 f"{s.joint + 1} --over '{','.join(s.variables)}'"
             )
-    head = ["joint", "RMS N·m", *(f.term.label for f in found.findings), "noise floor"]
+    head = [
+        "joint",
+        f"RMS {found.model.robot.torque_units()}",
+        *(f.term.label for f in found.findings),
+        "noise floor",
+    ]
     rows = [
         [
             str(j + 1),

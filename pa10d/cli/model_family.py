@@ -53,7 +53,8 @@ def show(options: argparse.Namespace) -> Answer:
 
     library = _library(options)
     info = library.models.find(options.model_)
-    details = model_details(library.models.load(info))
+    model = library.models.load(info)
+    details = model_details(model)
     path = library.models.path(info)
     rows = [
         [p["name"], f"{p['value']:.5g}", _error(p["std_error"]), p["unit"], p["meaning"]]
@@ -63,7 +64,7 @@ def show(options: argparse.Namespace) -> Answer:
         f"{info.name} ({info.id}), {info.change}, from {info.parent_name or 'nothing'}",
         f"runs {', '.join(info.runs)}; cut-off {info.cutoff_hz:g} Hz; file {path}",
         table(["parameter", "value", "± 1 σ", "unit", "is"], rows),
-        table(["joint", "RMS N·m"], _rows(info.joints, info.rms)),
+        table(["joint", f"RMS {model.robot.torque_units()}"], _rows(info.joints, info.rms)),
     ]
     return Answer(_brief(info) | details | {"file": path}, "\n".join(lines))
 

@@ -62,7 +62,10 @@ def identify(options: argparse.Namespace) -> Answer:
         f"{found['base_parameters']} base parameters, {found['inertial_base_parameters']} of them "
         f"inertial; condition number {found['condition_number']:.4g}; cut-off "
         f"{found['cutoff_hz']:.4g} Hz; {'feasible' if found['feasible'] else 'not feasible'}",
-        table(["joint", "RMS N·m"], _rows(made.info.joints, made.info.rms)),
+        table(
+            ["joint", f"RMS {made.model.robot.torque_units()}"],
+            _rows(made.info.joints, made.info.rms),
+        ),
     ]
     return Answer(found, "\n".join(lines))
 
@@ -83,7 +86,8 @@ def compare(options: argparse.Namespace) -> Answer:
         document["report"] = str(write_report(found, options.report.absolute()))
         note(f"report: {document['report']}")
     pooled = document["pooled"]
-    head = ["joint", "RMS N·m", "noise floor", "ratio", "RMS raw", "max", "NRMSE", "R²"]
+    unit = found.comparison.model.robot.torque_units()
+    head = ["joint", f"RMS {unit}", "noise floor", "ratio", "RMS raw", "max", "NRMSE", "R²"]
     rows = [
         [
             f"{j + 1} {name}",

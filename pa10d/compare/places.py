@@ -51,7 +51,7 @@ def places(
         rms = float(np.sqrt(np.mean(samples.error**2)))
         clear = floor is not None and rms > CLEAR * floor[joint]
         search = Search(samples, (CLEAR_LEVEL if clear else level) / robot.n / kinds, seed=joint)
-        unit = "N" if robot.prismatic[joint] else "N·m"
+        unit = robot.torque_unit(joint)
         found += [
             Place(joint, what, sentence(joint, what, unit), min(1.0, p * robot.n * kinds))
             for what, p in search.run()

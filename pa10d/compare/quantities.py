@@ -58,13 +58,13 @@ class Quantity:
 def quantities(robot: Robot, joint: int, with_temperature: bool) -> list[Quantity]:
     """What joint's error is looked at against: its own motion and load, time, and the motion of
     the joints next to it in the tree."""
-    length = "m" if robot.prismatic[joint] else "rad"
+    length = robot.angle_unit(joint)
     own = [
         Quantity("q", joint, length),
         Quantity("dq", joint, f"{length}/s"),
         Quantity("|dq|", joint, f"{length}/s"),
         Quantity("ddq", joint, f"{length}/s²"),
-        Quantity("load", joint, "N" if robot.prismatic[joint] else "N·m"),
+        Quantity("load", joint, robot.torque_unit(joint)),
         Quantity("time", joint, "s"),
         Quantity("reversal_time", joint, "s"),
         Quantity("reversal_travel", joint, length),
@@ -72,7 +72,7 @@ def quantities(robot: Robot, joint: int, with_temperature: bool) -> list[Quantit
     if with_temperature:
         own.append(Quantity("temperature", joint, "°C"))
     for other in _neighbours(robot, joint):
-        unit = "m" if robot.prismatic[other] else "rad"
+        unit = robot.angle_unit(other)
         own += [
             Quantity("q", other, unit, own=False),
             Quantity("dq", other, f"{unit}/s", own=False),

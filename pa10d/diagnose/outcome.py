@@ -58,7 +58,11 @@ class Finding:
             "rms_after": self.rms_after.tolist(),
             "p_value": self.p_value,
             "slope": self.slope,
-            "size": {"value": self.size.value, "std_error": self.size.std_error, "unit": "N·m"},
+            "size": {
+                "value": self.size.value,
+                "std_error": self.size.std_error,
+                "unit": self.size.unit,
+            },
             "confounded_with": [
                 {"effect": c.effect, "joints": [j + 1 for j in c.joints], "why": c.why}
                 for c in self.confounded_with

@@ -22,7 +22,7 @@ from pa10d.diagnose.versions import snapshot, to_store, versions_of
 from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
-from pa10d.model import Term, TorqueModel
+from pa10d.model import Term, TorqueModel, in_units_of
 from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
@@ -192,7 +192,11 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         plan = settle_doubt(state.model, own, [r.candidate for r in rivals])
     return Finding(
         term=replace(term, shape_errors=shape_errors),
-        parameters=term.effect.values(term.coefficients, covariance, term.shape, shape_errors),
+        parameters=in_units_of(
+            state.model.robot,
+            term,
+            term.effect.values(term.coefficients, covariance, term.shape, shape_errors),
+        ),
         rms_before=before,
         rms_after=after,
         p_value=judged.p_corrected,
@@ -205,12 +209,16 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
 
 
 def _size(state: State, index: int, judged: Judged) -> Value:
-    """RMS of the torque where it acts most, N·m; its error follows from the held-out slope."""
+    """RMS of the torque where it acts most; its error follows from the held-out slope."""
     columns = state.blocks[index][1]
     torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}
-    largest = max(float(np.sqrt(np.mean(v**2))) for v in torque.values())
+    acted = {j: float(np.sqrt(np.mean(v**2))) for j, v in torque.items()}
+    where = max(acted, key=lambda j: acted[j])
+    largest = acted[where]
     z = max(abs(judged.evidence.z), 1e-9)
-    return Value(largest, largest * abs(judged.evidence.slope) / z, "N·m")
+    return Value(
+        largest, largest * abs(judged.evidence.slope) / z, state.model.robot.torque_unit(where)
+    )
 
 
 def _confusion(term: Term, rival: Judged) -> Confusion:

@@ -29,7 +29,7 @@ def sentence(
     """
     worst = int(np.argmax(before**2 - after**2))
     share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
-    said = (changed if frozen else missing)(term, f"about {size.value:.2g} N·m")
+    said = (changed if frozen else missing)(term, f"about {size.value:.2g} {size.unit}")
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
     if confusions:
         others = sorted({effect(c.effect).named for c in confusions})

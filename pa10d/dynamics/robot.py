@@ -62,6 +62,18 @@ class Robot:
         """Number of joints."""
         return len(self.joint_names)
 
+    def torque_unit(self, joint: int) -> str:
+        """What a joint's "torque" is measured in: a joint that slides has a force."""
+        return "N" if self.prismatic[joint] else "N·m"
+
+    def angle_unit(self, joint: int) -> str:
+        """What a joint's position is measured in."""
+        return "m" if self.prismatic[joint] else "rad"
+
+    def torque_units(self) -> str:
+        """Of all joints together, for the head of a column."""
+        return " or ".join(sorted({self.torque_unit(j) for j in range(self.n)}))
+
     def with_gravity(self, gravity: Array) -> Robot:
         """The same arm under another gravity vector (3,) m/s², base frame."""
         return replace(self, gravity=np.asarray(gravity, dtype=float))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -61,6 +61,13 @@ class Value:
     value: float
     std_error: float
     unit: str
+
+    def of_a_slide(self) -> Value:
+        """The same where the joint does not turn but slide: newtons and metres."""
+        unit = self.unit
+        for turns, slides in (("N·m", "N"), ("rad", "m"), ("kg·m²", "kg"), ("rev", "m")):
+            unit = unit.replace(turns, slides)
+        return replace(self, unit=unit)
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def error_maps(
         seen = np.concatenate(parts)
         if quantity.kind != "temperature" or np.ptp(seen) >= WARMS:
             panels.append((quantity, seen, regions))
-    unit = "N" if robot.prismatic[joint] else "N·m"
+    unit = robot.torque_unit(joint)
     return _grid(panels, error, floor, unit)
 
 

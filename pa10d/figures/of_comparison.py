@@ -52,4 +52,5 @@ def joint_figures(comparison: Comparison, joint: int) -> dict[str, Any]:
 
 def units(comparison: Comparison) -> list[str]:
     """Of each joint's torque."""
-    return ["N" if prismatic else "N·m" for prismatic in comparison.model.robot.prismatic]
+    robot = comparison.model.robot
+    return [robot.torque_unit(j) for j in range(robot.n)]

@@ -103,14 +103,13 @@ def _against(
 ) -> dict[str, Figure]:
     term, joint = found.findings[k].term, shown_joint(found, k)
     runs = seen.seen[k + 1]
-    prismatic = found.model.robot.prismatic
+    robot = found.model.robot
     own = term.joints[0] if term.joints else joint
     other = term.joints[-1] if term.joints else joint
     label = view.label.format(
-        own=own + 1, other=other + 1, angle="m" if prismatic[other] else "rad",
-        unit="N" if prismatic[own] else "N·m",
+        own=own + 1, other=other + 1, angle=robot.angle_unit(other), unit=robot.torque_unit(own)
     )  # fmt: skip
-    unit = "N" if prismatic[joint] else "N·m"
+    unit = robot.torque_unit(joint)
     x = seen.counted([view.x(run, term, joint) for run in runs], joint)
     turn = seen.counted([view.direction(run, joint) for run in runs], joint)
     torque = [run.equation.lowpass(term.torque(run.seen)[:, joint]) for run in runs]

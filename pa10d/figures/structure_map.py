@@ -43,9 +43,9 @@ def structure_map(found: Structure, seen: HeldOut) -> Figure:
     error = seen.error(len(seen.seen) - 1, found.joint)
     motion = motion_variables(seen.side)
     x = [seen.counted([run[name] for run in motion], found.joint) for name in found.variables]
-    prismatic = seen.side.runs[0].context.robot.prismatic
-    labels = [variable_label(name, prismatic) for name in found.variables]
-    unit = "N" if prismatic[found.joint] else "N·m"
+    robot = seen.side.runs[0].context.robot
+    labels = [variable_label(name, robot.prismatic) for name in found.variables]
+    unit = robot.torque_unit(found.joint)
     if len(x) == 1:
         return _curve(found, x[0], error, labels[0], unit)
     return _maps(found, x, error, labels, unit)

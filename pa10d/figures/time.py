@@ -56,7 +56,7 @@ def torque_over_time(
         dt,
         floor=None if raw else floor,
         counts=counts,
-        unit="N" if bool(run.seen.robot.prismatic[joint]) else "N·m",
+        unit=run.seen.robot.torque_unit(joint),
         span=span,
         marked=marked,
     )

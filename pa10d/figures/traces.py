@@ -60,7 +60,7 @@ def over_time(
             band(pair, (None, None), (-2 * floor, 2 * floor), NOISE, 0.2)
             for pair in (("x", "y"), ("x", "y2"))
         ]
-    unit = "N" if run.seen.robot.prismatic[joint] else "N·m"
+    unit = run.seen.robot.torque_unit(joint)
     figure = layout(
         330,
         shapes=shapes,
@@ -106,7 +106,7 @@ def over_frequency(
         f, density = density_of(runs, joint)
         f, density = peaks(f, density, POINTS)
         data.append(line(name, density, color, x=packed(f), width=2))
-    unit = "N" if before[0].seen.robot.prismatic[joint] else "N·m"
+    unit = before[0].seen.robot.torque_unit(joint)
     figure = layout(
         330,
         xaxis=axis("frequency, Hz", range=[0, 1.3 * cutoff]),
@@ -143,7 +143,7 @@ def over_order(
         data.append(line(name, size, color, x=packed(n), width=1.8))
     n, level = extremes(np.column_stack([first.order, first.threshold]), POINTS)[0].T
     data.append(line("level that noise does not pass", level, NOISE, x=packed(n), dash="dash"))
-    unit = "N" if before[0].seen.robot.prismatic[joint] else "N·m"
+    unit = before[0].seen.robot.torque_unit(joint)
     figure = layout(
         330,
         xaxis=axis(f"cycles per revolution of joint {joint + 1}", rangemode="tozero"),

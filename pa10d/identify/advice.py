@@ -48,7 +48,7 @@ def _unmoved(robot: Robot, seen: Excitation) -> Iterator[str]:
     for j in range(robot.n):
         if seen.range[j] < SMALL_RANGE:
             yield (
-                f"{_joint(robot, j)} hardly moves ({seen.range[j]:.2g} {_unit(robot, j)}): its "
+                f"{_joint(robot, j)} hardly moves ({seen.range[j]:.2g} {robot.angle_unit(j)}): its "
                 f"friction and inertia are not excited; move it over its range, both ways"
             )
         elif seen.reversals[j] < FEW_REVERSALS:
@@ -169,7 +169,3 @@ def _joint(robot: Robot, j: int) -> str:
 def _joints(indices: Sequence[int]) -> str:
     word = "joint" if len(indices) == 1 else "joints"
     return f"{word} {', '.join(str(j + 1) for j in indices)}"
-
-
-def _unit(robot: Robot, j: int) -> str:
-    return "m" if robot.prismatic[j] else "rad"

@@ -90,7 +90,7 @@ def _staircase(drawn: Mapping[str, Any]) -> Section:
 
 
 def _figures(found: Diagnosis) -> Section:
-    units = ["N" if p else "N·m" for p in found.model.robot.prismatic]
+    units = [found.model.robot.torque_unit(j) for j in range(found.model.robot.n)]
     labels = [f"+ {f.term.label}" for f in found.findings]
     head = ["joint", "as given" if found.frozen else "as given, refitted", *labels, "noise floor",
             "left ÷ noise", "unit"]  # fmt: skip

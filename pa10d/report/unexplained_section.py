@@ -20,7 +20,7 @@ INTRO = (
 
 def unexplained_section(found: Diagnosis, s: Structure, figure: Figure, asked: Asked) -> Section:
     """One joint's map; unless the model was frozen, also the command that removes it."""
-    unit = "N" if found.model.robot.prismatic[s.joint] else "N·m"
+    unit = found.model.robot.torque_unit(s.joint)
     reading = MAP if len(s.variables) == 2 else CURVE
     title = f"{s.rms:.3g} {unit} that no effect explains"
     blocks: list[Block] = [Text(INTRO), Plot(title, figure, reading, structure_words(s) + ".")]

@@ -1,0 +1,43 @@
+"""A joint that slides is told in newtons and metres, whatever its effects are called."""
+
+from dataclasses import replace
+
+import model_examples as examples
+import numpy as np
+import pytest
+
+from pa10d.effects import Value, all_effects
+from pa10d.model import in_units_of
+
+SLIDES = replace(examples.ROBOT, prismatic=np.array([False, True, False, True]))
+
+
+@pytest.mark.parametrize(
+    ("turning", "sliding"),
+    [
+        ("N·m", "N"), ("N·m·s/rad", "N·s/m"), ("N·m/rad", "N/m"), ("rad/s", "m/s"), ("rad", "m"),
+        ("kg·m²", "kg"), ("cycles/rev", "cycles/m"), ("1/(N·m)²", "1/(N)²"), ("s", "s"), ("1", "1"),
+    ],
+)  # fmt: skip
+def test_units(turning, sliding):
+    assert Value(1.5, 0.1, turning).of_a_slide() == Value(1.5, 0.1, sliding)
+
+
+@pytest.mark.parametrize("effect_id", sorted(all_effects()))
+def test_every_effect_of_a_slide_is_told_without_angles(effect_id):
+    term = examples.some_term(effect_id)
+    k = len(term.coefficients)
+    values = term.effect.values(term.coefficients, np.eye(k), term.shape, {})
+    told = in_units_of(SLIDES, replace(term, joints=term.joints and (1,)), values)
+    if not term.joints:
+        assert told == values
+    else:
+        assert not any("rad" in v.unit or "N·m" in v.unit for v in told.values())
+    assert in_units_of(SLIDES, replace(term, joints=(0,)), values) == values
+
+
+def test_heads_of_columns():
+    turns = replace(SLIDES, prismatic=np.zeros(4, bool))
+    assert turns.torque_units() == "N·m"
+    assert SLIDES.torque_units() == "N or N·m"
+    assert [SLIDES.angle_unit(j) for j in range(2)] == ["rad", "m"]
