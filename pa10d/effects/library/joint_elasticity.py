@@ -24,7 +24,8 @@ class JointElasticity(Effect):
     )
     reaches_other_joints = True
     uses_model = True
-    coefficients = (Coefficient("share", "1", 0.8, 1.25),)
+    # with a free share a spring that is too stiff or too soft would do as well
+    coefficients = (Coefficient("share", "1", 0.97, 1.03),)
     shapes = (
         ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
