@@ -1,5 +1,6 @@
 """A gap in the transmission."""
 
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
@@ -34,7 +35,7 @@ class Backlash(Effect):
     coefficients = (Coefficient("share", "1", 0.5, 1.25),)
     shapes = (
         ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR))),
-        ROTOR,
+        replace(ROTOR, blur=float(np.std(BLUR))),  # what moves the knocks as a wider gap does
     )
     signature = (
         "Each time the joint's load changes sides, no torque passes for a moment; then comes a "
