@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import time
 from collections.abc import Callable
 
 from backends.ports import Port, open_port
 from backends.virtual.machine import VirtualArm
 from pa10d.errors import UserError
+from pa10d.processor import stay_on_one, take_priority
 from pa10d.profile import Profile
 
 __all__ = ["VirtualArm", "serve"]
@@ -20,8 +20,8 @@ PRIORITY = 10  # SCHED_FIFO, where allowed; below that of the control loop
 
 def _like_hardware() -> None:
     """In real time the arm stands for drives, which do not wait for other programs to finish."""
-    with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    take_priority(PRIORITY)
+    stay_on_one()
 
 
 def serve(

@@ -6,32 +6,23 @@ import ctypes
 import gc
 import os
 
+from pa10d.processor import stay_on_one, take_priority
+
 PRIORITY = 80
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 
 
 def prepare(priority: int = PRIORITY) -> list[str]:
-    """Freeze garbage collection, take FIFO priority, lock memory → one sentence per refusal.
+    """Freeze garbage collection, take FIFO priority, stay on one processor, lock memory → one
+    sentence per refusal.
 
     A full collection among the objects of a numerical library takes tens of milliseconds.
     """
     gc.collect()
     gc.freeze()
     gc.disable()
+    stay_on_one()
     return [*take_priority(priority), *_lock_memory()]
-
-
-def take_priority(priority: int) -> list[str]:
-    """FIFO for this thread. Those that it starts later (of the CAN library) keep the usual one."""
-    policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
-    try:
-        os.sched_setscheduler(0, policy, os.sched_param(priority))
-    except PermissionError:
-        return [
-            "no real-time priority: cycles may start late; allow it with LimitRTPRIO=90 in the "
-            "service or 'rtprio 90' in /etc/security/limits.conf"
-        ]
-    return []
 
 
 def _lock_memory() -> list[str]:

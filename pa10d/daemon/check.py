@@ -19,7 +19,7 @@ from backends.registry import open_backend
 from pa10d.control.build import build_arm
 from pa10d.control.clock import Clock
 from pa10d.control.limits import arm_limits
-from pa10d.control.realtime import PRIORITY, take_priority
+from pa10d.control.realtime import PRIORITY
 from pa10d.control.ring import Ring
 from pa10d.control.states import Refused
 from pa10d.daemon.presence import present
@@ -27,6 +27,7 @@ from pa10d.daemon.simulator import simulated_bus
 from pa10d.dynamics import Robot
 from pa10d.errors import UserError
 from pa10d.experiments.checks import Check
+from pa10d.processor import stay_on_one, take_priority
 from pa10d.profile import Profile
 from pa10d.store.folders import write_text
 
@@ -167,13 +168,16 @@ def _judged(what: str, found: tuple[np.ndarray, int], profile: Profile) -> Check
 
 @contextlib.contextmanager
 def _real_time() -> Iterator[list[str]]:
-    """Priority and quiet garbage collection for a while."""
+    """Priority, one processor and quiet garbage collection for a while."""
     before = os.sched_getscheduler(0), os.sched_getparam(0)
+    allowed = os.sched_getaffinity(0)
     notes = take_priority(PRIORITY)
+    stay_on_one()
     gc.disable()
     try:
         yield notes
     finally:
         gc.enable()
         policy, parameters = before  # the flag is for root alone to take away
+        os.sched_setaffinity(0, allowed)
         os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, parameters)
