@@ -35,10 +35,6 @@ SURE = float(norm.isf(0.01 / 2 / 100))
 KNOWN: dict[tuple[str, int], str] = {
     (
         "backlash",
-        1,
-    ): "named rightly with width and rotor; held out 1.21 times the error of a fit that is told",
-    (
-        "backlash",
         2,
     ): "named rightly with its width; joint 2 held out 1.36 times the error of a fit that is told",
     ("position_friction", 2): "named rightly; centre 3.4 mrad off, 4.0 standard errors",
