@@ -156,8 +156,6 @@ def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Best |
     best: Best | None = None
     for shapes in _starts(state, effect, joints):
         columns = state.train.columns(effect, joints, shapes, own)
-        if not columns:
-            continue
         found = partials(state.fit, columns, effect, width, falls=falls)
         for shape, partial in zip(shapes, found, strict=True):
             if partial.identifiable and (best is None or partial.gain > best[1].gain):

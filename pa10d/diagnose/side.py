@@ -79,6 +79,7 @@ class Side:
             filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
             return {joints[0]: self._rows(filtered, joints[0])}
         touched = [j for j in range(self.n) if any(np.any(x[:, j]) for x in raw)]
+        touched = touched or [joints[0] if joints else 0]  # it has no torque at all: zeros
         if len(touched) < self.n:
             raw = [x[:, touched] for x in raw]
         filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]

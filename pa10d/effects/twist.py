@@ -49,6 +49,8 @@ def twisted_torque(
         *(np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq)),
     ]
     twist = mean_lag(*link, inertia, stiffness, damping, np.array(gaps, float), context.dt)
+    # far from the model's validity the integration may run away: no torque is better than inf
+    twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
     reach = slice(joint, joint + 1) if own else slice(None)
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
@@ -60,21 +62,14 @@ def _torque(by_q, by_dq, by_ddq, twist):
     """-(∂τ/∂q·δ + ∂τ/∂q̇·δ̇ + ∂τ/∂q̈·δ̈), (N, joints, S) N·m."""
     (n, joints), cases = by_q.shape, twist.shape[2]
     out = np.zeros((n, joints, cases))
-    # far from the model's validity the integration may run away: no torque is better than inf
-    valid = np.ones(cases, dtype=np.bool_)
-    for k in range(n):
-        for i in range(cases):
-            if not abs(twist[k, 0, i]) <= 1.0:
-                valid[i] = False
     for k in range(n):
         for j in range(joints):
             for i in range(cases):
-                if valid[i]:
-                    out[k, j, i] = -(
-                        by_q[k, j] * twist[k, 0, i]
-                        + by_dq[k, j] * twist[k, 1, i]
-                        + by_ddq[k, j] * twist[k, 2, i]
-                    )
+                out[k, j, i] = -(
+                    by_q[k, j] * twist[k, 0, i]
+                    + by_dq[k, j] * twist[k, 1, i]
+                    + by_ddq[k, j] * twist[k, 2, i]
+                )
     return out
 
 

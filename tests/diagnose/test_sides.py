@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from two_links import CUTOFF, RATE, recordings, robot, state_of, textbook
 
+from pa10d.diagnose.partial import partials
 from pa10d.diagnose.sides import blocks, two_sides
+from pa10d.effects import effect
 from pa10d.equation import prepare
 from pa10d.errors import UserError
 from pa10d.recording import Recording
@@ -113,3 +115,16 @@ def test_shift_of_a_side_moves_its_torque(runs, model):
         side.runs[0].tau[middle], np.roll(before, -1, axis=0)[middle], atol=2e-2
     )
     assert side.runs[0].shift == factor / RATE
+
+
+def test_a_spring_so_soft_that_its_link_runs_away_says_nothing(runs, model):
+    """A short recording leads the search there; it must come back, and find nothing better."""
+    state = state_of(runs, model)
+    spring = effect("joint_elasticity")
+    stiff = {s.name: np.sqrt(s.lower * s.upper) for s in spring.shapes} | {"K": 1e4, "zeta": 0.1}
+    columns = state.train.columns(spring, (0,), [stiff | {"K": 1e-3}])
+    assert columns
+    assert not any(np.any(c) for c in columns.values())
+    (partial,) = partials(state.fit, columns, spring, len(spring.coefficients))
+    assert not partial.identifiable
+    assert partial.gain == 0.0
