@@ -47,6 +47,7 @@ Best = tuple[dict[str, float], Partial]
 
 THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
+WORTH_JUDGING = 0.5  # of the best variant's gain
 THIN = 10  # samples of which one is looked at for where to start
 CHANGES = ("coulomb", "viscous", "torque_offset", "contact")
 """Besides effects that only ask what changed: friction that rose or fell, a new bias, a stop."""
@@ -77,13 +78,15 @@ def scan(
     pairs: Sequence[tuple[Effect, tuple[int, ...]]],
     tick: Callable[[float], None] = lambda share: None,
 ) -> list[Candidate]:
-    """Best starting shape of every suspect, strongest first."""
+    """Best starting shape of every suspect, strongest first; of suspects that come in variants
+    (a bump or a wave, warmed by time or by its own heat) of each that the fit side does not speak
+    clearly against: which one holds is for the held-out side to say."""
     _prepare(state, [effect for effect, _ in pairs])
-    tried = shared_map(lambda pair: _best_start(state, *pair), pairs, tick)
+    tried = shared_map(lambda pair: _best_starts(state, *pair), pairs, tick)
     found = [
         Candidate(effect, joints, *best)
-        for (effect, joints), best in zip(pairs, tried, strict=True)
-        if best is not None
+        for (effect, joints), variants in zip(pairs, tried, strict=True)
+        for best in variants
     ]
     return sorted(found, key=lambda c: -c.gain)
 
@@ -150,21 +153,38 @@ def all_motion(contexts: Sequence[Context]) -> Context:
     )
 
 
-def _best_start(state: State, effect: Effect, joints: tuple[int, ...]) -> Best | None:
+def _best_starts(state: State, effect: Effect, joints: tuple[int, ...]) -> list[Best]:
     width, falls = len(effect.coefficients), state.may_fall(effect)
     own = effect.starts_by_own_equation
-    best: Best | None = None
+    choices = [s.name for s in effect.shapes if s.scale == "choice"]
+    variants: dict[tuple[float | None, ...], Best] = {}
     for shapes in _starts(state, effect, joints):
         columns = state.train.columns(effect, joints, shapes, own)
         found = partials(state.fit, columns, effect, width, falls=falls)
         for shape, partial in zip(shapes, found, strict=True):
+            variant = tuple(shape.get(name) for name in choices)
+            best = variants.get(variant)
             if partial.identifiable and (best is None or partial.gain > best[1].gain):
-                best = dict(shape), partial
-    if best is None or not own:
-        return best
-    columns = state.train.columns(effect, joints, [best[0]])
-    partial = partials(state.fit, columns, effect, width, falls=falls)[0]
-    return (best[0], partial) if partial.identifiable else None
+                variants[variant] = dict(shape), partial
+    if own:
+        return _in_all_equations(state, effect, joints, list(variants.values()))
+    most = max((partial.gain for _, partial in variants.values()), default=0.0)
+    return [best for best in variants.values() if best[1].gain >= WORTH_JUDGING * most]
+
+
+def _in_all_equations(
+    state: State, effect: Effect, joints: tuple[int, ...], found: list[Best]
+) -> list[Best]:
+    """The same shapes, judged on all joints that they reach."""
+    out = []
+    for shape, _ in found:
+        columns = state.train.columns(effect, joints, [shape])
+        (partial,) = partials(
+            state.fit, columns, effect, len(effect.coefficients), falls=state.may_fall(effect)
+        )
+        if partial.identifiable:
+            out.append((shape, partial))
+    return out
 
 
 def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:

@@ -37,7 +37,7 @@ MORE_ROUNDS = 4  # of settling, beyond the usual
 WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints
 SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
 MATERIAL = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
-MUCH_WORSE = 0.25  # rise of one joint's RMS for which no finding is worth it
+MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
 OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
 SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
 TELL_APART = 2.6  # standard errors by which the better of two rivals must lead (1 %)
@@ -135,15 +135,13 @@ class Search:
         may spoil another joint, so a second attempt leaves the weights as they were.
         """
         saved = self.state.copy()
-        before, everywhere = rms(saved.held_residual()), saved.moving_rms()
         for weights in (saved.weights, saved.fit.sigma):
             self.state = saved.copy()
             self.state.weights = weights
             self.state.push(chosen.candidate.term)
             self.settle()
             dropped = self.prune()
-            after = rms(self.state.held_residual())
-            if not (harmful(before, after) or harmful(everywhere, self.state.moving_rms())):
+            if not harmful(saved, self.state):
                 return dropped
         self.state = saved
         return None
@@ -211,16 +209,17 @@ class Search:
     def _shortlist(self, found: list[Candidate]) -> list[Candidate]:
         """The strongest of every joint, as far as the fit side alone does not speak against them:
         a joint with a large error must not hide what another one has to say."""
-        per_joint: dict[int, int] = {}
+        per_joint: dict[int, set[str]] = {}
         out = []
         for candidate in found:
-            places = candidate.joints or (-1,)
-            if all(per_joint.get(j, 0) >= PER_JOINT for j in places):
+            there = [per_joint.setdefault(j, set()) for j in candidate.joints or (-1,)]
+            kind = candidate.effect.id
+            if all(len(kinds) >= PER_JOINT and kind not in kinds for kinds in there):
                 continue
             if candidate.gain < LEAST_GAIN:
                 continue
-            for j in places:
-                per_joint[j] = per_joint.get(j, 0) + 1
+            for kinds in there:
+                kinds.add(kind)
             out.append(candidate)
         return out
 
@@ -256,7 +255,7 @@ class Search:
         best = max(good, key=lambda j: j.gain)
         tied = [j for j in judged if j is best or self._tied(best, j)]
         chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
-        return chosen, [j for j in tied if j is not chosen]
+        return chosen, [j for j in tied if j.place != chosen.place]
 
     def _tied(self, best: Judged, other: Judged) -> bool:
         residual = self.state.held_residual()
@@ -386,10 +385,26 @@ REPEATABLE = ("torque_ripple", "contact", "position_friction")
 """Effects of which a joint may have several: another order, the other stop, a second worn spot."""
 
 
-def harmful(before: Array, after: Array) -> bool:
-    """Did the errors, each joint by its own measure, grow on the whole or much on one joint?"""
-    ratio = (after / np.maximum(before, 1e-300)) ** 2
-    return bool(np.sum(ratio - 1.0) > 0 or np.max(ratio) > (1.0 + MUCH_WORSE) ** 2)
+def harmful(before: State, after: State) -> bool:
+    """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
+    on one joint? The same with reversals, which no fit looks at, where a joint did not get worse
+    without them already.
+
+    On short recordings a right effect may move what several joints share within its uncertainty,
+    and away from where a joint happened to do well: that is no reason to go without it.
+    """
+    r0, r1 = before.held_residual(), after.held_residual()
+    ratio = rms(r1) / np.maximum(rms(r0), 1e-300)
+    if np.sum(ratio**2 - 1.0) > 0:
+        return True
+    if np.max(ratio) > 1.0 + MUCH_WORSE:
+        moved = {j: r0[j] - r1[j] for j in r0}
+        worse = judge(after.held, r0, moved, doubt_of(after)).worse
+        if any(ratio[j] > 1.0 + MUCH_WORSE for j in worse):
+            return True
+    everywhere = after.moving_rms() / np.maximum(before.moving_rms(), 1e-300)
+    beyond = everywhere / np.maximum(ratio, 1.0)
+    return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
 
 
 def complexity(candidate: Candidate) -> int:

@@ -1,0 +1,88 @@
+"""What a forward search weighs: which variant of an effect holds, and what counts as harm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from two_links import V0, recordings, robot, state_of, textbook
+
+from pa10d.diagnose.candidates import scan
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search import MUCH_WORSE, harmful, rms
+from pa10d.effects import effect
+from pa10d.effects.base import smooth_sign
+
+BUMP, CENTRE, WIDTH, OFFSET = 1.5, 0.3, 0.25, 2.0
+
+
+def rough_spot(t, q, dq, ddq):
+    """Friction that rises around one angle of joint 2, beside an offset that hides it."""
+    rise = BUMP * np.exp(-0.5 * ((q[:, 1] - CENTRE) / WIDTH) ** 2)
+    torque = rise * smooth_sign(dq[:, 1], V0) + OFFSET
+    return np.column_stack([np.zeros(len(t)), torque])
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return recordings(3, rough_spot)
+
+
+def test_both_variants_are_looked_at_where_the_fit_side_leaves_it_open(rough):
+    found = scan(state_of(rough), [(effect("position_friction"), (1,))])
+    assert {c.shape["wave"] for c in found} == {0.0, 1.0}
+    assert found[0].gain >= found[1].gain > 0
+
+
+def test_a_variant_that_explains_next_to_nothing_is_not(rough):
+    def stop(t, q, dq, ddq):
+        pushed = 40.0 * np.maximum(q[:, 1] - 0.5, 0.0)
+        return np.column_stack([np.zeros(len(t)), pushed])
+
+    found = scan(state_of(recordings(4, stop)), [(effect("contact"), (1,))])
+    assert [c.shape["side"] for c in found] == [1.0]
+
+
+def test_the_right_one_is_added_beside_what_hid_it(rough):
+    fit, held = [rough["fit_a"], rough["fit_b"]], [rough["valid_a"], rough["valid_b"]]
+    found = diagnose(textbook(rough), fit, held)
+    spot = next(f for f in found.findings if f.term.effect_id == "position_friction")
+    assert spot.term.joints == (1,)
+    assert not spot.term.shape["wave"]
+    assert spot.parameters["qc"].value == pytest.approx(CENTRE, abs=0.03)
+    assert len(found.findings) == 2  # the offset, or what is alike on this motion, is the other
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return state_of(recordings(5))
+
+
+def bent(state, joint: int, by: np.ndarray):
+    """A copy of which one joint's error held out is another by ``by`` (m_j,) N·m, while the other
+    joint's has fallen to a third."""
+    after = state.copy()
+    now = state.held_residual()
+    told = {j: r / 3.0 for j, r in now.items()} | {joint: now[joint] + by}
+    object.__setattr__(after, "held_residual", lambda fit=None: told)
+    return after
+
+
+def test_a_rise_that_noise_explains_is_no_harm(clean, monkeypatch):
+    """Held against the fit's own doubt: as large as what its parameters may be off by."""
+    monkeypatch.setattr(type(clean), "moving_rms", lambda self: np.ones(robot().n))
+    rng = np.random.default_rng(1)
+    size = rms(clean.held_residual())[0]
+    worse = bent(clean, 0, 0.9 * size * rng.standard_normal(len(clean.held_residual()[0])))
+    assert rms(worse.held_residual())[0] > (1.0 + MUCH_WORSE) * size
+    assert harmful(clean, worse)
+    worse.fit = replace(worse.fit, to_beta=300.0 * worse.fit.to_beta)
+    assert not harmful(clean, worse)
+
+
+def test_errors_that_grow_on_the_whole_are_harm_however_unsure(clean, monkeypatch):
+    monkeypatch.setattr(type(clean), "moving_rms", lambda self: np.ones(robot().n))
+    worse = bent(clean, 0, 3.0 * clean.held_residual()[0])
+    worse.fit = replace(worse.fit, to_beta=300.0 * worse.fit.to_beta)
+    assert harmful(clean, worse)
