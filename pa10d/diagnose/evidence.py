@@ -35,7 +35,7 @@ class Evidence:
     worse: joints whose error rises significantly
     cluster_t: t over blocks of time of how alike residual and change are in each, which no noise
     model enters and in which no single event counts for more than another
-    gain: weighted squared error removed on the held-out side
+    gains: (n,) weighted squared error removed on the held-out side, per joint
     """
 
     slope: float
@@ -45,7 +45,12 @@ class Evidence:
     after: Array
     worse: tuple[int, ...]
     cluster_t: float
-    gain: float
+    gains: Array
+
+    @property
+    def gain(self) -> float:
+        """Weighted squared error removed on the held-out side."""
+        return float(np.sum(self.gains))
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,7 @@ def judge(
     blocks: dict[tuple[int, int], Array] = {}
     before, after = np.zeros(n), np.zeros(n)
     harmed: dict[int, float] = {}
-    gain = 0.0
+    gains = np.zeros(n)
     r0_runs = side.scatter(r0)
     p_runs = side.scatter(change)
     ground = ground or {}
@@ -103,7 +108,7 @@ def judge(
         after[j] = np.sqrt(np.mean((r - p) ** 2))
         weight = 1.0 / sigma[j] ** 2
         loss = 2 * p @ r - p @ p
-        gain += weight * loss
+        gains[j] = weight * loss
         loss_variance = 0.0
         for k, run in enumerate(side.runs):
             keep = heard[k][:, j] > 0
@@ -137,9 +142,9 @@ def judge(
         p_value=float(scipy.stats.t.sf(z, 2.0 * variance**2 / unsure) if unsure > 0 else 0.5),
         before=before,
         after=after,
-        worse=tuple(j for j, harm in harmed.items() if harm > SHARE_OF_GAIN * gain),
+        worse=tuple(j for j, harm in harmed.items() if harm > SHARE_OF_GAIN * gains.sum()),
         cluster_t=float(np.sum(alike) / scatter) if scatter > 0 else 0.0,
-        gain=float(gain),
+        gains=gains,
     )
 
 

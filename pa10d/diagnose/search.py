@@ -60,7 +60,14 @@ class Judged:
     @property
     def gain(self) -> float:
         """Weighted squared error that it removes, on both sides together."""
-        return self.candidate.gain + self.evidence.gain
+        return self.candidate.gain + float(np.sum(self.evidence.gains[self.own]))
+
+    @property
+    def own(self) -> list[int] | slice:
+        """Joints that count: an effect of one equation must help that one. What it shifts
+        elsewhere, by way of parameters that joints share, is no evidence for it."""
+        kind, joints = self.candidate.effect, self.candidate.joints
+        return list(joints) if joints and not kind.reaches_other_joints else slice(None)
 
     @property
     def complexity(self) -> int:
@@ -70,12 +77,9 @@ class Judged:
     @property
     def acceptable(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint."""
-        e = self.evidence
-        kind, joints = self.candidate.effect, self.candidate.joints
-        # an effect of one equation must help that joint; what it shifts elsewhere is no evidence
-        own = list(joints) if joints and not kind.reaches_other_joints else slice(None)
+        e, own = self.evidence, self.own
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
-        shape = self.candidate.shape
+        kind, shape = self.candidate.effect, self.candidate.shape
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate
@@ -129,7 +133,7 @@ class Search:
 
     def take(self, chosen: Judged) -> set[Place] | None:
         """Add a candidate and settle; says what became redundant, or None where, refitted around
-        it, the model got worse elsewhere: not what was promised.
+        it, the model got worse elsewhere or it does not hold itself: not what was promised.
 
         A joint whose error fell draws the fit towards itself. On weakly excited data that alone
         may spoil another joint, so a second attempt leaves the weights as they were.
@@ -141,7 +145,7 @@ class Search:
             self.state.push(chosen.candidate.term)
             self.settle()
             dropped = self.prune()
-            if not harmful(saved, self.state):
+            if chosen.place not in dropped and not harmful(saved, self.state):
                 return dropped
         self.state = saved
         return None
