@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from two_links import V0, recordings, robot, state_of, textbook
 
-from pa10d.diagnose.candidates import scan
+from pa10d.diagnose.candidates import Candidate, scan
+from pa10d.diagnose.evidence import judge
+from pa10d.diagnose.partial import Partial
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.search import MUCH_WORSE, harmful, rms
+from pa10d.diagnose.search import MUCH_WORSE, Judged, Search, harmful, rms
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 
@@ -86,3 +88,30 @@ def test_errors_that_grow_on_the_whole_are_harm_however_unsure(clean, monkeypatc
     worse = bent(clean, 0, 3.0 * clean.held_residual()[0])
     worse.fit = replace(worse.fit, to_beta=300.0 * worse.fit.to_beta)
     assert harmful(clean, worse)
+
+
+def test_what_one_equation_shifts_elsewhere_is_no_reason_to_choose_it(clean):
+    """Of an effect of one joint, only what that joint gains counts; of one of all joints, all."""
+    held = clean.held_residual()
+    own, everywhere = effect("torque_offset"), effect("joint_elasticity")
+    partial = Partial(np.eye(1), np.zeros(1), np.zeros((1, 1)), np.zeros(1), 5.0, True)
+    found = judge(clean.held, held, {0: 0.5 * held[0], 1: 0.5 * held[1]})
+    one = Judged(Candidate(own, (0,), {}, partial), found, 0.0)
+    all_of_them = Judged(Candidate(everywhere, (0,), {}, partial), found, 0.0)
+    each = [0.75 * len(held[j]) for j in range(2)]
+    assert one.gain == pytest.approx(5.0 + each[0])
+    assert all_of_them.gain == pytest.approx(5.0 + sum(each))
+    assert found.gain == pytest.approx(sum(each))
+
+
+def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(clean):
+    """Nothing is hidden: whatever is pushed in is pruned, and the search must not keep a trace."""
+    search = Search(clean.copy(), [(effect("torque_offset"), (1,))], len(clean.terms))
+    before = search.state.fit.beta.copy()
+    best = search.best(*search.suspects[0])
+    assert best is not None
+    change = {j: np.zeros_like(r) for j, r in search.state.held_residual().items()}
+    found = judge(search.state.held, search.state.held_residual(), change)
+    assert search.take(Judged(best, found, 0.0, change)) is None
+    assert len(search.state.terms) == len(clean.terms)
+    np.testing.assert_array_equal(search.state.fit.beta, before)
