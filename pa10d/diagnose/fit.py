@@ -47,9 +47,11 @@ class Fit:
     def without(self, columns: slice) -> Fit:
         """The same least squares with some columns left out, by downdating the basis.
 
-        The directions that only these columns reach are basis @ to_betaᵀ[columns].
+        The directions that only these columns reach are basis @ to_betaᵀ[columns]; a column of
+        zeros reaches none.
         """
-        lost = np.linalg.qr(self.to_beta[columns].T)[0]
+        reach = self.to_beta[columns]
+        lost = np.linalg.qr(reach[reach.any(axis=1)].T)[0]
         basis, residual = {}, {}
         coordinates = self.coordinates
         back = lost.T @ coordinates
@@ -89,7 +91,8 @@ def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | Non
         parts, targets = [*parts, matrix], [*targets, known]
     stacked, target = np.concatenate(parts), np.concatenate(targets)
     scale = np.linalg.norm(stacked, axis=0)
-    scale[scale == 0] = 1.0
+    empty = scale == 0
+    scale[empty] = 1.0
     stacked /= scale
     triangle = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
     _, values, right = np.linalg.svd(triangle, full_matrices=False)
@@ -104,6 +107,7 @@ def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | Non
     residual = target - basis @ coordinates
     cuts = np.cumsum([len(side.tau[j]) for j in range(side.n)])
     to_beta = turn / scale[:, None]
+    to_beta[empty] = 0.0
     return Fit(
         sigma=sigma,
         basis=dict(enumerate(np.split(basis, cuts)[: side.n])),

@@ -57,11 +57,11 @@ def partials(
         part = slice(s * width, (s + 1) * width)
         gram = own[s] - seen[:, part].T @ seen[:, part]
         power = np.diag(own[s])
-        left = np.diag(gram) / np.where(power > 0, power, 1.0)
-        if np.any(power <= 0) or np.min(left) < ABSORBED:
-            out.append(Partial(gram, rhs[part], seen[:, part], np.zeros(width), 0.0, False))
+        theta, here = np.zeros(width), power > 0  # a coefficient may have no column: it stays zero
+        if not here.any() or np.min(np.diag(gram)[here] / power[here]) < ABSORBED:
+            out.append(Partial(gram, rhs[part], seen[:, part], theta, 0.0, False))
             continue
-        theta = bounded(gram, rhs[part], lower, upper)
+        theta[here] = bounded(gram[np.ix_(here, here)], rhs[part][here], lower[here], upper[here])
         gain = float(2 * theta @ rhs[part] - theta @ gram @ theta)
         out.append(Partial(gram, rhs[part], seen[:, part], theta, gain, True))
     return out

@@ -108,6 +108,18 @@ def test_leaving_out_a_column_beside_twins_equals_a_refit():
     _same_span(short, again)
 
 
+def test_leaving_out_a_column_beside_zeros_equals_a_refit():
+    side, columns = problem(7, 5)
+    empty = {j: np.insert(c, 4, 0.0, axis=1) for j, c in columns.items()}
+    fit = weighted_fit(side, empty, SIGMA)
+    assert fit.beta[4] == 0.0
+    assert fit.covariance()[4, 4] == 0.0
+    short = fit.without(slice(3, 5))
+    again = weighted_fit(side, {j: np.delete(c, 3, axis=1) for j, c in columns.items()}, SIGMA)
+    np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-9)
+    _same_span(short, again)
+
+
 def test_a_prior_counts_as_so_many_equations():
     rng = np.random.default_rng(5)
     side, columns = problem(5, 6)

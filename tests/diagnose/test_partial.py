@@ -114,6 +114,17 @@ def test_what_the_model_absorbs_is_not_identifiable():
     assert partials(fit, visible, limits(FREE), 1)[0].identifiable
 
 
+def test_a_coefficient_without_a_column_stays_zero_and_the_others_count():
+    side, columns, candidate = problem(4)
+    fit = weighted_fit(side, columns, SIGMA)
+    half = {j: c * np.array([1.0, 0.0]) for j, c in candidate.items()}
+    one = partials(fit, half, limits(FREE, FREE), 2)[0]
+    alone = partials(fit, {j: c[:, :1] for j, c in candidate.items()}, limits(FREE), 1)[0]
+    assert one.identifiable
+    assert one.gain == pytest.approx(alone.gain)
+    np.testing.assert_allclose(one.theta, [alone.theta[0], 0.0])
+
+
 @given(st.integers(0, 10_000), st.integers(1, 4))
 @settings(max_examples=60, deadline=None)
 def test_bounded_is_the_least_within_the_box(seed, size):

@@ -73,6 +73,13 @@ def test_values_carry_units_and_hide_nuisances():
                 assert value.std_error == pytest.approx(0.1 if key in shape else 0.2)
 
 
+def test_a_part_that_was_left_out_has_no_value():
+    kind = effect("coupling_friction")
+    shape = {"ratio": 1.0, "viscous": 0.0}
+    assert set(kind.values(np.ones(2), np.eye(2), shape, {})) == {"F", "ratio", "viscous"}
+    assert "D" in kind.values(np.ones(2), np.eye(2), {"ratio": 1.0}, {})
+
+
 @pytest.mark.parametrize("name", ["spring", "payload", "torque_ripple", "presliding_hysteresis"])
 def test_nothing_found_is_no_division_by_zero(name):
     kind = effect(name)

@@ -8,7 +8,8 @@ from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smo
 class CouplingFriction(Effect):
     """Two joints share a gear, a belt or a differential. What rubs there turns with the sum of
     their speeds (ratio 1) or the difference (ratio -1), so that one joint feels friction when
-    the other moves. F is its constant part, D the part that grows with speed."""
+    the other moves. F is its constant part, D the part that grows with speed, left out where
+    the motion cannot tell it from the rest of the model (viscous 0)."""
 
     id = "coupling_friction"
     title = "Coupled friction"
@@ -17,7 +18,10 @@ class CouplingFriction(Effect):
     scope = "pair"
     reaches_other_joints = True
     coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad"))
-    shapes = (ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),)
+    shapes = (
+        ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),
+        ShapeParameter("viscous", "1", 0.0, 1.0, "choice", optional=True),
+    )
     signature = (
         "One joint shows friction that follows the other's speed, even while it stands or moves "
         "evenly itself."
@@ -40,11 +44,20 @@ class CouplingFriction(Effect):
     def columns(self, context, joints, shape):
         i, j = joints
         v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
-        both = np.column_stack([smooth_sign(v, context.softness(0.01)), v])
+        both = np.column_stack(
+            [smooth_sign(v, context.softness(0.01)), shape.get("viscous", 1.0) * v]
+        )
         out = np.zeros((*context.q.shape, 2))
         out[:, i] = both
         out[:, j] = shape["ratio"] * both
         return out
 
     def starts(self, context, joints):
-        return [{"ratio": 1.0}, {"ratio": -1.0}]
+        ratios = (1.0, -1.0)
+        return [{"ratio": r} for r in ratios] + [{"ratio": r, "viscous": 0.0} for r in ratios]
+
+    def values(self, coefficients, covariance, shape, shape_errors):
+        out = super().values(coefficients, covariance, shape, shape_errors)
+        if not shape.get("viscous", 1.0):
+            del out["D"]
+        return out
