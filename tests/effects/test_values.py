@@ -80,6 +80,14 @@ def test_a_part_that_was_left_out_has_no_value():
     assert "D" in kind.values(np.ones(2), np.eye(2), {"ratio": 1.0}, {})
 
 
+def test_what_own_heat_takes_is_told_per_watt():
+    kind = effect("thermal_friction")
+    for heated, per in ((0.0, ""), (1.0, "/W")):
+        found = kind.values(np.ones(2), np.eye(2), {"T": 20.0, "heated": heated}, {})
+        assert found["dFv"].unit == f"N·m·s/rad{per}"
+        assert found["dFc"].unit == f"N·m{per}"
+
+
 @pytest.mark.parametrize("name", ["spring", "payload", "torque_ripple", "presliding_hysteresis"])
 def test_nothing_found_is_no_division_by_zero(name):
     kind = effect(name)

@@ -1,5 +1,7 @@
 """Friction that falls as the joint warms."""
 
+from dataclasses import replace
+
 import numpy as np
 import scipy
 
@@ -65,6 +67,13 @@ class ThermalFriction(Effect):
             for share in ((1.0,) if known else (0.1, 0.25, 0.6, 1.5))
             for heated in ((0.0,) if known else (0.0, 1.0))
         ]
+
+    def values(self, coefficients, covariance, shape, shape_errors):
+        out = super().values(coefficients, covariance, shape, shape_errors)
+        if shape.get("heated") == 1.0:
+            for name in ("dFv", "dFc"):
+                out[name] = replace(out[name], unit=f"{out[name].unit}/W")
+        return out
 
 
 def own_warmth(context, joint, time_constant):
