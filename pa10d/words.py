@@ -10,6 +10,11 @@ def percent(share: float) -> str:
     return "more than 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
+def times(ratio: float) -> str:
+    """``1.8 times``, ``24 times``, ``5000 times``: as many digits as say something."""
+    return f"{ratio:.1f} times" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f} times"
+
+
 def listed(words: Sequence[str], last: str = "and") -> str:
     """``a, b and c``."""
     if len(words) < 2:

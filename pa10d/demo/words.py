@@ -11,7 +11,7 @@ from pa10d.diagnose.words import nothing
 from pa10d.effects import all_effects
 from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
-from pa10d.words import listed, percent
+from pa10d.words import listed, percent, times
 
 Document = Mapping[str, Any]
 
@@ -31,8 +31,7 @@ def compared_words(found: Document) -> str:
     ratio = np.array(pooled["rms"]) / np.array(pooled["noise_floor"])
     worst = int(np.nanargmax(ratio))
     text = (
-        f"Worst is joint {worst + 1}: its error is {ratio[worst]:.1f} times the noise of its "
-        "sensors."
+        f"Worst is joint {worst + 1}: its error is {times(ratio[worst])} the noise of its sensors."
     )
     if not pooled["where"]:
         return f"{text} No region stands out."

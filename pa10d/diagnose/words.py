@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from pa10d.diagnose.outcome import Confusion
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
-from pa10d.words import listed, percent
+from pa10d.words import listed, percent, times
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
     keeps = "s {} keep" if len(large) > 1 else " {} keeps"
     return (
         f"{first} that this data can show. Joint{keeps.format(joints)} up to "
-        f"{np.max(ratio[large]):.1f} times the noise, but it follows no quantity of the motion "
+        f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
         "clearly enough. Record more, or the same motion twice: what repeats is no noise."
     )
 

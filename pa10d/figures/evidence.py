@@ -103,7 +103,7 @@ def before_after(
         260,
         barmode="group",
         xaxis=axis("joint", type="category"),
-        yaxis=log_axis("RMS, N·m"),
+        yaxis=log_axis("RMS, N·m", np.concatenate([values for _, values, _ in bars])),
     )
     return {"data": data, "layout": figure}
 

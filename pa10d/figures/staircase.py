@@ -57,7 +57,7 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
     figure = layout(
         330,
         xaxis=axis("", type="category", ticktext=[_tick(step) for step in steps], tickvals=names),
-        yaxis=log_axis("RMS, N·m" if floor is None else "RMS ÷ noise floor"),
+        yaxis=log_axis("RMS, N·m" if floor is None else "RMS ÷ noise floor", shown),
         shapes=[] if floor is None else [mark(("x", "y"), y=1.0, color=NOISE)],
     )
     figure["margin"] |= {"b": 70}

@@ -13,6 +13,7 @@ from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Step
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
+from pa10d.words import times
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ def _summary(comparison: Comparison) -> Section:
     cards = Cards(
         [
             ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
-             f"{ratio[worst]:.1f} times the noise floor"),
+             f"{times(ratio[worst])} the noise floor"),
             ("joints near the noise", f"{int(np.sum(ratio < 1.2))} of {robot.n}",
              "below 1.2 × noise"),
             ("stands out", place, share),

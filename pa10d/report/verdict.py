@@ -12,7 +12,7 @@ from pa10d.diagnose.words import nothing
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
-from pa10d.words import listed, percent
+from pa10d.words import listed, percent, times
 
 NEAR = 1.15  # times the noise floor: as good as its own error
 
@@ -88,7 +88,7 @@ def gain_words(found: Diagnosis) -> str:
     text += f"from {first[j]:.3g} to {last[j]:.3g} N·m on data that the fit has not seen"
     if np.isfinite(floor) and floor > 0:
         ratio = last[j] / floor
-        text += ", down to the noise" if ratio < NEAR else f", {ratio:.1f} times the noise"
+        text += ", down to the noise" if ratio < NEAR else f", {times(ratio)} the noise"
     return text + "."
 
 

@@ -19,7 +19,7 @@ class CoulombAsymmetry(Effect):
         "higher or climbs faster."
     )
     confounders = {
-        "torque_offset": "if the directions differ by the same amount at every speed, it *is* an "
+        "torque_offset": "if the directions differ by the same amount at every speed, it is an "
         "offset"
     }
     experiment = (

@@ -19,7 +19,7 @@ class TorqueOffset(Effect):
     confounders = {
         "coulomb": "seen in one direction of motion only, friction is a constant",
         "coulomb_asymmetry": "one direction that costs more by the same amount at every speed "
-        "*is* an offset",
+        "is an offset",
         "spring": "over a short range of angles a spring pulls almost constantly",
     }
     experiment = "Hold several poses: gravity and springs change with the pose, an offset does not."
