@@ -57,7 +57,11 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
     figure = layout(
         330,
         xaxis=axis("", type="category", ticktext=[_tick(step) for step in steps], tickvals=names),
-        yaxis=log_axis("RMS, N·m" if floor is None else "RMS ÷ noise floor", shown),
+        yaxis=(
+            log_axis("RMS, N·m", shown)
+            if floor is None
+            else log_axis("RMS ÷ noise floor", [1.0, *shown.ravel()])
+        ),
         shapes=[] if floor is None else [mark(("x", "y"), y=1.0, color=NOISE)],
     )
     figure["margin"] |= {"b": 70}
