@@ -60,14 +60,8 @@ class Judged:
     @property
     def gain(self) -> float:
         """Weighted squared error that it removes, on both sides together."""
-        return self.candidate.gain + float(np.sum(self.evidence.gains[self.own]))
-
-    @property
-    def own(self) -> list[int] | slice:
-        """Joints that count: an effect of one equation must help that one. What it shifts
-        elsewhere, by way of parameters that joints share, is no evidence for it."""
-        kind, joints = self.candidate.effect, self.candidate.joints
-        return list(joints) if joints and not kind.reaches_other_joints else slice(None)
+        own = self.candidate.effect.speaks_on(self.candidate.joints)
+        return self.candidate.gain + float(np.sum(self.evidence.gains[own]))
 
     @property
     def complexity(self) -> int:
@@ -77,9 +71,9 @@ class Judged:
     @property
     def acceptable(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint."""
-        e, own = self.evidence, self.own
+        e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
+        own = kind.speaks_on(self.candidate.joints)
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
-        kind, shape = self.candidate.effect, self.candidate.shape
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate

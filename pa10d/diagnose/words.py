@@ -27,10 +27,8 @@ def sentence(
 
     before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed
     """
-    gone = before**2 - after**2
-    # an effect of one equation is told by its own joint, whatever it lets the fit do elsewhere
-    own = list(term.joints) if term.joints and not term.effect.reaches_other_joints else None
-    worst = int(np.argmax(gone)) if own is None else own[int(np.argmax(gone[own]))]
+    own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
+    worst = int(own[np.argmax((before**2 - after**2)[own])])
     share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
     said = (changed if frozen else missing)(term, f"about {size.value:.2g} {size.unit}")
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."

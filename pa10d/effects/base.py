@@ -161,6 +161,11 @@ class Effect(ABC):
         nonlinear law and the coefficients have become known better."""
         return dict(shape)
 
+    def speaks_on(self, joints: Sequence[int]) -> list[int] | slice:
+        """Joints whose error speaks for or against it: of an effect of one equation its own. What
+        it shifts elsewhere, by way of parameters that joints share, is no evidence for it."""
+        return list(joints) if joints and not self.reaches_other_joints else slice(None)
+
     def shapes_in(self, shape: Mapping[str, object]) -> list[ShapeParameter]:
         """The shape parameters that this case of the effect has."""
         return [s for s in self.shapes if not s.optional or s.name in shape]
