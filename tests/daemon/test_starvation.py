@@ -15,9 +15,10 @@ pytestmark = pytest.mark.realtime
 
 TRIALS, STALL, CALM = 3, 0.15, 0.3  # s: means of how long a process stands still, and goes on
 FARTHEST = 2.0
-"""rad, of a motion that reaches 0.52 rad to either side of zero. Where the loop stands still, drives
-hold the last torque until they have missed SYNC for 0.2 s (joint 1 was seen at 2.3 rad/s then, and
-came to rest at 1.3 rad), and brake by themselves. An arm that runs away is at 3.8 rad and beyond."""
+"""rad, of a motion that reaches 0.52 rad to either side of zero. Where the loop stands still,
+drives hold the last torque until they have missed SYNC for 0.2 s (joint 1 was seen at 2.3 rad/s
+then, and came to rest at 1.3 rad), and brake by themselves. An arm that runs away is at 3.8 rad
+and beyond."""
 REST = 0.05  # rad that an arm may move within a second once it was stopped
 
 
