@@ -19,5 +19,8 @@ OWN_PRODUCT = (0, 0x50413130)  # vendor id, product code of the package's own vi
 # products whose 0x6085 is in encoder counts/s²; elsewhere its unit is the drive's own affair
 DECELERATION_IN_COUNTS = {OWN_PRODUCT}
 
+# products whose 0x6080 is in motor revolutions per minute, as CiA 402 has it; many choose a unit
+SPEED_IN_RPM = {OWN_PRODUCT}
+
 # (vendor, product) -> index of the motor temperature and °C per count
 TEMPERATURE_OBJECT = {OWN_PRODUCT: (0x2F10, 0.1)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import isfinite
+from math import isfinite, pi
 
 import canopen
 
@@ -17,6 +17,9 @@ from backends.scaling import Scaling
 from pa10d.profile import Drive
 
 RATED_TORQUE_TOLERANCE = 0.02
+DRIVE_SPEED = 1.5
+"""Of the velocity limit: what a drive lets its axis do in torque mode. Where pa10d is kept from
+its work the last torque goes on until the drive misses SYNC, and speed is what the arm gathers."""
 INT32 = 2**31 - 1
 
 
@@ -136,6 +139,7 @@ def _set_up(remote: Remote, wish: Wish) -> list[str]:
         elif problem:
             name, meaning = WANTED[index]
             lacks.append(f"{name} (0x{index:04X}): {problem}; {meaning}")
+    lacks += _left_to_the_user(remote)
     problem = remote.write(0x6060, cia402.MODE_CST)
     shown = remote.read(0x6061)
     if problem or shown not in (None, cia402.MODE_CST):
@@ -165,10 +169,33 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
         settings.append((0x6072, 0, min(round(1000 * limits.torque / scaling.rated), 0xFFFF)))
     ends = sorted(_counts(scaling, q) for q in (limits.lower, limits.upper))
     settings += [(0x607D, 1, ends[0]), (0x607D, 2, ends[1])]
-    product = (remote.read(0x1018, 1) or 0, remote.read(0x1018, 2) or 0)
+    product = _product(remote)
     if isfinite(limits.acceleration) and product in vendors.DECELERATION_IN_COUNTS:
         settings.append((0x6085, 0, round(limits.acceleration * scaling.counts_per_radian)))
+    if isfinite(limits.velocity) and product in vendors.SPEED_IN_RPM:
+        speed = DRIVE_SPEED * limits.velocity * wish.drive.gear_ratio  # rad/s of the motor
+        settings.append((0x6080, 0, round(speed * 60 / (2 * pi))))
     return settings + _cycle_time(wish.period)
+
+
+def _left_to_the_user(remote: Remote) -> list[str]:
+    """What the drive has, in a unit that only its manual tells."""
+    product = _product(remote)
+    known = {
+        0x6080: product in vendors.SPEED_IN_RPM,
+        0x6085: product in vendors.DECELERATION_IN_COUNTS,
+    }
+    return [
+        f"{WANTED[index][0]} (0x{index:04X}) is left as it is, its unit is its maker's: "
+        "set it by the drive's manual"
+        for index, settable in known.items()
+        if not settable and declared(remote.node, index)
+    ]
+
+
+def _product(remote: Remote) -> tuple[int, int]:
+    """Vendor id and product code."""
+    return remote.read(0x1018, 1) or 0, remote.read(0x1018, 2) or 0
 
 
 def _counts(scaling: Scaling, q: float) -> int:

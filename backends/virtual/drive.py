@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf
+from math import inf, pi
 
 from backends import cia402
 from backends.scaling import Scaling
 from backends.vendors import rated_torque_unit
 from backends.virtual.errors import LOST_SYNC, POSITION_LIMIT
 from backends.virtual.injection import Injection
+from backends.virtual.mechanics import SPEED_BAND
 from backends.virtual.node import BOOTING, CanopenNode
 from backends.virtual.object_dictionary import INVALID, LiveDictionary, SdoAbort, Value, key_of
 from backends.virtual.state_machine import Options, StateMachine, Timing
 
 REST_SPEED = 0.03  # rad/s
 INT16, INT32 = 0x7FFF, 0x7FFFFFFF
+UNLIMITED = 0xFFFFFFFF  # of 0x6080, rpm
 
 CONTROLWORD, STATUSWORD = key_of(0x6040), key_of(0x6041)
 MODE, MODE_DISPLAY = key_of(0x6060), key_of(0x6061)
@@ -34,19 +36,24 @@ class VirtualDrive:
         dictionary: LiveDictionary,
         scaling: Scaling,
         rated_torque: float,
+        gear_ratio: float,
         send: Callable[[bytes], None],
         boot_time: float = 0.0,
         brake: bool = True,
     ) -> None:
-        """``number`` node id, ``rated_torque`` N·m at the motor, ``boot_time`` s."""
+        """``number`` node id, ``rated_torque`` N·m at the motor, ``boot_time`` s.
+
+        ``gear_ratio``: motor revolutions to one of the joint.
+        """
         self.scaling, self.brake = scaling, brake
         self.dictionary, self.values = dictionary, dictionary.values
         self.machine = StateMachine(Timing(), Options())
         self.node = CanopenNode(number, dictionary, self, send, boot_time)
         self.torque = 0.0  # N·m at the joint for the next period
-        self._rated_torque = rated_torque
+        self._rated_torque, self._gear_ratio = rated_torque, gear_ratio
         self._inside = True  # the software position limits
         self._limited = False
+        self._speed = 0.0  # rad/s
         self.restarted(completely=True)
         if boot_time <= 0:
             self.node.boot()
@@ -57,9 +64,15 @@ class VirtualDrive:
 
     @property
     def follows(self) -> bool:
-        """Whether the axis simply gets ``torque``: powered, free, not being stopped."""
+        """Whether the axis simply gets ``torque``: powered, free, not stopped, not too fast."""
         machine = self.machine
-        return machine.powered and not machine.stopping and not self.brake_closed
+        free = machine.powered and not machine.stopping and not self.brake_closed
+        return free and not self.racing
+
+    @property
+    def racing(self) -> bool:
+        """Whether the axis is so fast that the drive takes torque away."""
+        return self._speed > (1.0 - SPEED_BAND) * self.fastest
 
     @property
     def deceleration(self) -> float:
@@ -78,6 +91,7 @@ class VirtualDrive:
         if synced:
             self.node.sync()
         self._measure(q, velocity, torque)
+        self._speed = abs(velocity)
         self.machine.advance(dt, abs(velocity) < REST_SPEED)
         self.node.advance(dt)
         if self.node.state == BOOTING:
@@ -177,7 +191,7 @@ class VirtualDrive:
         word = machine.status_bits | cia402.STATUS_VOLTAGE | cia402.STATUS_REMOTE
         if machine.state is cia402.State.ENABLED and not machine.stopping:
             word |= cia402.STATUS_FOLLOWS
-            if self._limited:
+            if self._limited or self.racing:
                 word |= cia402.STATUS_LIMIT
         if self.node.injector.warning:
             word |= cia402.STATUS_WARNING
@@ -190,6 +204,8 @@ class VirtualDrive:
         self._position_limits = number(0x607D, 1, -INT32 - 1), number(0x607D, 2, INT32)
         watched = number(0x1006) and number(0x2F01)
         self._sync_timeout = watched / 1000.0 if watched else inf
+        rpm = number(0x6080, default=0) or UNLIMITED  # zero as it comes: nobody has set it
+        self.fastest = rpm * 2 * pi / 60 / self._gear_ratio  # rad/s
         options.quick_stop = number(0x605A, default=cia402.QuickStop.QUICK_STOP)
         options.shutdown = number(0x605B, default=1)
         options.disable_operation = number(0x605C, default=1)

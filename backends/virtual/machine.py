@@ -19,7 +19,7 @@ from backends.virtual.object_dictionary import LiveDictionary
 from pa10d.errors import UserError
 from pa10d.profile import Profile, Simulation
 
-SYNC = 0x80
+SYNC, FUNCTION, COMMAND = 0x80, 0x780, 0x200  # of identifiers: RPDO 1 is the command
 BOOT_TIME = 0.05  # s, in real time; in simulated time nothing passes before the first SYNC
 MOST_PERIODS = 50  # caught up at once after a stall
 TEMPERATURE_EVERY = 0.1  # s
@@ -60,7 +60,8 @@ class VirtualArm:
                 continue
             for drive in self._routes.get(can_id, ()):
                 drive.node.receive(can_id, data)
-            self._release_held()
+            if can_id & FUNCTION == COMMAND:  # whoever sends it no longer waits for answers
+                self._release_held()
         self.flush()
 
     def tick(self) -> None:
@@ -137,6 +138,8 @@ class VirtualArm:
             braked=np.array([d.brake_closed for d in drives]),
             deceleration=np.array([d.deceleration for d in drives]),
             limit=np.array([d.torque_limit for d in drives]),
+            racing=np.array([d.racing for d in drives]),
+            fastest=np.array([d.fastest for d in drives]),
         )
 
     def _read_temperature(self, dt: float) -> None:
@@ -168,6 +171,7 @@ class VirtualArm:
             dictionary=LiveDictionary(eds_path(profile, axis), settings.node),
             scaling=scaling_of(settings),
             rated_torque=settings.rated_torque,
+            gear_ratio=settings.gear_ratio,
             send=self._outbox.append,
             boot_time=BOOT_TIME if self.realtime else 0.0,
             brake=settings.brake,

@@ -1,8 +1,8 @@
 """Between drives and plant: motor torque, holding at rest, and brakes that are friction.
 
 The plant knows only torque, so everything that stops an axis is a torque here. While an axis is
-stopped or braked the plant is stepped finely, as the current and speed loops inside a real drive
-run far faster than the bus.
+stopped, slowed or braked the plant is stepped finely, as the current and speed loops inside a real
+drive run far faster than the bus.
 """
 
 from __future__ import annotations
@@ -20,6 +20,9 @@ Bools = NDArray[np.bool_]
 INNER_STEP = 0.25e-3  # s
 STIFFNESS, DAMPING = 200.0, 1.0  # per N·m of the axis's largest torque: 1/rad and s/rad
 BRAKE_STRENGTH = 1.2  # of the axis's largest torque
+SPEED_BAND = 0.2
+"""Of a drive's largest speed: below it the torque that makes the axis faster is taken away, from
+all that the drive can give to none."""
 SETTLE = 0.3  # s after which an arm with every brake closed is taken as rigid
 
 
@@ -33,6 +36,8 @@ class Actuation:
     braked: Bools
     deceleration: Array  # rad/s²
     limit: Array  # N·m, the most the drive gives
+    racing: Bools  # near the largest speed or beyond
+    fastest: Array  # rad/s
 
 
 class Mechanics:
@@ -81,7 +86,7 @@ class Mechanics:
             self._was_braked[:] = True
             self._brake_torque[:] = 0.0
             return
-        if not (act.braked | act.stopping).any():
+        if not (act.braked | act.stopping | act.racing).any():
             self.follow(np.where(act.powered, act.torque, 0.0), dt)
             return
         self._begin(act)
@@ -113,7 +118,8 @@ class Mechanics:
             + self._stiffness * (self._stop_at - q)
             + self._damping * (self._stop_speed - velocity)
         )
-        motor = np.where(act.stopping, np.clip(servo, -act.limit, act.limit), act.torque)
+        held = np.clip(servo, -act.limit, act.limit)
+        motor = np.where(act.stopping, held, self._slowed(act, velocity))
         motor = np.where(act.powered, motor, 0.0)
         drag = self._stiffness * (self._brake_at - q) - self._damping * velocity
         brake = np.clip(drag, -self._brake_limit, self._brake_limit)
@@ -122,3 +128,10 @@ class Mechanics:
         self._brake_torque = np.where(act.braked, brake, 0.0)
         self._last_torque = motor
         self.plant.step(motor + self._brake_torque, h)
+
+    def _slowed(self, act: Actuation, velocity: Array) -> Array:
+        """The commanded torque, N·m, as far as the drive's largest speed lets it through."""
+        slope = act.limit / (SPEED_BAND * act.fastest)
+        highest = np.clip(slope * (act.fastest - velocity), -act.limit, act.limit)
+        lowest = np.clip(-slope * (act.fastest + velocity), -act.limit, act.limit)
+        return np.where(act.racing, np.clip(act.torque, lowest, highest), act.torque)

@@ -83,6 +83,7 @@ def test_the_maxon_epos4() -> None:
     assert "no Communication cycle period (0x1006)" in text
     assert "does not notice when SYNC stays away" in text
     assert "no Max torque (0x6072)" in text
+    assert "Max motor speed (0x6080) is left as it is" in text, "EPOS4: in velocity units"
     assert "0x1016" not in text, "an object that is there is not complained about"
 
 

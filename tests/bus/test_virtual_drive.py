@@ -303,6 +303,29 @@ def test_quick_stop_brakes_along_its_ramp(bench: Bench) -> None:
     assert abs(bench.arm.plant.q[0] - where) < 2e-3, "the brake holds against gravity"
 
 
+def test_full_torque_makes_the_axis_no_faster_than_the_drive_allows(bench: Bench) -> None:
+    bench.write(0x6080, round(1.5 * 50 * 60 / (2 * np.pi)), 4)  # 1.5 rad/s behind gear 50
+    bench.enable()
+    bench.write(0x6071, 1000, 2)
+    fastest = 0.0
+    for _ in range(400):
+        bench.sync()
+        fastest = max(fastest, bench.speed)
+    assert 1.2 < fastest < 1.5
+    assert bench.read(0x6041) & 0x800, "internal limit"
+    bench.write(0x6071, -1000, 2)
+    before = bench.speed
+    bench.sync(5)
+    assert bench.speed < before - 0.1, "torque that brakes is not held back"
+
+
+def test_without_a_largest_speed_full_torque_makes_the_axis_fast(bench: Bench) -> None:
+    bench.enable()
+    bench.write(0x6071, 1000, 2)
+    bench.sync(400)
+    assert bench.speed > 3.0
+
+
 def test_quick_stop_that_stays_can_go_on(bench: Bench) -> None:
     bench.write(0x605A, 6, 2)
     bench.enable()

@@ -77,7 +77,8 @@ class Bench:
         job = self.client.start("experiments", plan)
         until = time.monotonic() + START_MOVING
         while not self._moves():
-            assert self.client.job(job["id"])["status"] == "running", self.client.job(job["id"])
+            now = self.client.job(job["id"])
+            assert now["status"] == "running", now.get("error") or now
             if time.monotonic() > until:
                 self.client.cancel(job["id"])
                 raise AssertionError(f"the arm does not move: {self.client.job(job['id'])}")

@@ -16,9 +16,10 @@ pytestmark = pytest.mark.realtime
 TRIALS, STALL, CALM = 3, 0.15, 0.3  # s: means of how long a process stands still, and goes on
 FARTHEST = 2.0
 """rad, of a motion that reaches 0.52 rad to either side of zero. Where the loop stands still,
-drives hold the last torque until they have missed SYNC for 0.2 s (joint 1 was seen at 2.3 rad/s
-then, and came to rest at 1.3 rad), and brake by themselves. An arm that runs away is at 3.8 rad
-and beyond."""
+drives hold the last torque until they have missed SYNC for 0.2 s, and then brake by themselves.
+They let no joint go faster than 1.5 times its limit meanwhile: of joints 1 and 2 (1 rad/s,
+3 rad/s²) that is 0.3 rad and 0.4 rad to brake. Without it joint 2 was seen at 2.2 rad, and an arm
+that runs away at 3.8 rad and beyond."""
 REST = 0.05  # rad that an arm may move within a second once it was stopped
 
 
