@@ -62,7 +62,7 @@ WANTED = {
     ),
     0x6080: (
         "Max motor speed",
-        "the speed limit holds in pa10d only; while pa10d is kept from its work nothing limits speed",
+        "the speed limit holds in pa10d only; while pa10d is kept from its work nothing limits it",
     ),
     0x6085: ("Quick stop deceleration", "how hard a quick stop brakes is up to the drive"),
     0x60C2: (
