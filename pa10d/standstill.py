@@ -20,16 +20,22 @@ def fast_speed(dq: Array) -> Array:
 
 
 def standstill(
-    dq: Array, rate: float, lowpass: Lowpass, fast: Array | None = None, longer_than: float = 0.0
+    dq: Array,
+    rate: float,
+    lowpass: Lowpass,
+    fast: Array | None = None,
+    longer_than: float = 0.0,
+    reach: float = REACH,
 ) -> NDArray[np.bool_]:
     """(M, n): True where joint i stands, or stood so near that the filter still sees it.
 
     A joint stands while its speed is below STILL_SHARE of its fast speed. Creeping counts, and so
     does the instant of a reversal: a real joint sticks there, for how long nobody measured, and
-    friction is anything between ±Fs meanwhile. ``longer_than`` s leaves out shorter stops.
+    friction is anything between ±Fs meanwhile. ``longer_than`` s leaves out shorter stops;
+    ``reach``: periods of the cut-off.
     """
     samples, n = dq.shape
-    reach = int(REACH / lowpass.cutoff * rate)
+    samples_near = int(reach / lowpass.cutoff * rate)
     shortest = max(1, int(longer_than * rate))
     out = np.zeros((lowpass.kept, n), dtype=bool)
     limits = np.maximum(STILL_SHARE * (fast_speed(dq) if fast is None else fast), 1e-9)
@@ -40,7 +46,7 @@ def standstill(
         near = np.zeros(samples + 1)
         for start, stop in edges.reshape(-1, 2):
             if stop - start >= shortest:
-                near[max(0, start - reach)] += 1
-                near[min(samples, stop + reach)] -= 1
+                near[max(0, start - samples_near)] += 1
+                near[min(samples, stop + samples_near)] -= 1
         out[:, j] = np.cumsum(near)[: samples : lowpass.factor] > 0
     return out

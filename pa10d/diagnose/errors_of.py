@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.evidence import Doubt
 from pa10d.diagnose.fit import Fit
+from pa10d.diagnose.partial import normal_equations
+from pa10d.diagnose.reversals import moved_by_reversals
 from pa10d.diagnose.side import PerJoint, Side
+from pa10d.diagnose.slopes import free_shapes, with_slopes
 from pa10d.diagnose.state import State
 from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
-from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
@@ -101,16 +103,10 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     """Covariance (k, k) of a term's coefficients with its shape free, and the shape's errors."""
     term = state.terms[index]
     place = state.place(index)
-    free = [s for s in term.effect.shapes if s.scale != "choice" and s.name in term.shape]
+    free = free_shapes(term.effect, term.shape)
     rest = state.fit.without(place)
-    columns = dict(state.blocks[index][0])
+    columns = with_slopes(state.train, term) if free else dict(state.blocks[index][0])
     k = len(term.coefficients)
-    if free:
-        slopes = [_slope(state, term, s.name, s.lower, s.upper) for s in free]
-        columns = {
-            j: np.column_stack([columns[j], *[d.get(j, np.zeros(len(columns[j]))) for d in slopes]])
-            for j in columns
-        }
     left: PerJoint = {}
     seen = sum(rest.basis[j].T @ (c / rest.sigma[j]) for j, c in columns.items())
     for j in range(state.train.n):
@@ -119,7 +115,7 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
         left[j] = -absorbed if own is None else own / rest.sigma[j] - absorbed
     gram = sum(c.T @ c for c in left.values())
     if state.knowledge is not None:
-        gram = _gram_with_prior(columns, rest, seen)
+        gram, _ = normal_equations(rest, columns)
         penalty = term.effect.penalty(term.shape)
         if penalty is not None:
             gram = gram + penalty.T @ penalty
@@ -128,6 +124,9 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     covariance = inverse @ middle @ inverse
     if state.knowledge is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
+    slopes = {j: c[:, k:] for j, c in columns.items()}
+    systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
+    covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     shape_errors = {
         # values that the columns blur together no noise could tell apart, however small it is
@@ -164,25 +163,3 @@ def _coloured(side: Side, joint: int, columns: Array, gamma: Array) -> Array:
         total += coloured_gram(spread, gamma)
         start += rows
     return total
-
-
-def _gram_with_prior(columns: PerJoint, rest: Fit, seen: Array) -> Array:
-    own = sum((c / rest.sigma[j]).T @ (c / rest.sigma[j]) for j, c in columns.items())
-    return np.asarray(own - seen.T @ seen)
-
-
-def _slope(state: State, term: Term, name: str, lower: float, upper: float) -> PerJoint:
-    """∂(torque of the term)/∂shape on the training side, joint -> (m_j,)."""
-    value = term.shape[name]
-    step = 1e-3 * max(abs(value), 1e-3 * (upper - lower))
-    ends = []
-    for sign in (1.0, -1.0):
-        shape = {**term.shape, name: float(np.clip(value + sign * step, lower, upper))}
-        columns = state.train.columns(term.effect, term.joints, [shape])
-        ends.append((shape[name], {j: c @ term.coefficients for j, c in columns.items()}))
-    width = ends[0][0] - ends[1][0]
-    zero = {j: np.zeros(len(state.train.tau[j])) for j in range(state.train.n)}
-    return {
-        j: (ends[0][1].get(j, zero[j]) - ends[1][1].get(j, zero[j])) / width
-        for j in {**ends[0][1], **ends[1][1]}
-    }

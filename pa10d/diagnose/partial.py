@@ -67,9 +67,18 @@ def partials(
     return out
 
 
+def normal_equations(fit: Fit, columns: PerJoint) -> tuple[Array, Array]:
+    """Gram matrix (k, k) and right side (k,) of what ``fit`` leaves over of k columns."""
+    weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
+    seen = sum(fit.basis[j].T @ c for j, c in weighted.items())
+    gram = sum(c.T @ c for c in weighted.values()) - seen.T @ seen
+    rhs = sum(c.T @ fit.residual[j] for j, c in weighted.items())
+    return np.asarray(gram), np.asarray(rhs)
+
+
 def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
     """argmin ½ θᵀGθ - rhsᵀθ within a box, exact for the few coefficients an effect has."""
-    theta = _solve(gram, rhs)
+    theta = solve(gram, rhs)
     if np.all(theta >= lower) and np.all(theta <= upper):
         return theta
     best, best_value = np.clip(theta, lower, upper), np.inf
@@ -81,7 +90,7 @@ def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
         trial = np.array([0.0 if c is None else c for c in choice])
         free = ~fixed
         if free.any():
-            trial[free] = _solve(
+            trial[free] = solve(
                 gram[np.ix_(free, free)], rhs[free] - gram[np.ix_(free, fixed)] @ trial[fixed]
             )
         if np.any(trial < lower - 1e-12) or np.any(trial > upper + 1e-12):
@@ -92,7 +101,7 @@ def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
     return best
 
 
-def _solve(gram: Array, rhs: Array) -> Array:
+def solve(gram: Array, rhs: Array) -> Array:
     """Symmetric solve that drops directions lost in rounding."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))

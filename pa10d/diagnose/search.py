@@ -13,10 +13,11 @@ from pa10d.diagnose.candidates import Candidate, held_columns, scan, sharpened
 from pa10d.diagnose.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.fit import Fit, predict
-from pa10d.diagnose.partial import partials
+from pa10d.diagnose.partial import Partial, partials
 from pa10d.diagnose.ripple import chance_of_line
-from pa10d.diagnose.shapes import refine
+from pa10d.diagnose.shapes import approach, refine
 from pa10d.diagnose.side import PerJoint
+from pa10d.diagnose.slopes import newton_move
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import all_maps
 from pa10d.diagnose.timing import align
@@ -359,11 +360,23 @@ class Search:
         width = len(term.effect.coefficients)
         falls = index >= self.fixed and self.state.may_fall(term.effect)
 
-        def gain(shape: dict[str, float]) -> float:
-            columns = self.state.train.columns(term.effect, term.joints, [shape])
-            return partials(rest, columns, term.effect, width, falls=falls)[0].gain
+        train = self.state.train
 
-        shape = refine(term.effect, term.shape, gain, evaluations=10)
+        def fitted(shape: dict[str, float]) -> Partial:
+            columns = train.columns(term.effect, term.joints, [shape])
+            return partials(rest, columns, term.effect, width, falls=falls)[0]
+
+        def gain(shape: dict[str, float]) -> float:
+            return fitted(shape).gain
+
+        def move(shape: dict[str, float]) -> Array:
+            there = replace(term, shape=shape, coefficients=fitted(shape).theta)
+            return newton_move(train, rest, there)
+
+        if term.effect.reaches_other_joints:  # links thrown about: rough, and dear to compute
+            shape = refine(term.effect, term.shape, gain, evaluations=10)
+        else:
+            shape = approach(term.effect, term.shape, gain, move)
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()
