@@ -17,7 +17,7 @@ from pa10d.diagnose.partial import Partial, partials
 from pa10d.diagnose.ripple import chance_of_line
 from pa10d.diagnose.shapes import approach, refine
 from pa10d.diagnose.side import PerJoint
-from pa10d.diagnose.slopes import newton_move
+from pa10d.diagnose.slopes import free_shapes, newton_move
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import all_maps
 from pa10d.diagnose.timing import align
@@ -377,6 +377,9 @@ class Search:
             shape = refine(term.effect, term.shape, gain, evaluations=10)
         else:
             shape = approach(term.effect, term.shape, gain, move)
+        only_rounds = all(s.smoothing for s in free_shapes(term.effect, term.shape))
+        if only_rounds and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
+            return  # how sharp a corner is shows only on what passes it slowly: no guessing
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()

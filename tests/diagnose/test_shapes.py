@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.shapes import refine
+from pa10d.diagnose.shapes import approach, refine
 from pa10d.effects.base import ShapeParameter
 
 
@@ -62,3 +62,38 @@ def test_a_start_at_the_top_of_a_rough_hill_is_kept():
 def test_nothing_to_search():
     assert refine(kind(SIDE), {"side": 1.0}, lambda s: 0.0) == {"side": 1.0}
     assert refine(kind(), {}, lambda s: 0.0) == {}
+
+
+def bump(x: np.ndarray, shape) -> np.ndarray:
+    return np.exp(-((x / shape["vs"]) ** shape["delta"]))
+
+
+@given(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3))
+@settings(max_examples=30, deadline=None)
+def test_gauss_newton_ends_at_the_best_shape_nearby(octaves, offset):
+    x = np.linspace(0.01, 0.5, 200)
+    true = {"vs": 0.1 * np.exp(octaves), "delta": 1.2 + offset}
+    start = {"vs": 0.1, "delta": 1.2}
+
+    def gain(s):
+        return -1e4 * float(np.sum((bump(x, true) - bump(x, s)) ** 2))
+
+    def move(s):
+        slopes = []
+        for name in s:
+            step = 1e-4 * s[name]
+            up, down = ({**s, name: s[name] + d} for d in (step, -step))
+            slopes.append((bump(x, up) - bump(x, down)) / (2 * step))
+        return np.linalg.lstsq(np.column_stack(slopes), bump(x, true) - bump(x, s), rcond=None)[0]
+
+    found = approach(kind(SPEED, POWER), start, gain, move)
+    assert gain(found) > -1.0, "within noise of the best"
+    assert found["vs"] == pytest.approx(true["vs"], rel=0.02)
+
+
+def test_a_misleading_direction_changes_nothing():
+    start = {"vs": 0.05, "delta": 1.0}
+    found = approach(
+        kind(SPEED, POWER), start, lambda s: -abs(np.log(s["vs"] / 0.05)), lambda s: np.ones(2)
+    )
+    assert found == start
