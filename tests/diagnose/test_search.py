@@ -115,3 +115,24 @@ def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(cl
     assert search.take(Judged(best, found, 0.0, change)) is None
     assert len(search.state.terms) == len(clean.terms)
     np.testing.assert_array_equal(search.state.fit.beta, before)
+
+
+def test_a_corner_is_not_rounded_by_guesswork():
+    """On motion that hardly creeps the data cannot tell how sharp a friction sign is."""
+    state = state_of(recordings(8))
+    coulomb = next(i for i, t in enumerate(state.terms) if t.effect_id == "coulomb")
+    sharp = state.terms[coulomb].shape["v0"]
+    search = Search(state, [], len(state.terms))
+    search._refine(coulomb)
+    assert search.state.terms[coulomb].shape["v0"] == sharp
+
+
+def test_a_corner_that_is_clearly_too_blunt_is_made_sharper():
+    state = state_of(recordings(8))
+    coulomb = next(i for i, t in enumerate(state.terms) if t.effect_id == "coulomb")
+    blunt = 8.0 * state.terms[coulomb].shape["v0"]
+    state.replace_term(coulomb, replace(state.terms[coulomb], shape={"v0": blunt}))
+    state.refit()
+    search = Search(state, [], len(state.terms))
+    search._refine(coulomb)
+    assert search.state.terms[coulomb].shape["v0"] < 0.5 * blunt
