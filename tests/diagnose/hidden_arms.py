@@ -11,7 +11,7 @@ import numpy as np
 
 from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effect
 from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.procedure import diagnose, in_band
+from pa10d.diagnose.procedure import diagnose, in_band, one_thread
 from pa10d.diagnose.search import Search, rms
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
@@ -161,6 +161,7 @@ def arm(
     return Arm(runs, tuple(hidden), truth, model, frozen)
 
 
+@one_thread  # beside gaps errors depend on rounding, and rounding on the number of threads
 def error_when_told(found: Arm) -> np.ndarray:
     """(n,) N·m held out: the hidden effects are given, only the rest is fitted.
 

@@ -6,8 +6,6 @@ smaller ones are drawn anew.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hidden_arms import (
@@ -32,27 +30,6 @@ SEEDS = (1, 2)
 SURE = float(norm.isf(0.01 / 2 / 100))
 """Standard errors that none of some 100 parameters exceeds in 99 of 100 runs of these tests."""
 
-KNOWN: dict[tuple[str, int], str] = {
-    (
-        "backlash",
-        2,
-    ): "named rightly with its width; joint 2 held out 1.36 times the error of a fit that is told",
-    ("position_friction", 2): "named rightly; centre 3.4 mrad off, 4.0 standard errors",
-}
-"""Case -> what is measured instead. A case that begins to pass must leave this list."""
-
-TWICE = "both named rightly; joint 2's Stribeck velocity 1.5 % off, 5.1 standard errors"
-
-
-def cases() -> list[Any]:
-    out = []
-    for name in EFFECTS:
-        for seed in SEEDS:
-            reason = KNOWN.get((name, seed))
-            marks = [pytest.mark.xfail(strict=True, reason=reason)] if reason else []
-            out.append(pytest.param(name, seed, marks=marks, id=f"{name}-{seed}"))
-    return out
-
 
 def visible_arm(name: str, seed: int) -> tuple[Arm, np.ndarray]:
     """An arm with the effect, drawn until it shows; and the error of a fit that is told."""
@@ -66,7 +43,8 @@ def visible_arm(name: str, seed: int) -> tuple[Arm, np.ndarray]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("name", "seed"), cases())
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", EFFECTS)
 def test_a_hidden_effect_is_named_first_with_joint_and_size(name, seed):
     hidden_in, told = visible_arm(name, seed)
     (hidden,) = hidden_in.hidden
@@ -131,14 +109,7 @@ def test_two_changes_at_once(name):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param("stribeck", marks=pytest.mark.xfail(strict=True, reason=TWICE)),
-        "torque_ripple",
-        "contact",
-    ],
-)
+@pytest.mark.parametrize("name", ["stribeck", "torque_ripple", "contact"])
 def test_the_same_effect_on_two_joints(name):
     one, other = (random_effect_of(name, joint) for joint in (2, 6))
     hidden_in = arm(600, [one, other])
