@@ -5,6 +5,11 @@ import numpy as np
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
 
 
+SHARP = 1e-3
+"""rad/s over which the sign is smoothed. What slips turns round while both joints move, so those
+samples are not left out as a joint's own reversals are: a blunter sign leaves an error there."""
+
+
 class CouplingFriction(Effect):
     """Two joints share a gear, a belt or a differential. What rubs there turns with the sum of
     their speeds (ratio 1) or the difference (ratio -1), so that one joint feels friction when
@@ -45,7 +50,7 @@ class CouplingFriction(Effect):
         i, j = joints
         v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
         both = np.column_stack(
-            [smooth_sign(v, context.softness(0.01)), shape.get("viscous", 1.0) * v]
+            [smooth_sign(v, context.softness(SHARP)), shape.get("viscous", 1.0) * v]
         )
         out = np.zeros((*context.q.shape, 2))
         out[:, i] = both
