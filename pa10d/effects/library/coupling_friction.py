@@ -4,7 +4,6 @@ import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
 
-
 SHARP = 1e-3
 """rad/s over which the sign is smoothed. What slips turns round while both joints move, so those
 samples are not left out as a joint's own reversals are: a blunter sign leaves an error there."""
