@@ -137,7 +137,7 @@ def coupling_friction(motion, term):
     """Friction on dq_i ± dq_j."""
     (i, j), (f, d), ratio = term["joints"], term["coefficients"], term["shape"]["ratio"]
     v = motion.dq[:, i] + ratio * motion.dq[:, j]
-    torque = f * motion.sign(v, 0.01) + d * v
+    torque = f * motion.sign(v, 1e-3) + d * v
     return on(motion, i, torque) + on(motion, j, ratio * torque)
 
 
