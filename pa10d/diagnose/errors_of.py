@@ -12,8 +12,9 @@ from pa10d.diagnose.evidence import Doubt
 from pa10d.diagnose.fit import Fit
 from pa10d.diagnose.partial import normal_equations
 from pa10d.diagnose.reversals import moved_by_reversals
+from pa10d.diagnose.shapes import free_shapes
 from pa10d.diagnose.side import PerJoint, Side
-from pa10d.diagnose.slopes import free_shapes, with_slopes
+from pa10d.diagnose.slopes import with_slopes
 from pa10d.diagnose.state import State
 from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
 

@@ -15,9 +15,9 @@ from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_power, judge, riva
 from pa10d.diagnose.fit import Fit, predict
 from pa10d.diagnose.partial import Partial, partials
 from pa10d.diagnose.ripple import chance_of_line
-from pa10d.diagnose.shapes import approach, refine
+from pa10d.diagnose.shapes import approach, free_shapes, refine
 from pa10d.diagnose.side import PerJoint
-from pa10d.diagnose.slopes import free_shapes, newton_move
+from pa10d.diagnose.slopes import newton_move
 from pa10d.diagnose.state import State
 from pa10d.diagnose.structure import all_maps
 from pa10d.diagnose.timing import align

@@ -22,10 +22,15 @@ SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 WORTH_A_STEP = 0.1  # squared standard errors of the noise
 
 
+def free_shapes(effect: Effect, shape: Shape) -> list[ShapeParameter]:
+    """What may vary: all but choices (sides, signs)."""
+    return [s for s in effect.shapes if s.scale != "choice" and s.name in shape]
+
+
 def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 15) -> dict[str, float]:
     """The shape near ``start`` with the largest gain, after so many evaluations for each of its
     parameters; choices (sides, signs) stay as they are."""
-    free = [s for s in effect.shapes if s.scale != "choice" and s.name in start]
+    free = free_shapes(effect, start)
     if not free:
         return dict(start)
 
@@ -75,7 +80,7 @@ def approach(
     Where the torque is smooth in its shape this ends at the best shape nearby, to a fraction of
     its standard error, which a search without derivatives does not within as many evaluations.
     """
-    free = [s for s in effect.shapes if s.scale != "choice" and s.name in start]
+    free = free_shapes(effect, start)
     best, most = dict(start), gain(dict(start))
     for _ in range(steps if free else 0):
         wanted, before = move(best), most

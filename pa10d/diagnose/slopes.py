@@ -7,19 +7,13 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.fit import Fit
 from pa10d.diagnose.partial import normal_equations, solve
+from pa10d.diagnose.shapes import free_shapes
 from pa10d.diagnose.side import PerJoint, Side
-from pa10d.effects import Effect, Shape
-from pa10d.effects.base import ShapeParameter
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
 STEP = 1e-3  # of the value, or of a thousandth of its range where that is more
-
-
-def free_shapes(effect: Effect, shape: Shape) -> list[ShapeParameter]:
-    """What may vary: all but choices (sides, signs)."""
-    return [s for s in effect.shapes if s.scale != "choice" and s.name in shape]
 
 
 def with_slopes(side: Side, term: Term) -> PerJoint:
