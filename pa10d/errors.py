@@ -9,5 +9,9 @@ class UserError(Exception):
     """
 
 
+class Busy(UserError):
+    """Somebody else holds for a while what is needed; the same may work later."""
+
+
 class Cancelled(Exception):
     """The caller asked a long computation to stop; nothing was stored."""

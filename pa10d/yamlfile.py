@@ -6,6 +6,7 @@ pydantic model into sentences of the form ``file:line: key: found …, expected 
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import re
 from collections.abc import Iterator, Mapping
@@ -19,6 +20,13 @@ from pydantic_core import PydanticCustomError
 
 from pa10d.errors import UserError
 
+LARGEST = 16 << 20  # bytes of a file
+DEEPEST = 100  # sections within sections
+MOST = 1_000_000  # values, those that stand for others (aliases) written out
+BROKEN = (  # what PyYAML lets out for files that are none
+    yaml.YAMLError, ValueError, RecursionError, AttributeError, KeyError, IndexError, TypeError,
+    OverflowError,
+)  # fmt: skip
 Model = TypeVar("Model", bound=BaseModel)
 Location = tuple[int | str, ...]
 
@@ -64,6 +72,48 @@ EXPONENT = (
 _Loader.add_implicit_resolver(*EXPONENT)
 
 
+class Trap(yaml.YAMLError):
+    """Few bytes that would become very much, or very deep."""
+
+
+def refuse_traps(text: str | bytes) -> None:
+    """Look at the structure without building it: Trap where that would not end well.
+
+    A few aliases of aliases stand for more values than any memory holds, and a compiled reader
+    does not survive ten thousand brackets.
+    """
+    sizes: dict[str, int] = {}  # of what an anchor names, once it is complete
+    open_: list[tuple[str | None, int]] = [(None, 0)]
+
+    def add(size: int) -> None:
+        name, before = open_[-1]
+        open_[-1] = name, before + size
+        if before + size > MOST:
+            raise Trap(f"more than {MOST} values once all aliases are written out")
+
+    for event in yaml.parse(text, Loader=_EVENTS):
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor not in sizes:
+                raise Trap(f"alias '*{event.anchor}' stands for nothing before it")
+            add(sizes[event.anchor])
+        elif isinstance(event, yaml.CollectionStartEvent):
+            open_.append((event.anchor, 1))
+            if len(open_) > DEEPEST:
+                raise Trap(f"more than {DEEPEST} sections within each other")
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, size = open_.pop()
+            add(size)
+            if anchor is not None:
+                sizes[anchor] = size
+        elif isinstance(event, yaml.ScalarEvent):
+            add(1)
+            if event.anchor is not None:
+                sizes[event.anchor] = 1
+
+
+_EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
 @dataclass(frozen=True)
 class YamlFile:
     """A YAML mapping and where its keys stand."""
@@ -93,12 +143,18 @@ class YamlFile:
 def read_yaml(path: Path) -> YamlFile:
     """Read a file whose top level is a mapping; raise UserError with file and line."""
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise UserError(f"{path}: more than {LARGEST} bytes; expected a YAML file")
+        text = content.decode("utf-8-sig")
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; expected a readable YAML file") from error
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8; expected text") from error
     try:
+        with contextlib.suppress(yaml.MarkedYAMLError):  # said below, with its line
+            refuse_traps(text)
         loader = _Loader(text)
     except yaml.YAMLError as error:
         what = " ".join(str(error).split())
@@ -115,8 +171,8 @@ def read_yaml(path: Path) -> YamlFile:
         where = f":{mark.line + 1}" if mark else ""
         what = error.problem or "not YAML"
         raise UserError(f"{path}{where}: {what}; expected lines 'key: value'") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        what = str(error).splitlines()[0]
+    except BROKEN as error:
+        what = (str(error).splitlines() or [type(error).__name__])[0]
         raise UserError(f"{path}: {what}; expected lines 'key: value'") from error
     finally:
         loader.dispose()

@@ -33,8 +33,8 @@ def add_commands(commands: Commands) -> None:
 def list_(options: argparse.Namespace) -> Answer:
     """``model list``."""
     store = _library(options).models
-    for bad in store.broken():
-        note(f"warning: {bad.error}")
+    for other in store.set_aside():
+        note(f"warning: set aside: {other.reason}")
     infos = store.all()
     head = ["id", "name", "created", "from", "change", "RMS N·m"]
     rows = [

@@ -67,7 +67,10 @@ def import_(options: argparse.Namespace) -> Answer:
 
 def list_(options: argparse.Namespace) -> Answer:
     """``run list``."""
-    infos = _store(options).all()
+    store = _store(options)
+    for other in store.set_aside():
+        note(f"warning: set aside: {other.reason}")
+    infos = store.all()
     rows = [[i.id, i.name, i.status, _extent(i), i.profile, " ".join(i.tags)] for i in infos]
     head = ["id", "name", "status", "extent", "profile", "tags"]
     return Answer([_brief(i) for i in infos], table(head, rows) if rows else "no runs yet")
@@ -149,8 +152,7 @@ def _described(info: RunInfo) -> dict[str, object]:
     for key in ("joints", "channels", "tags"):
         shown[key] = ", ".join(shown[key])
     shown["warnings"] = "".join(f"\n  {warning}" for warning in info.warnings)
-    for key in ("format", "replaces"):
-        del shown[key]
+    del shown["format"]
     return shown
 
 

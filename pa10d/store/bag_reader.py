@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from pa10d.errors import UserError
 from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_scan import Rows, chunk, records
 from pa10d.store.bag_writer import message_dtype
+from pa10d.store.entries import explained
 from pa10d.store.ros_messages import Template, parse
 
 
@@ -90,8 +90,8 @@ def read_bag(path: Path) -> Bag:
                 for number, _, rows in chunk(record).messages:
                     collectors[number].add(rows)
             complete = record.opcode == mcap.FOOTER
-    except (ValueError, KeyError, struct.error) as error:
-        raise UserError(f"{path}: found {error}; expected a run of pa10d") from error
+    except mcap.BROKEN as error:
+        raise UserError(f"{path}: damaged ({explained(error)}); expected a run of pa10d") from error
     topics = [collector.finish() for collector in collectors.values()]
     return Bag({topic.name: topic for topic in topics}, metadata, complete)
 

@@ -14,6 +14,7 @@ from pa10d.store.bag_scan import Record, chunk, records
 from pa10d.store.bag_writer import message_index
 
 END = "pa10d.end"  # the metadata record by which a writer says how its run ended
+CUT = ".cut"  # ending of the file that keeps what was cut off
 _STAMP = slice(15, 23)  # log_time within a Message record
 
 
@@ -28,9 +29,10 @@ class Repair:
 
 
 def finish_bag(path: Path) -> Repair:
-    """Cut what is torn off the end and index the rest anew.
+    """Cut what is torn or damaged off the end and index the rest anew.
 
-    Works in place: a crash on the way leaves an unfinished file, which can be repaired again.
+    Works in place: a crash on the way leaves an unfinished file, which can be repaired again. What
+    is cut off is kept beside it: a damaged byte early in a file may have sound samples behind it.
     """
     index, keep = mcap.Index(), len(mcap.MAGIC)
     pending: list[bytes] = []  # message indexes of the last whole chunk
@@ -47,15 +49,21 @@ def finish_bag(path: Path) -> Repair:
                 pending.pop()
                 keep = record.end
             continue
+        try:
+            content = mcap.Fields(record.content)
+            if record.opcode == mcap.METADATA and content.text() == END:
+                end = content.text_map()
+            pending = _note(index, record, mcap.Fields(record.content))
+        except mcap.BROKEN:
+            break
         keep = record.end
-        content = mcap.Fields(record.content)
-        if record.opcode == mcap.METADATA and content.text() == END:
-            end = content.text_map()
-        pending = _note(index, record, mcap.Fields(record.content))
     if not index.channels:
         raise UserError(f"{path}: no topic was written before it broke off; nothing to repair")
     size = path.stat().st_size
     with path.open("r+b") as file:
+        if not data_ended and size > keep:
+            file.seek(keep)
+            path.with_suffix(CUT).write_bytes(file.read())
         file.truncate(keep)
         file.seek(keep)
         missing = b"".join(reversed(pending))

@@ -6,7 +6,6 @@ is torn, or fails its checksum.
 
 from __future__ import annotations
 
-import struct
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from pa10d.errors import UserError
 from pa10d.store import mcap_records as mcap
+from pa10d.store.entries import refuse_links
 
 Rows = NDArray[np.uint8]  # (k, size): k equally long Message records of one channel
 
@@ -47,6 +47,7 @@ class Chunk:
 
 def records(path: Path) -> Iterator[Record]:
     """Whole records up to the footer or to where the file is torn."""
+    refuse_links(path, "file")
     with path.open("rb") as file:
         if file.read(len(mcap.MAGIC)) != mcap.MAGIC:
             raise UserError(f"{path}: not an MCAP file; expected a run of pa10d")
@@ -72,7 +73,7 @@ def _sound(content: bytes) -> bool:
     """Whether a chunk is as its writer left it."""
     try:
         size, crc, compression, body = _chunk_parts(content)
-    except struct.error:
+    except mcap.BROKEN:
         return False
     if compression:
         raise UserError(f"a chunk is compressed ({compression}); expected a run of pa10d")
@@ -96,13 +97,28 @@ def chunk(record: Record) -> Chunk:
 
 
 def _groups(body: memoryview) -> Iterator[tuple[int, int, Rows]]:
+    """ValueError where a record does not fit into its chunk."""
     data, at = np.frombuffer(body, np.uint8), 0
     while at + mcap.RECORD_HEAD.size <= len(data):
         opcode, length = mcap.RECORD_HEAD.unpack_from(body, at)
         size, count = mcap.RECORD_HEAD.size + length, 1
+        if size > len(data) - at:
+            raise ValueError("a record longer than its chunk")
         if opcode == mcap.MESSAGE:
+            if size < mcap.MESSAGE_HEAD.size:
+                raise ValueError("a message without stamps")
             rows = data[at : at + (len(data) - at) // size * size].reshape(-1, size)
-            alike = (rows[:, :11] == rows[0, :11]).all(axis=1)
-            count = len(rows) if alike.all() else int(alike.argmin())
+            count = _alike(rows[:, :11])
             yield int(rows[0, 9]) | int(rows[0, 10]) << 8, at, rows[:count]
         at += count * size
+
+
+def _alike(heads: Rows) -> int:
+    """How many rows from the first on are equal to it; looks no further than twice as many."""
+    found, step = 1, 64
+    while found < len(heads):
+        same = (heads[found : found + step] == heads[0]).all(axis=1)
+        if not same.all():
+            return found + int(same.argmin())
+        found, step = found + len(same), 2 * step
+    return found

@@ -12,16 +12,42 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from pa10d.errors import Busy, UserError
+
 NEW, TRASH = ".new-", ".trash-"
+PATIENCE = 5.0  # s for which the lock is waited for; it is held for milliseconds as a rule
+_LOOK_AGAIN = 0.01  # s
 _SETTLE = 60.0  # s: younger unfinished folders may belong to a process that is about to lock
 
 
 @contextlib.contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Only one process at a time decides about names and folders in here."""
-    with (folder / ".lock").open("a") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+def locked(folder: Path, patience: float | None = None) -> Iterator[None]:
+    """Only one process at a time decides about names and folders in here.
+
+    Busy where the other one does not let go within ``patience`` seconds: it may stand still.
+    """
+    path = folder / ".lock"
+    try:
+        file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; expected a file that can be locked") from error
+    try:
+        until = time.monotonic() + (PATIENCE if patience is None else patience)
+        while not hold(file):
+            if time.monotonic() > until:
+                raise Busy(f"{folder}: {_holder(file)} has held it for too long; try again")
+            time.sleep(_LOOK_AGAIN)
+        with contextlib.suppress(OSError):  # a full disk keeps nobody from the lock
+            os.ftruncate(file, 0)
+            os.pwrite(file, str(os.getpid()).encode(), 0)
         yield
+    finally:
+        os.close(file)
+
+
+def _holder(file: int) -> str:
+    said = os.pread(file, 20, 0).decode("ascii", "replace")
+    return f"process {said}" if said.isdecimal() else "another process"
 
 
 def hold(file: Any) -> bool:
@@ -36,10 +62,11 @@ def hold(file: Any) -> bool:
 def is_held(path: Path) -> bool:
     """Whether a living process writes the file."""
     try:
-        with path.open("rb") as file:
-            return not hold(file)
-    except FileNotFoundError:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError:
         return False
+    with os.fdopen(descriptor, "rb") as file:
+        return not hold(file)
 
 
 def write_json(path: Path, document: Any) -> None:

@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+BROKEN = (ValueError, KeyError, IndexError, OverflowError, struct.error)  # by damaged bytes
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 1, 2, 3, 4, 5, 6
 MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA = 7, 8, 0x0B, 0x0C
@@ -79,6 +80,8 @@ class Fields:
         """The next string."""
         size = self.number("I")
         self.at += size
+        if self.at > len(self.content):
+            raise ValueError("a text longer than its record")
         return self.content[self.at - size : self.at].decode()
 
     def text_map(self) -> dict[str, str]:

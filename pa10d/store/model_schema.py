@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from pa10d.fieldtypes import NotNegative, Number, Positive, Text, Vector3
+from pa10d.store.entries import Id, Name
 
 FORMAT = 1
 
@@ -87,8 +88,8 @@ class ModelFile(_Strict):
     """One model."""
 
     pa10d_model: Literal[1]
-    id: Text
-    name: Text
+    id: Id
+    name: Name
     created: Text
     software: Text
     parent: str | None = None

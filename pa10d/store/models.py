@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from pydantic import ValidationError
 
 from pa10d.errors import UserError
 from pa10d.model import TorqueModel
+from pa10d.store.entries import SetAside, explained, read_entry
 from pa10d.store.folders import locked, write_text
 from pa10d.store.location import data_folder
 from pa10d.store.model_info import ModelInfo
@@ -21,18 +21,9 @@ from pa10d.store.model_parse import info_of, read_model
 from pa10d.store.model_schema import ModelFile
 from pa10d.store.model_text import model_text
 from pa10d.store.names import checked_name, new_id, resolve
+from pa10d.yamlfile import BROKEN, LARGEST, refuse_traps
 
 _FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-
-@dataclass(frozen=True)
-class BrokenModel:
-    """A file that is no model; ``id`` and ``name`` as far as they can be made out."""
-
-    id: str
-    name: str
-    path: Path
-    error: str
 
 
 class ModelStore:
@@ -41,7 +32,7 @@ class ModelStore:
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
         self.folder = data_folder(data) / "models"
         self.folder.mkdir(exist_ok=True)
-        self._known: dict[tuple[Path, int, int], ModelInfo | BrokenModel] = {}
+        self._known: dict[Path, tuple[tuple[int, int, int], ModelInfo | SetAside]] = {}
 
     def all(self) -> list[ModelInfo]:
         """All models, oldest first; those whose name a later one took are marked."""
@@ -49,20 +40,20 @@ class ModelStore:
         latest = {info.name: info.id for info in infos}
         return [info.but(replaced=latest[info.name] != info.id) for info in infos]
 
-    def broken(self) -> list[BrokenModel]:
+    def set_aside(self) -> list[SetAside]:
         """Files that cannot be read, each with the one line that says why."""
-        return list(self._scan(BrokenModel))
+        return list(self._scan(SetAside))
 
     def find(self, wanted: str) -> ModelInfo:
         """By exact name, id, or unique start of an id; a broken file says so under its name."""
-        broken = self.broken()
+        broken = self.set_aside()
         for bad in broken:
             if wanted in (bad.name, bad.id) and not self._readable(wanted):
-                raise UserError(bad.error)
+                raise UserError(bad.reason)
         try:
             return resolve(wanted, self.all(), "model")
         except UserError as error:
-            nameless = [bad.error for bad in broken if not bad.name]
+            nameless = [bad.reason for bad in broken if not bad.name]
             if not nameless:
                 raise
             raise UserError(
@@ -122,21 +113,27 @@ class ModelStore:
     def _scan(self, kind: type) -> Iterator:
         return (known for path in self._files() if isinstance(known := self._look(path), kind))
 
-    def _look(self, path: Path) -> ModelInfo | BrokenModel:
+    def _look(self, path: Path) -> ModelInfo | SetAside:
         """Read each version of each file once."""
-        stat = path.stat()
-        key = (path, stat.st_mtime_ns, stat.st_size)
-        if key not in self._known:
-            self._known[key] = _quick_info(path) or _careful_info(path)
-        return self._known[key]
+        try:
+            stat = path.lstat()
+        except OSError as error:
+            return SetAside(path.stem, "", path, f"{path}: {error.strerror}")
+        version = (stat.st_ino, stat.st_mtime_ns, stat.st_size)
+        known = self._known.get(path)
+        if known is None or known[0] != version:
+            known = self._known[path] = version, _quick_info(path) or _careful_info(path)
+        return known[1]
 
 
 def _quick_info(path: Path) -> ModelInfo | None:
     """None where anything is unusual: then the slow reader with the good messages looks."""
     try:
-        data = yaml.load(path.read_bytes(), Loader=_FastLoader)
+        content = read_entry(path, LARGEST)
+        refuse_traps(content)
+        data = yaml.load(content, Loader=_FastLoader)
         return info_of(ModelFile.model_validate(data))
-    except (OSError, ValueError, ValidationError, yaml.YAMLError, RecursionError):
+    except (UserError, ValidationError, *BROKEN):
         return None
 
 
@@ -153,16 +150,18 @@ def _refuse_unreadable(text: str, name: str) -> None:
         ) from error
 
 
-def _careful_info(path: Path) -> ModelInfo | BrokenModel:
+def _careful_info(path: Path) -> ModelInfo | SetAside:
+    """Whatever is wrong with a file, it is set aside and all others go on."""
+    name = ""
     try:
+        text = read_entry(path, LARGEST).decode("utf-8", "replace")
+        found = re.search(r"^name:\s*['\"]?(.*?)['\"]?\s*$", text, re.MULTILINE)
+        name = found.group(1) if found else ""
         return read_model(path)[1]
     except UserError as error:
-        name = ""
-        if path.is_file():
-            text = path.read_bytes().decode("utf-8", "replace")
-            found = re.search(r"^name:\s*['\"]?(.*?)['\"]?\s*$", text, re.MULTILINE)
-            name = found.group(1) if found else ""
-        return BrokenModel(path.stem, name, path, str(error).splitlines()[0])
+        return SetAside(path.stem, name, path, str(error).splitlines()[0])
+    except Exception as error:  # nothing that a file holds may end the listing of the others
+        return SetAside(path.stem, name, path, f"{path}: {explained(error)}; expected a model")
 
 
 def _new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:

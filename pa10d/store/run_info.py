@@ -2,43 +2,50 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from pa10d import __version__
 from pa10d.errors import UserError
 from pa10d.store.channels import Channels
+from pa10d.store.entries import Id, Name, read_entry, refuse_links
 from pa10d.store.folders import write_json
 from pa10d.store.names import new_id
 
 Status = Literal["started", "success", "stopped", "aborted", "failed"]
 FILE, BAG = "run.json", "run.mcap"
+LARGEST = 1 << 20  # bytes of a description
+Count = Annotated[int, Field(ge=0, le=1 << 53)]
+Amount = Annotated[float, Field(ge=0)]
 
 
 @dataclass(frozen=True)
 class RunInfo:
     """One run. ``started``: being recorded; stopped: by a person; aborted: by a fault."""
 
-    id: str
-    name: str
+    __pydantic_config__ = ConfigDict(strict=True, allow_inf_nan=False, extra="ignore")
+
+    id: Id
+    name: Name
     created: str  # UTC, ISO 8601
     profile: str
     joints: tuple[str, ...]
     status: Status = "started"
     reason: str = ""
-    samples: int = 0
-    duration: float = 0.0  # s
-    rate: float = 0.0  # Hz
+    samples: Count = 0
+    duration: Amount = 0.0  # s
+    rate: Amount = 0.0  # Hz
     channels: tuple[str, ...] = ()  # what was recorded besides q and tau
     tags: tuple[str, ...] = ()
     source: str = ""  # the file it was imported from
     kind: str = ""  # the experiment it was recorded in
     warnings: tuple[str, ...] = ()
     repaired: bool = False
-    replaces: str = ""  # id of the run that gives way to this one
     software: str = f"pa10d {__version__}"
     format: int = field(default=1)
 
@@ -64,16 +71,20 @@ def new_info(name: str, profile: str, channels: Channels, **more: Any) -> RunInf
 
 
 def load_info(folder: Path) -> RunInfo:
-    """Read it back; unknown keys of a later version are left out."""
+    """Read it back; unknown keys of a later version are left out. The folder's name is the id."""
+    refuse_links(folder, "folder")
     path = folder / FILE
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        known = {f.name for f in fields(RunInfo)}
-        values: dict[str, Any] = {
-            key: tuple(value) if isinstance(value, list) else value
-            for key, value in document.items()
-            if key in known
-        }
-        return RunInfo(**values)
-    except (OSError, ValueError, TypeError, AttributeError) as error:
-        raise UserError(f"{path}: not the description of a run ({error})") from error
+        info = _typed().validate_json(read_entry(path, LARGEST))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"])) or "all of it"
+        raise UserError(f"{path}: {where}: {first['msg']}; expected a run's description") from error
+    if info.id != folder.name:
+        raise UserError(f"{path}: id: found {info.id!r}, expected the folder's name")
+    return info
+
+
+@cache
+def _typed() -> TypeAdapter[RunInfo]:
+    return TypeAdapter(RunInfo)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pa10d.errors import UserError
 from pa10d.recording import Recording
 from pa10d.sampling import Timing
+from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_reader import Bag, Topic, read_bag
 from pa10d.store.channels import (
     COLUMN,
@@ -23,8 +24,10 @@ from pa10d.store.channels import (
     Motion,
     Samples,
 )
+from pa10d.store.entries import explained
 from pa10d.store.equal_steps import equal_steps
 
+LATEST = 2**63 - 1  # ns
 _EXACT = 2**53  # ns: up to here a stamp is exact as float64 seconds
 
 
@@ -44,11 +47,20 @@ class StoredRun:
 
 
 def read_run(path: Path) -> StoredRun:
-    """Everything in the bag file ``path``, finished or not."""
+    """Everything in the bag file ``path``, finished or not; UserError where it is damaged."""
     bag = read_bag(path)
     states = bag.topics.get(STATES)
     if states is None or not len(states.stamps):
         raise UserError(f"{path}: no measurement on {STATES}; the run broke off before the first")
+    try:
+        run = _assembled(bag, states)
+        _refuse_nonsense(run)
+    except mcap.BROKEN as error:
+        raise UserError(f"{path}: damaged ({explained(error)}); expected a run of pa10d") from error
+    return run
+
+
+def _assembled(bag: Bag, states: Topic) -> StoredRun:
     stamps = states.stamps
     samples = Samples(
         stamps,
@@ -66,6 +78,28 @@ def read_run(path: Path) -> StoredRun:
     )
     zero = bag.metadata.get("pa10d.run", {}).get("time_zero_ns", stamps[0])
     return StoredRun(states.names, samples, int(zero), bag.metadata, bag.complete)
+
+
+def _refuse_nonsense(run: StoredRun) -> None:
+    """ValueError where the arrays do not fit together: checksums do not cover everything."""
+    samples, shape = run.samples, (len(run.samples), len(run.joints))
+    sent = samples.commands
+    per_joint = {
+        "positions": samples.q, "torques": samples.tau, "velocities": samples.dq,
+        "temperatures": samples.temperature, "currents": samples.current,
+        "commands": None if sent is None else np.stack([sent.q, sent.dq, sent.tau]),
+    }  # fmt: skip
+    for what, values in per_joint.items():
+        if values is not None and values.shape[-2:] != shape:
+            raise ValueError(f"{what} of shape {values.shape}, expected {shape}")
+    for what in ("positions", "torques"):
+        if not np.isfinite(per_joint[what]).all():
+            raise ValueError(f"{what} that are not finite")
+    if any(values.shape != shape[:1] for values in samples.extra.values()):
+        raise ValueError("a further channel with more than one value a sample")
+    stamps = samples.stamps
+    if stamps[0] < 0 or (np.diff(stamps) < 0).any() or not 0 <= run.time_zero_ns <= LATEST:
+        raise ValueError("stamps that do not rise")
 
 
 def to_recording(samples: Samples, time_zero_ns: int, name: str) -> tuple[Recording, Timing]:

@@ -10,13 +10,16 @@ from pa10d.store.bag_repair import finish_bag
 from pa10d.store.channels import STATES
 from pa10d.store.run_info import BAG, RunInfo
 
+ENDINGS = ("success", "stopped", "aborted", "failed")
+
 
 def repair_run(folder: Path, info: RunInfo) -> RunInfo:
     """Finish the bag in ``folder``, whose writer is gone, and say what became of the run."""
     try:
         result = finish_bag(folder / BAG)
-    except UserError:
-        info = info.but(status="failed", reason="the recorder ended before the first sample")
+    except UserError as error:
+        reason = f"the recorder ended before the first sample ({str(error).splitlines()[0]})"
+        info = info.but(status="failed", reason=reason)
         info.save(folder)
         return info
     index = result.index
@@ -25,12 +28,12 @@ def repair_run(folder: Path, info: RunInfo) -> RunInfo:
     count = sum(index.messages[k] for k in numbers)
     start = index.start or 0
     duration = max(0, index.end - start) / 1e9
-    status, reason = result.end.get("status"), result.end.get("reason", "")
-    if status is None:
+    status, reason = result.end.get("status", ""), result.end.get("reason", "")
+    if status not in ENDINGS:
         kept = f"{duration:.1f} s were kept"
-        reason = f"the recorder ended without closing the run; {kept}"
+        status, reason = "failed", f"the recorder ended without closing the run; {kept}"
     info = info.but(
-        status=status or "failed",
+        status=status,
         reason=reason,
         repaired=True,
         samples=count,

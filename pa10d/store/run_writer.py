@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ class RunWriter:
     ) -> None:
         """``time_zero_ns``: the stamp that is t = 0 of the recording; None: the first one."""
         self.folder, self.info, self.channels = folder, info, channels
+        self.then: Callable[[RunInfo], RunInfo] | None = None  # once it has been closed
         self._file = (folder / BAG).open("wb", buffering=1 << 16)
         hold(self._file)
         self._waiting: list[tuple[Stamps, dict[str, dict[str, Array]]]] = []
@@ -112,6 +114,10 @@ class RunWriter:
         )
         self.info.save(self.folder)
         self._file.close()
+        if self.then is not None:
+            told, self.info = self.info, self.then(self.info)
+            if self.info != told:
+                self.info.save(self.folder)
         return self.info
 
     def abandon(self) -> None:

@@ -1,16 +1,21 @@
-"""The run store: DATA/runs/<id>/ holds one run as a ROS 2 bag with a description beside it."""
+"""The run store: DATA/runs/<id>/ holds one run as a ROS 2 bag with a description beside it.
+
+Whatever else lies there is set aside, with the reason; nothing that a file says becomes a path.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.recording import Recording
 from pa10d.store.channels import Channels
+from pa10d.store.entries import SetAside
 from pa10d.store.folders import NEW, discard, is_held, locked, sweep
 from pa10d.store.location import data_folder
 from pa10d.store.names import checked_name, free_name, resolve
@@ -26,21 +31,27 @@ class RunStore:
     def __init__(self, data: str | os.PathLike[str] | None = None) -> None:
         self.folder = data_folder(data) / "runs"
         self.folder.mkdir(exist_ok=True)
+        self._known: dict[Path, tuple[Version, RunInfo | SetAside]] = {}
         sweep(self.folder, BAG)
-        self._finish_replacements()
         self.repaired = self.repair()
 
     def all(self) -> list[RunInfo]:
-        """All runs, oldest first; a folder that is none is passed over."""
-        found = []
-        for path in sorted(self.folder.glob(f"[!.]*/{FILE}")):
-            with contextlib.suppress(UserError):
-                found.append(load_info(path.parent))
-        return found
+        """All runs, oldest first."""
+        return [found for found in self._scan() if isinstance(found, RunInfo)]
+
+    def set_aside(self) -> list[SetAside]:
+        """What else lies there, each with the one line that says what is wrong with it."""
+        return [found for found in self._scan() if isinstance(found, SetAside)]
 
     def find(self, wanted: str) -> RunInfo:
-        """By exact name, id, or unique start of an id."""
-        return resolve(wanted, self.all(), "run")
+        """By exact name, id, or unique start of an id; what is set aside says so under its id."""
+        try:
+            return resolve(wanted, self.all(), "run")
+        except UserError:
+            for other in self.set_aside():
+                if wanted == other.id:
+                    raise UserError(other.reason) from None
+            raise
 
     def path(self, info: RunInfo) -> Path:
         """The run's bag folder."""
@@ -49,7 +60,16 @@ class RunStore:
     def read(self, run: str | RunInfo) -> StoredRun:
         """Everything that was measured, as it was measured."""
         info = self.find(run) if isinstance(run, str) else run
-        return read_run(self.path(info) / BAG)
+        bag = self.path(info) / BAG
+        if not bag.parent.exists():
+            raise UserError(f"run {info.name!r} ({info.id}): it has been deleted")
+        found = read_run(bag)
+        if info.status != "started" and len(found.samples) != info.samples:
+            raise UserError(
+                f"{bag}: found {len(found.samples)} sound samples, expected {info.samples}; "
+                "the file is damaged"
+            )
+        return found
 
     def recording(self, run: str | RunInfo) -> Recording:
         """With equal steps, ready for the science."""
@@ -67,7 +87,11 @@ class RunStore:
         tags: tuple[str, ...] = (),
         replace: bool = False,
     ) -> RunWriter:
-        """A run that is seen from its first sample on, whatever becomes of its writer."""
+        """A run that is seen from its first sample on, whatever becomes of its writer.
+
+        With ``replace`` a run of this name stays until the new one, numbered so long, has ended
+        well: then the new one takes the name, and the old one goes.
+        """
         info = new_info(
             checked_name(name),
             profile.name if profile else "",
@@ -78,7 +102,14 @@ class RunStore:
         new = self._new_folder(info)
         writer = RunWriter(new, info, channels, profile, plan)
         try:
-            self._publish(writer, replace)
+            with locked(self.folder):
+                there = {other.name: other for other in self.all()}
+                old = there.get(name)
+                if old is not None:
+                    self._refuse_replacing(old, replace)
+                    writer.info = info.but(name=free_name(name, there))
+                    writer.then = partial(self._take_place, old)
+                self._publish(writer)
         except BaseException:
             writer.abandon()
             discard(new)
@@ -117,7 +148,16 @@ class RunStore:
                 writer.close()
             finally:
                 writer.abandon()
-            self._publish(writer, replace, numbered=name is None)
+            with locked(self.folder):
+                there = {other.name: other for other in self.all()}
+                if name is None and not replace:
+                    writer.info = writer.info.but(name=free_name(stem, there))
+                old = there.get(writer.info.name)
+                if old is not None:
+                    self._refuse_replacing(old, replace)
+                self._publish(writer)
+                if old is not None:
+                    discard(self.path(old))
         except OSError as error:
             raise UserError(f"{self.folder}: {error.strerror}; the run was not stored") from error
         finally:
@@ -146,40 +186,76 @@ class RunStore:
         return info
 
     def repair(self) -> list[RunInfo]:
-        """Finish the runs whose writer is gone; they are marked as repaired and failed."""
+        """Finish the runs whose writer is gone; they are marked as repaired and failed.
+
+        One that cannot be helped now stays as it is: no entry keeps the store from opening.
+        """
         repaired = []
         for info in self.all():
             bag = self.path(info) / BAG
             if info.status != "started" or is_held(bag):
                 continue
-            with locked(self.folder), contextlib.suppress(FileNotFoundError):
+            with contextlib.suppress(UserError, OSError), locked(self.folder):
                 info = load_info(bag.parent)
-                if info.status == "started":
+                if info.status == "started" and not is_held(bag):
                     repaired.append(repair_run(bag.parent, info))
         return repaired
+
+    def _scan(self) -> Iterator[RunInfo | SetAside]:
+        with os.scandir(self.folder) as entries:
+            names = sorted(entry.name for entry in entries if not entry.name.startswith("."))
+        paths = [self.folder / name for name in names]
+        for gone in self._known.keys() - set(paths):
+            self._known.pop(gone, None)
+        for path in paths:
+            found = self._look(path)
+            if found is not None:
+                yield found
+
+    def _look(self, folder: Path) -> RunInfo | SetAside | None:
+        """Each version of each description is read once. None: it has just been deleted."""
+        version = _version(folder / FILE)
+        known = self._known.get(folder)
+        if known is not None and version is not None and known[0] == version:
+            return known[1]
+        try:
+            found: RunInfo | SetAside = load_info(folder)
+        except UserError as error:
+            if not os.path.lexists(folder):
+                return None
+            found = SetAside(folder.name, "", folder, str(error).splitlines()[0])
+        if version is not None:
+            self._known[folder] = version, found
+        return found
 
     def _new_folder(self, info: RunInfo) -> Path:
         new = self.folder / f"{NEW}{info.id}"
         new.mkdir()
         return new
 
-    def _publish(self, writer: RunWriter, replace: bool, numbered: bool = False) -> None:
-        with locked(self.folder):
-            info = writer.info
-            there = {other.name: other for other in self.all()}
-            if numbered and not replace:
-                info = info.but(name=free_name(info.name, there))
-            old = there.get(info.name)
-            if old is not None and not replace:
-                self._refuse_taken(info.name)
-            if old is not None:
-                self._refuse_held(old)
-                info = info.but(replaces=old.id)
-            info.save(writer.folder)
-            writer.folder.rename(self.path(info))
-            writer.folder, writer.info = self.path(info), info
-            if old is not None:
-                discard(self.path(old))
+    def _publish(self, writer: RunWriter) -> None:
+        """From now on it is seen; the lock is held."""
+        info = writer.info
+        info.save(writer.folder)
+        writer.folder.rename(self.path(info))
+        writer.folder = self.path(info)
+
+    def _take_place(self, old: RunInfo, info: RunInfo) -> RunInfo:
+        """What becomes of ``old`` and of the run that was to replace it, which has ended."""
+        if info.status != "success":
+            kept = f"run {old.name!r} was kept, and this one is called {info.name!r}"
+            return info.but(reason=f"{info.reason}; {kept}" if info.reason else kept)
+        try:
+            with locked(self.folder):
+                if any(other.name == old.name and other.id != old.id for other in self.all()):
+                    raise UserError(f"another run took the name {old.name!r}")
+                info = info.but(name=old.name)
+                info.save(self.path(info))
+                with contextlib.suppress(FileNotFoundError):  # somebody else deleted it
+                    discard(self.path(old))
+        except UserError as error:
+            return info.but(warnings=(*info.warnings, f"not renamed: {error}"))
+        return info
 
     def _refuse_taken(self, name: str) -> None:
         if any(info.name == name for info in self.all()):
@@ -187,13 +263,23 @@ class RunStore:
                 f"run {name!r}: there is one already; expected another name or --replace"
             )
 
+    def _refuse_replacing(self, old: RunInfo, replace: bool) -> None:
+        if not replace:
+            self._refuse_taken(old.name)
+        self._refuse_held(old)
+
     def _refuse_held(self, info: RunInfo) -> None:
         if is_held(self.path(info) / BAG):
             raise UserError(f"run {info.name!r}: it is being recorded; expected a finished run")
 
-    def _finish_replacements(self) -> None:
-        """A run that was to give way goes, had the process been killed in between."""
-        for info in self.all():
-            old = self.folder / info.replaces
-            if info.replaces and old.is_dir():
-                discard(old)
+
+Version = tuple[int, int, int]
+
+
+def _version(path: Path) -> Version | None:
+    """Changes whenever the file does; None where there is none."""
+    try:
+        found = path.lstat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size

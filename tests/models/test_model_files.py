@@ -182,7 +182,7 @@ def test_a_broken_file_does_not_hide_the_others(store):
     bad.write_bytes(b"\xff\xfe broken")
     fresh = ModelStore(store.folder.parent)
     assert [info.name for info in fresh.all()] == ["good"]
-    assert [str(bad)] == [str(model.path) for model in fresh.broken()]
+    assert [str(bad)] == [str(model.path) for model in fresh.set_aside()]
     assert fresh.load("good").name == "good"
 
 
