@@ -61,7 +61,7 @@ def finish_bag(path: Path) -> Repair:
         raise UserError(f"{path}: no topic was written before it broke off; nothing to repair")
     size = path.stat().st_size
     with path.open("r+b") as file:
-        if not data_ended and size > keep:
+        if size > keep:
             file.seek(keep)
             path.with_suffix(CUT).write_bytes(file.read())
         file.truncate(keep)

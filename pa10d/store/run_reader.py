@@ -92,9 +92,8 @@ def _refuse_nonsense(run: StoredRun) -> None:
     for what, values in per_joint.items():
         if values is not None and values.shape[-2:] != shape:
             raise ValueError(f"{what} of shape {values.shape}, expected {shape}")
-    for what in ("positions", "torques"):
-        if not np.isfinite(per_joint[what]).all():
-            raise ValueError(f"{what} that are not finite")
+    if not (np.isfinite(samples.q).all() and np.isfinite(samples.tau).all()):
+        raise ValueError("positions or torques that are not finite")
     if any(values.shape != shape[:1] for values in samples.extra.values()):
         raise ValueError("a further channel with more than one value a sample")
     stamps = samples.stamps

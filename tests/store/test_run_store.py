@@ -115,13 +115,14 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(store, monkeypatch):
     assert {p.name for p in store.folder.iterdir()} <= {".lock"}
 
 
-def test_a_crash_between_new_and_old_is_made_good(store):
-    """The new run had taken its place when the power went; the old one goes at the next start."""
+def test_a_crash_between_new_and_old_keeps_both(store):
+    """The new run had taken the name when the power went: it is meant by it, the old one stays."""
     old = _build(store, "one", seed=1)
     new = _build(store, "two", seed=2)
-    new.but(name="one", replaces=old.id).save(store.path(new))
+    new.but(name="one").save(store.path(new))
     again = RunStore(store.folder.parent)
-    assert [info.id for info in again.all()] == [new.id]
+    assert [info.id for info in again.all()] == [old.id, new.id]
+    assert again.find("one").id == new.id
 
 
 def test_what_a_killed_import_left_is_swept_once_it_is_old(store):
