@@ -180,7 +180,7 @@ class Model(BaseModel):
     feasible: bool
     rms: list[float] = Field(description="Of the fit")
     held_out: dict[str, list[float]]
-    noise_floor: list[float] | None
+    noise_floor: list[float | None] | None
     parent: str | None
     parent_name: str | None
     software: str
@@ -213,10 +213,27 @@ class ModelPage(Page):
     items: list[Model]
 
 
+class Fitted(BaseModel):
+    """What a model was fitted to, and its error there in its own band."""
+
+    runs: list[str]
+    cutoff_hz: float
+    rms: list[float] = Field(description="N·m, per joint")
+
+
+class Version(Model):
+    """A model of a line; ``rms``, ``runs``, ``cutoff_hz`` and ``noise_floor``: as all of the line
+    are judged; as fitted where ``mask`` is null, because its runs are not in this store."""
+
+    fit: Fitted
+    mask: str | None = Field(description="Which samples count")
+    noise_floor_from: list[str | None] | None = Field(description="Per joint")
+
+
 class History(BaseModel):
     """A model and all it was made from, the first ancestor first."""
 
-    items: list[Model]
+    items: list[Version]
 
 
 class EffectAbout(BaseModel):
@@ -267,6 +284,9 @@ class CompareRequest(Strict):
 
     model: Name
     runs: Runs
+    cutoff: float | None = Field(
+        None, gt=0, le=10_000, description="Hz; default: the band that all its versions share"
+    )
 
 
 class DiagnoseRequest(Strict):
@@ -392,14 +412,18 @@ class StaircasePlot(Plot):
     """With its numbers."""
 
     steps: list[Step]
-    noise_floor: list[float] = Field(description="N·m, per joint")
+    noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
+    cutoff_hz: float
+    mask: str = Field(description="Which samples count")
 
 
 class VersusPlot(Plot):
     """With its numbers."""
 
     rms: list[list[float]] = Field(description="N·m, per joint, of both models")
-    noise_floor: list[float] = Field(description="N·m, per joint")
+    noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
+    cutoff_hz: float
+    mask: str = Field(description="Which samples count")
 
 
 class Sheet(BaseModel):

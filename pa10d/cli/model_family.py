@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +22,12 @@ def add_commands(commands: Commands) -> None:
     models = commands.group("model", "torque models: list, show, history, export")
     models.add("list", list_, "all models, oldest first")
     _model(models.add("show", show, "a model's parameters with units and standard errors"))
-    _model(models.add("history", history, "what a model was made from, step by step"))
+    parser = models.add("history", history, "what a model was made from, all judged alike")
+    _model(parser)
+    parser.add_argument(
+        "--runs", nargs="+", action="extend", default=[], metavar="RUN",
+        help="runs to judge by (default: those that the model was judged by, else fitted to)",
+    )  # fmt: skip
     parser = models.add("export", export, "a model for other programs")
     _model(parser)
     parser.add_argument("--format", required=True, choices=tuple(ENDINGS))
@@ -71,19 +76,26 @@ def show(options: argparse.Namespace) -> Answer:
 
 def history(options: argparse.Namespace) -> Answer:
     """``model history``."""
-    store = _library(options).models
-    infos = store.history(options.model_)
+    from pa10d.services.history import history as judged_alike
+
+    versions = judged_alike(_library(options), options.model_, options.runs)
     lines = []
-    for info in infos:
+    for version in versions:
+        info, found = version.info, version.judgement
         lines.append(f"{info.name} ({info.id}): {info.change}")
-        lines.append(f"  fit       {_several(info.rms)} N·m on {', '.join(info.runs)}")
-        lines += [f"  held out  {_several(v)} N·m on {run}" for run, v in info.held_out.items()]
-        if info.noise_floor is not None:
-            lines.append(f"  noise     {_several(info.noise_floor)} N·m")
-    first = infos[0]
+        if found is None:
+            lines.append(f"  fit       {_several(info.rms)} N·m on {', '.join(info.runs)}")
+            continue
+        lines.append(f"  error     {_several(found.rms)} N·m")
+        lines.append(f"  noise     {_several(found.floor.values)} N·m")
+    first, last = versions[0].info, versions[-1].judgement
+    if last is not None:
+        lines.append(
+            f"all judged on {', '.join(last.runs)}; low-pass {last.cutoff:g} Hz, {last.mask}"
+        )
     if first.parent is not None:
         lines.insert(0, f"{first.parent_name} ({first.parent}): not in this store")
-    return Answer([_brief(info) for info in infos], "\n".join(lines))
+    return Answer([version.document() for version in versions], "\n".join(lines))
 
 
 def export(options: argparse.Namespace) -> Answer:
@@ -102,7 +114,7 @@ def export(options: argparse.Namespace) -> Answer:
     return Answer(document, str(out))
 
 
-def _several(values: Sequence[float]) -> str:
+def _several(values: Iterable[float]) -> str:
     return " ".join(f"{value:.3g}" for value in values)
 
 

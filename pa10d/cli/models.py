@@ -41,6 +41,10 @@ def add_commands(commands: Commands) -> None:
     parser = commands.add("compare", compare, "how large a model's error is, and where")
     _model(parser)
     _runs(parser)
+    parser.add_argument(
+        "--cutoff", type=float, metavar="HZ",
+        help="low-pass of the judgement (default: the band that all versions of the model share)",
+    )  # fmt: skip
     parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")
 
 
@@ -77,7 +81,7 @@ def compare(options: argparse.Namespace) -> Answer:
     library = _library(options)
     found = compare_runs(
         library, options.model_, options.runs, ancestors=options.report is not None,
-        progress=_progress,
+        cutoff=options.cutoff, progress=_progress,
     )  # fmt: skip
     document = found.document()
     for warning in document["warnings"]:
@@ -100,7 +104,7 @@ def compare(options: argparse.Namespace) -> Answer:
     places = [place["sentence"] for place in document["where"]]
     text = [
         f"{found.info.name} on {', '.join(run.name for run in found.runs)}, "
-        f"low-pass {document['cutoff_hz']:g} Hz",
+        f"low-pass {document['cutoff_hz']:g} Hz, {document['mask']}",
         table(head, rows),
         *(places or ["nowhere more than elsewhere: no region stands out"]),
     ]

@@ -2,10 +2,16 @@
 
 from pa10d.compare.comparison import Comparison, RunScores, compare
 from pa10d.compare.document import document
-from pa10d.compare.noise import NoiseFloor, noise_floor
 from pa10d.compare.places import Place, places
-from pa10d.compare.residuals import RunResidual, residual_of, run_residual
-from pa10d.compare.scores import Scores, scores
+from pa10d.judgement import (
+    NoiseFloor,
+    RunResidual,
+    Scores,
+    noise_floor,
+    residual_of,
+    run_residual,
+    scores,
+)
 
 __all__ = [
     "Comparison",

@@ -9,14 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
-from pa10d.compare.noise import NoiseFloor, noise_floor
 from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.places import Place, places
-from pa10d.compare.residuals import RunResidual, run_residual
-from pa10d.compare.scores import Scores, scores
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.errors import UserError
+from pa10d.judgement import (
+    NoiseFloor,
+    RunResidual,
+    Scores,
+    in_band,
+    noise_floor,
+    run_residual,
+    scores,
+)
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 
@@ -41,7 +47,10 @@ class RunScores:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Everything that compare finds. Lists of spectra and whiteness have one entry per joint."""
+    """Everything that compare finds. Lists of spectra and whiteness have one entry per joint.
+
+    model: with the band that it was judged in
+    """
 
     model: TorqueModel
     residuals: tuple[RunResidual, ...]
@@ -57,13 +66,16 @@ def compare(
     model: TorqueModel,
     recordings: Sequence[Recording],
     progress: Progress = lambda share, what: None,
+    cutoff: float | None = None,
 ) -> Comparison:
     """Judge the model on every recording and on all of them together.
 
     progress(share done in 0…1, what is being done)
+    cutoff: Hz of the low-pass on both sides; default: the model's own band
     """
     if not recordings:
         raise UserError("nothing to compare with: expected at least one run")
+    model = in_band(model, cutoff)
     residuals, own = [], []
     for index, recording in enumerate(recordings):
         progress(0.6 * index / len(recordings), f"run {recording.name}")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pa10d.compare.comparison import Comparison, RunScores
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
+from pa10d.jsonable import plain
+from pa10d.judgement import MASK
 
 
 def document(comparison: Comparison) -> dict[str, Any]:
@@ -20,6 +19,7 @@ def document(comparison: Comparison) -> dict[str, Any]:
         "model": comparison.model.name,
         "joint_names": list(comparison.model.robot.joint_names),
         "cutoff_hz": cutoff,
+        "mask": MASK,
         "runs": [{"name": run.name, **figures(run, cutoff)} for run in comparison.runs],
         "pooled": pooled,
         "where": pooled["where"],
@@ -44,14 +44,15 @@ def figures(run: RunScores, cutoff: float) -> dict[str, Any]:
     """One run's entry."""
     found = run.scores
     return {
-        "rms": numbers(found.rms),
-        "rms_raw": numbers(found.rms_raw),
-        "nrmse": numbers(found.nrmse),
-        "max": numbers(found.max),
-        "r2": numbers(found.r2),
-        "noise_floor": numbers(run.noise_floor),
-        "noise_floor_from": list(run.floor.methods),
+        "rms": plain(found.rms),
+        "rms_with_reversals": plain(found.rms_with_reversals),
+        "rms_raw": plain(found.rms_raw),
+        "nrmse": plain(found.nrmse),
+        "max": plain(found.max),
+        "r2": plain(found.r2),
+        **run.floor.document(),
         "cutoff_hz": cutoff,
+        "mask": MASK,
         "where": [place_document(place) for place in run.where],
     }
 
@@ -69,8 +70,3 @@ def place_document(place: Place) -> dict[str, Any]:
         "samples": what.samples if isinstance(what, Region) else 1.0,
         "p_value": place.p_value,
     }
-
-
-def numbers(values: NDArray[np.float64]) -> list[float | None]:
-    """JSON knows no nan and no infinity: null."""
-    return [float(v) if np.isfinite(v) else None for v in values]

@@ -8,8 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from pa10d.compare.angle_periodogram import TURNS, periodogram
 from pa10d.compare.order_lines import find_lines, noise_bar, slow_part
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ from pa10d.compare.curves import Curve
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Values, quantities
 from pa10d.compare.regions import Region
-from pa10d.compare.residuals import RunResidual
 from pa10d.compare.samples import joint_samples
 from pa10d.compare.search import Search
 from pa10d.dynamics import Robot
+from pa10d.judgement.residuals import RunResidual
 
 Array = NDArray[np.float64]
 

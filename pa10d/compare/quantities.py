@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.compare.residuals import RunResidual
 from pa10d.compare.reversals import since_reversal
 from pa10d.dynamics import Robot
+from pa10d.judgement.residuals import RunResidual
 
 Array = NDArray[np.float64]
 Kind = Literal[

@@ -9,8 +9,8 @@ import scipy.sparse
 from numpy.typing import NDArray
 
 from pa10d.compare.quantities import Quantity, Values
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pa10d.compare.residuals import RunResidual
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
+from pa10d.judgement.residuals import RunResidual
 from pa10d.model import Term, TorqueModel
 
 WORTH_SAYING = 0.01  # share of a run outside a map's range

@@ -15,8 +15,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from pa10d.compare.correlation import autocorrelation
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -56,7 +56,12 @@ def identify(
 
 
 def compare(
-    data: str, model: str, runs: list[str], progress: Progress, sheet: str | None = None
+    data: str,
+    model: str,
+    runs: list[str],
+    progress: Progress,
+    sheet: str | None = None,
+    cutoff: float | None = None,
 ) -> dict[str, Any]:
     """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs.
 
@@ -65,7 +70,9 @@ def compare(
     from pa10d.services.models import compare_runs
     from pa10d.services.sheets import write_comparison_sheet
 
-    found = compare_runs(open_library(data), model, runs, ancestors=True, progress=progress)
+    found = compare_runs(
+        open_library(data), model, runs, ancestors=True, cutoff=cutoff, progress=progress
+    )
     if sheet is not None:
         progress(0.95, "plots")
         write_comparison_sheet(found, Path(sheet))
@@ -80,6 +87,14 @@ def model_document(data: str, model: str) -> dict[str, Any]:
     library = open_library(data)
     info = library.models.find(model)
     return vars(info) | model_details(library.models.load(info))
+
+
+def model_history(data: str, model: str) -> dict[str, Any]:
+    """A model and all it was made from, judged alike."""
+    from pa10d.services.history import history
+    from pa10d.services.library import open_library
+
+    return {"items": [version.document() for version in history(open_library(data), model)]}
 
 
 def model_text(data: str, model: str, format: str) -> dict[str, Any]:

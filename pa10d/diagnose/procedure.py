@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from pa10d.compare import noise_floor, residual_of
 from pa10d.diagnose.candidates import Candidate, places, suspects
 from pa10d.diagnose.errors_of import term_covariance
 from pa10d.diagnose.next_experiment import settle_doubt
@@ -22,13 +21,12 @@ from pa10d.diagnose.versions import snapshot, to_store, versions_of
 from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
+from pa10d.judgement import in_band, noise_floor, residual_of
 from pa10d.model import Term, TorqueModel, in_units_of
 from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
-
-HIGHEST_HZ = 12.0
 
 # the matrices are many and small: threads of the linear algebra would mostly wait
 one_thread = threadpool_limits.wrap(limits=1, user_api="blas")
@@ -144,18 +142,6 @@ def add(
     added = ", ".join(t.label for t in state.terms[given:])
     made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
     return replace(made, name=name, change=f"added {added}"), warnings
-
-
-def in_band(model: TorqueModel) -> TorqueModel:
-    """The model with the diagnosis' own cut-off, unless a user chose one.
-
-    Mechanical effects act within the band of the motion; above it a residual holds what reversals
-    and timing leave behind, which looks like any effect that is sharp.
-    """
-    chosen = model.notes.get("cutoff", {})
-    if isinstance(chosen, dict) and chosen.get("chosen_by") == "user":
-        return model
-    return replace(model, cutoff=min(model.cutoff, HIGHEST_HZ))
 
 
 def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from pa10d.diagnose.errors_of import LONGEST_SECONDS, doubt_of
 from pa10d.diagnose.evidence import Evidence, judge
 from pa10d.diagnose.fit import Fit
-from pa10d.diagnose.procedure import in_band
 from pa10d.diagnose.side import Side
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
@@ -22,6 +21,7 @@ from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
 from pa10d.effects.variables import at_joint, values_of
 from pa10d.errors import UserError
 from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.judgement import in_band
 from pa10d.model import Term, TorqueModel
 from pa10d.recording import Recording
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from pa10d.compare.places import Place
 from pa10d.compare.quantities import Quantity, Values, quantities
 from pa10d.compare.regions import Region
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving
 from pa10d.figures.decimate import thinned
 from pa10d.figures.plotly import (
     ALERT,
@@ -27,6 +25,8 @@ from pa10d.figures.plotly import (
     line,
     packed,
 )
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 

@@ -55,7 +55,7 @@ def held_out(
     runs = sorted(validate, key=lambda r: r.name in fitted) if validate else list(fit)
     seen = [
         tuple(
-            replace(run_residual(version, recording), counts=keep)
+            replace(run_residual(version, recording), counts=keep, judged=keep)
             for recording, keep in zip(runs, side.keep, strict=True)
         )
         for version in diagnosis.versions

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.compare.residuals import RunResidual
 from pa10d.figures.decimate import extremes
 from pa10d.figures.plotly import (
     ALERT,
@@ -19,6 +18,7 @@ from pa10d.figures.plotly import (
     layout,
     line,
 )
+from pa10d.judgement.residuals import RunResidual
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]

@@ -6,8 +6,8 @@ differentiations and the inertia turn into torque. A first fit with a wide band 
 joint the frequency at which the coherence of measured and modelled torque falls below one half
 (as much noise as signal). The cut-off is MARGIN times the joints' median, because the filter
 should not bend what is still signal; but no higher than where the encoder's noise, integrated
-over the band, reaches a quarter of the torque sensor's, and no higher than a twentieth of the
-sampling rate.
+over the band, reaches a quarter of the torque sensor's, no higher than a twentieth of the sampling
+rate, and no higher than any model is judged.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.equation import prepare
+from pa10d.judgement.band import HIGHEST_HZ
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 
@@ -53,7 +54,7 @@ def probe_cutoff(recordings: Sequence[Recording]) -> float:
 
 def choose_cutoff(model: TorqueModel, recordings: Sequence[Recording]) -> Cutoff:
     """From a model that was fitted with a wide band."""
-    highest = SHARE * min(r.rate for r in recordings)
+    highest = min(SHARE * min(r.rate for r in recordings), HIGHEST_HZ)
     spectra = [_Spectra(model, r) for r in recordings]
     widest = PROBE_SHARE * min(r.rate for r in recordings)
     signal = np.array([_falls(spectra, j, widest) for j in range(model.robot.n)])
@@ -64,7 +65,8 @@ def choose_cutoff(model: TorqueModel, recordings: Sequence[Recording]) -> Cutoff
     chosen = float(np.clip(min(wanted, allowed), lowest, highest))
     digits = 1 - int(np.floor(np.log10(chosen)))
     reason = "torque falls to the noise" if wanted <= allowed else "encoder noise"
-    reason = "sampling rate" if min(wanted, allowed) > highest else reason
+    if min(wanted, allowed) > highest:
+        reason = "band of the motion" if highest == HIGHEST_HZ else "sampling rate"
     return Cutoff(round(chosen, digits), signal, encoder, reason)
 
 

@@ -9,18 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pa10d.compare import (
-    Comparison,
-    compare,
-    document,
-    noise_floor,
-    run_residual,
-    scores,
-)
+import numpy as np
+
+from pa10d.compare import Comparison, compare, document
 from pa10d.errors import UserError
 from pa10d.figures.staircase import Step
+from pa10d.judgement import Judgement, judge, judge_alike
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
+from pa10d.services.history import line_band
 from pa10d.services.library import Library
 from pa10d.services.robots import load_robot
 from pa10d.store import RunInfo
@@ -94,9 +91,12 @@ def identify_runs(
         progress=progress,
         cancel=cancel,
     )
-    model = with_noise_floor(model, recordings)
+    found = judge(model, recordings, model.cutoff)
+    model = with_noise_floor(dataclasses.replace(model, noise=found.rms), found)
     info = library.models.save(model, replace=replace)
-    return Identified(info, model, {"id": info.id, "name": info.name, **summary(model)})
+    return Identified(
+        info, model, {**summary(model), **found.document(), "id": info.id, "name": info.name}
+    )
 
 
 def compare_runs(
@@ -105,26 +105,32 @@ def compare_runs(
     runs: Sequence[str],
     *,
     ancestors: bool = False,
+    cutoff: float | None = None,
     progress: Progress = lambda share, what: None,
 ) -> Compared:
-    """Judge a stored model on stored runs; ``ancestors``: and those it was made from."""
+    """Judge a stored model on stored runs; ``ancestors``: and those it was made from.
+
+    cutoff: Hz; default: the band that the model shares with its ancestors.
+    """
     info = library.models.find(model)
     infos, recordings = read_runs(library, runs)
     loaded = library.models.load(info)
-    comparison = compare(loaded, recordings, progress)
+    band = line_band(library, info.id) if cutoff is None else cutoff
+    comparison = compare(loaded, recordings, progress, band)
     steps = [Step(info.name, info.change, comparison.pooled.scores.rms)]
     if ancestors:
         progress(0.9, "earlier versions")
-        steps = [*_earlier(library, info, recordings), *steps]
+        steps = [*_earlier(library, info, recordings, band), *steps]
     return Compared(info, tuple(infos), comparison, tuple(steps))
 
 
-def with_noise_floor(model: TorqueModel, recordings: Sequence[Recording]) -> TorqueModel:
-    """The model with the noise floor of these recordings among its notes, unless it has one."""
-    if "noise_floor" in model.notes:
+def with_noise_floor(model: TorqueModel, found: Judgement) -> TorqueModel:
+    """The model with the noise floor of a judgement among its notes, unless it has one."""
+    if "noise_floor" in model.notes or not np.all(np.isfinite(found.floor.values)):
         return model
-    floor = noise_floor([run_residual(model, recording) for recording in recordings])
-    return dataclasses.replace(model, notes={**model.notes, "noise_floor": floor.values.tolist()})
+    return dataclasses.replace(
+        model, notes={**model.notes, "noise_floor": found.floor.values.tolist()}
+    )
 
 
 def read_runs(library: Library, runs: Sequence[str]) -> tuple[list[RunInfo], list[Recording]]:
@@ -162,11 +168,14 @@ def write_file(path: Path, text: str) -> Path:
     return path
 
 
-def _earlier(library: Library, info: ModelInfo, recordings: Sequence[Recording]) -> list[Step]:
-    out = []
-    for older in library.models.history(info)[:-1]:
-        model = library.models.load(older)
-        seen = [run_residual(model, recording) for recording in recordings]
-        floor = noise_floor(seen).values
-        out.append(Step(older.name, older.change, scores(seen).rms, floor))
-    return out
+def _earlier(
+    library: Library, info: ModelInfo, recordings: Sequence[Recording], band: float
+) -> list[Step]:
+    older = library.models.history(info)[:-1]
+    if not older:
+        return []
+    found = judge_alike([library.models.load(one) for one in older], recordings, band)
+    return [
+        Step(one.name, one.change, judged.rms, judged.floor.values)
+        for one, judged in zip(older, found, strict=True)
+    ]

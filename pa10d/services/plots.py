@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.compare import RunResidual, noise_floor, run_residual, scores
 from pa10d.compare.quantities import Values, quantities
 from pa10d.errors import UserError
 from pa10d.figures import TEXTS
@@ -22,6 +21,8 @@ from pa10d.figures.recorded import recorded
 from pa10d.figures.staircase import Step, least_floor, staircase
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
+from pa10d.jsonable import plain
+from pa10d.judgement import Judgement, RunResidual, common_band, in_band, judged, run_residual
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 from pa10d.services.library import Library, open_library
@@ -61,10 +62,11 @@ def torque_over(
     ``where`` of a comparison has them: shown in red, and ``jump`` is the stretch that shows it."""
     library = _library(data)
     pair = library.models.find(model).id, library.runs.find(run).id
-    seen = _residual(data, *pair)
+    band = common_band(_model(data, info.id) for info in library.models.history(pair[0]))
+    seen = _residual(data, *pair, band)
     _refuse_joint(seen, joint)
     marked = None if place is None else _within(seen, joint - 1, *place)
-    floor = float(_floor(data, pair[0], pair[1:])[joint - 1])
+    floor = float(_judged(data, pair[0], pair[1:], band).floor.values[joint - 1])
     figure = torque_over_time(seen, joint - 1, floor, raw=raw, span=_span(span), marked=marked)
     jump = None if marked is None else _stretch(seen, joint - 1, marked)
     return _plot(figure, TEXTS["time"], jump=jump)
@@ -75,15 +77,19 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     library = _library(data)
     line = library.models.history(library.models.find(model))
     ids = _ids(library, runs)
+    band = common_band(_model(data, info.id) for info in line)
+    found = [_judged(data, info.id, ids, band) for info in line]
     steps = [
-        Step(info.name, info.change, _rms(data, info.id, ids), _floor(data, info.id, ids))
-        for info in line
+        Step(info.name, info.change, one.rms, one.floor.values)
+        for info, one in zip(line, found, strict=True)
     ]
     floor = least_floor(steps)
     assert floor is not None
     figure = staircase(steps, line[-1].joints, floor)
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
-    return _plot(figure, TEXTS["staircase"], steps=told, noise_floor=floor.tolist())
+    return _plot(
+        figure, TEXTS["staircase"], steps=told, noise_floor=plain(floor), **_named(found[-1])
+    )
 
 
 def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
@@ -91,11 +97,14 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     library = _library(data)
     first, second = library.models.find(one), library.models.find(other)
     ids = _ids(library, runs)
-    rms = [_rms(data, info.id, ids) for info in (first, second)]
-    floor = np.minimum(*(_floor(data, info.id, ids) for info in (first, second)))
+    band = common_band(_model(data, info.id) for info in (first, second))
+    found = [_judged(data, info.id, ids, band) for info in (first, second)]
+    rms = [one.rms for one in found]
+    floor = np.fmin(*(one.floor.values for one in found))
     names = (first.name, second.name)
     figure = before_after(first.joints, rms[0], rms[1], floor, names)
-    return _plot(figure, TEXTS["versus"], rms=[r.tolist() for r in rms], noise_floor=floor.tolist())
+    told = [r.tolist() for r in rms]
+    return _plot(figure, TEXTS["versus"], rms=told, noise_floor=plain(floor), **_named(found[0]))
 
 
 @lru_cache(1)
@@ -114,18 +123,17 @@ def _model(data: str, model: str) -> TorqueModel:
 
 
 @lru_cache(JUDGED)
-def _residual(data: str, model: str, run: str) -> RunResidual:
-    return run_residual(_model(data, model), _recording(data, run))
+def _residual(data: str, model: str, run: str, band: float) -> RunResidual:
+    return run_residual(in_band(_model(data, model), band), _recording(data, run))
 
 
 @lru_cache(256)
-def _rms(data: str, model: str, runs: tuple[str, ...]) -> Array:
-    return scores([_residual(data, model, run) for run in runs]).rms
+def _judged(data: str, model: str, runs: tuple[str, ...], band: float) -> Judgement:
+    return judged(model, [_residual(data, model, run, band) for run in runs])
 
 
-@lru_cache(256)
-def _floor(data: str, model: str, runs: tuple[str, ...]) -> Array:
-    return noise_floor([_residual(data, model, run) for run in runs]).values
+def _named(found: Judgement) -> dict[str, Any]:
+    return {"cutoff_hz": found.cutoff, "mask": found.mask}
 
 
 def _ids(library: Library, runs: Sequence[str]) -> tuple[str, ...]:

@@ -6,8 +6,8 @@ import pytest
 import scipy.signal
 
 from pa10d.compare import noise_floor, run_residual
-from pa10d.compare.noise import ABOVE, REPEATS, STANDSTILL
-from pa10d.compare.repeats import overlap, period, same_motion
+from pa10d.judgement.noise import ABOVE, REPEATS, STANDSTILL
+from pa10d.judgement.repeats import overlap, period, same_motion
 
 SIGMA = 0.3
 

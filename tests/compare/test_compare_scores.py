@@ -21,9 +21,9 @@ def test_a_known_sine_gives_its_own_figures():
     assert found.rms[1] == pytest.approx(3.0 / np.sqrt(2), rel=0.02)
     assert found.max[1] == pytest.approx(3.0, rel=0.01)
     assert found.rms_raw[1] == pytest.approx(np.sqrt((9 + 4) / 2), rel=0.02)
-    torque = run.measured[run.counts[:, 1], 1]
+    torque = run.measured[run.judged[:, 1], 1]
     assert found.nrmse[1] == pytest.approx(found.rms[1] / np.ptp(torque))
-    explained = np.var(torque - run.error[run.counts[:, 1], 1]) / np.var(torque)
+    explained = np.var(torque - run.error[run.judged[:, 1], 1]) / np.var(torque)
     assert found.r2[1] == pytest.approx(explained, abs=0.1)
     assert np.all(found.rms[[0, 2]] < 1e-9)
 
@@ -45,7 +45,7 @@ def test_pooled_counts_every_sample_once():
         for seed, seconds, noise in ((1, 20.0, 0.5), (2, 60.0, 0.1))
     ]
     apart = [scores([run]).rms for run in runs]
-    weight = np.array([run.counts.sum(axis=0) for run in runs])
+    weight = np.array([run.judged.sum(axis=0) for run in runs])
     expected = np.sqrt(np.sum(weight * np.square(apart), axis=0) / weight.sum(axis=0))
     assert scores(runs).rms == pytest.approx(expected)
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effect
 from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.procedure import diagnose, in_band, one_thread
+from pa10d.diagnose.procedure import diagnose, one_thread
 from pa10d.diagnose.search import Search, rms
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
 from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.effects import effect
 from pa10d.identify.procedure import identify
+from pa10d.judgement import in_band
 from pa10d.model import Term, TorqueModel
 from pa10d.profile import load_profile
 from pa10d.recording import Recording

@@ -99,7 +99,7 @@ def test_the_chosen_cutoff_follows_the_noise():
 def test_a_coarse_encoder_limits_the_cutoff():
     truth = pa10_truth(3)
     run = noisy(truth, 24.0, 0.02, rate=500.0)
-    coarse = replace(run, q=np.round(run.q / 2e-4) * 2e-4)
+    coarse = replace(run, q=np.round(run.q / 1e-3) * 1e-3)
     fine = identify([run], truth.robot, name="m").notes["cutoff"]
     rough = identify([coarse], truth.robot, name="m").notes["cutoff"]
     assert np.median(rough["encoder_hz"]) < 0.5 * np.median(fine["encoder_hz"])

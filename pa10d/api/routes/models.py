@@ -80,10 +80,9 @@ async def show_model(daemon: TheDaemon, model: str) -> Any:
 
 
 @router.get("/models/{model}/history", response_model=History, responses=responses("not-found"))
-async def show_history(daemon: TheDaemon, model: str) -> dict[str, Any]:
-    """What it was made from, step by step."""
-    infos = daemon.models.history(find_model(daemon, model))
-    return {"items": [vars(info) for info in infos]}
+async def show_history(daemon: TheDaemon, model: str) -> Any:
+    """What it was made from, step by step, all judged on the same runs in one band."""
+    return await daemon.answer("model_history", model=find_model(daemon, model).id)
 
 
 @router.get(

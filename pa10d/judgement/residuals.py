@@ -28,8 +28,9 @@ class RunResidual:
     seen       motion at the raw rate with the model's loads and torque
     measured, modelled  (M, n) N·m, both through the equation's low-pass, decimated
     raw_error  (N, n) N·m, unfiltered measured torque minus prediction
-    counts     (M, n) True where joint i's error is judged: in motion, reversals included (they
-               are where friction models fail), away from the run's ends
+    counts     (M, n) True where joint i moves, reversals included (there friction models fail),
+               away from the run's ends: where an error is looked for
+    judged     (M, n) the same clear of reversals: where its size is judged
     rested     joints (0-based) that hardly moved: judged over the whole run instead
     """
 
@@ -40,6 +41,7 @@ class RunResidual:
     modelled: Array
     raw_error: Array
     counts: Mask
+    judged: Mask
     rested: tuple[int, ...]
 
     @cached_property
@@ -50,8 +52,16 @@ class RunResidual:
     @cached_property
     def raw_counts(self) -> Mask:
         """(N, n): ``counts`` at the raw rate."""
+        return self._raw(self.counts)
+
+    @cached_property
+    def raw_judged(self) -> Mask:
+        """(N, n): ``judged`` at the raw rate."""
+        return self._raw(self.judged)
+
+    def _raw(self, mask: Mask) -> Mask:
         factor = self.equation.lowpass.factor
-        return np.repeat(self.counts, factor, axis=0)[: len(self.raw_error)]
+        return np.repeat(mask, factor, axis=0)[: len(self.raw_error)]
 
     def decimated(self, raw: Array) -> Array:
         """Every raw sample (N, …) that has a filtered counterpart, (M, …)."""
@@ -72,7 +82,7 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     """The same of a run whose torque was filtered already."""
     seen = model.contextualise(equation.context)
     predicted = model.sensed(seen)
-    counts, rested = _judged(equation)
+    counts, clear, rested = _judged(equation)
     return RunResidual(
         name=equation.name,
         equation=equation,
@@ -81,12 +91,14 @@ def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
         modelled=equation.lowpass(predicted),
         raw_error=equation.raw_tau - predicted,
         counts=counts,
+        judged=clear,
         rested=rested,
     )
 
 
-def _judged(equation: RunEquation) -> tuple[Mask, tuple[int, ...]]:
-    """Where errors count; a joint that never moves is better judged at rest than not at all."""
+def _judged(equation: RunEquation) -> tuple[Mask, Mask, tuple[int, ...]]:
+    """Where errors are looked for and judged; a joint that never moves is better judged at rest
+    than not at all, and one that only turns round where it does."""
     counts = equation.moving.copy()
     rested = tuple(int(j) for j in np.flatnonzero(counts.sum(axis=0) < FEWEST_MOVING))
     ends = min(equation.lowpass.settle, (len(counts) - 1) // 2)
@@ -96,4 +108,7 @@ def _judged(equation: RunEquation) -> tuple[Mask, tuple[int, ...]]:
             f"run {equation.name!r}: {equation.context.t[-1]:.2g} s are too short for a cut-off of "
             f"{equation.lowpass.cutoff:g} Hz, expected at least {6 / equation.lowpass.cutoff:.2g} s"
         )
-    return counts, rested
+    clear = equation.keep.copy()
+    turning = clear.sum(axis=0) < FEWEST_MOVING
+    clear[:, turning] = counts[:, turning]
+    return counts, clear, rested

@@ -14,14 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.compare.repeats import differences
-from pa10d.compare.residuals import RunResidual
-from pa10d.compare.scores import moving, scores
+from pa10d.jsonable import plain
+from pa10d.judgement.repeats import differences
+from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving, scores
 
 Array = NDArray[np.float64]
 
@@ -40,6 +42,10 @@ class NoiseFloor:
 
     values: Array
     methods: tuple[str, ...]
+
+    def document(self) -> dict[str, Any]:
+        """As JSON."""
+        return {"noise_floor": plain(self.values), "noise_floor_from": list(self.methods)}
 
 
 def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.compare.residuals import RunResidual
+from pa10d.judgement.residuals import RunResidual
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Scores:
-    """Per joint (n,), over the samples that count.
+    """Per joint (n,), over the samples by which an error is judged.
 
     rms      N·m, both sides through the equation's low-pass
+    rms_with_reversals  N·m, the same over all motion
     rms_raw  N·m, unfiltered torque
     nrmse    rms over the range (largest minus smallest) of the filtered measured torque
     max      N·m, largest filtered error
@@ -29,6 +30,7 @@ class Scores:
     nrmse: Array
     max: Array
     r2: Array
+    rms_with_reversals: Array
 
 
 def scores(runs: Iterable[RunResidual]) -> Scores:
@@ -46,9 +48,10 @@ def moving(runs: Iterable[RunResidual], joint: int) -> list[RunResidual]:
 
 def _joint_scores(runs: list[RunResidual], joint: int) -> tuple[float, ...]:
     used = moving(runs, joint)
-    error = np.concatenate([run.error[run.counts[:, joint], joint] for run in used])
-    torque = np.concatenate([run.measured[run.counts[:, joint], joint] for run in used])
-    raw = np.concatenate([run.raw_error[run.raw_counts[:, joint], joint] for run in used])
+    error = np.concatenate([run.error[run.judged[:, joint], joint] for run in used])
+    torque = np.concatenate([run.measured[run.judged[:, joint], joint] for run in used])
+    raw = np.concatenate([run.raw_error[run.raw_judged[:, joint], joint] for run in used])
+    everywhere = np.concatenate([run.error[run.counts[:, joint], joint] for run in used])
     square = float(np.mean(error**2))
     rms = float(np.sqrt(square))
     span, spread = float(np.ptp(torque)), float(np.var(torque))
@@ -58,4 +61,5 @@ def _joint_scores(runs: list[RunResidual], joint: int) -> tuple[float, ...]:
         rms / span if span > 0 else 0.0,
         float(np.max(np.abs(error))),
         1.0 - square / spread if spread > 0 else 0.0,
+        float(np.sqrt(np.mean(everywhere**2))),
     )

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from pa10d.compare.residuals import RunResidual
+from pa10d.judgement.residuals import RunResidual
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def differences(runs: list[RunResidual]) -> list[list[Array]]:
         lag = period(run.seen.q, fine[i].rate)
         if lag is not None:
             _collect(
-                out, errors[i][lag:], errors[i][:-lag], run.raw_counts[lag:] & run.raw_counts[:-lag]
+                out, errors[i][lag:], errors[i][:-lag], run.raw_judged[lag:] & run.raw_judged[:-lag]
             )
         for k in range(i + 1, len(runs)):
             if abs(fine[i].rate / fine[k].rate - 1.0) > 1e-3:
@@ -41,7 +41,7 @@ def differences(runs: list[RunResidual]) -> list[list[Array]]:
             shift = same_motion(run.seen.q, runs[k].seen.q, fine[i].rate)
             if shift is not None:
                 one, other = overlap(len(errors[i]), len(errors[k]), shift)
-                counts = run.raw_counts[one] & runs[k].raw_counts[other]
+                counts = run.raw_judged[one] & runs[k].raw_judged[other]
                 _collect(out, errors[i][one], errors[k][other], counts)
     return out
 

@@ -1,0 +1,26 @@
+"""How large is a model's error on runs? One answer, whoever asks: band, mask and floor named."""
+
+from pa10d.judgement.band import HIGHEST_HZ, band, common_band, in_band
+from pa10d.judgement.judge import MASK, Judgement, judge, judge_alike, judged
+from pa10d.judgement.noise import NoiseFloor, noise_floor
+from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
+from pa10d.judgement.scores import Scores, scores
+
+__all__ = [
+    "HIGHEST_HZ",
+    "MASK",
+    "Judgement",
+    "NoiseFloor",
+    "RunResidual",
+    "Scores",
+    "band",
+    "common_band",
+    "in_band",
+    "judge",
+    "judge_alike",
+    "judged",
+    "noise_floor",
+    "residual_of",
+    "run_residual",
+    "scores",
+]

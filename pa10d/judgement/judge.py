@@ -1,0 +1,77 @@
+"""The one judgement of a model on runs; every command, plot, page and report asks here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.errors import UserError
+from pa10d.jsonable import plain
+from pa10d.judgement.band import common_band, in_band
+from pa10d.judgement.noise import NoiseFloor, noise_floor
+from pa10d.judgement.residuals import RunResidual, run_residual
+from pa10d.judgement.scores import scores
+from pa10d.model import TorqueModel
+from pa10d.recording import Recording
+
+Array = NDArray[np.float64]
+
+MASK = "in motion, clear of reversals"
+"""Which samples count. At a standstill, and where the filter still sees one, friction is anything
+between plus and minus stiction: an error there says nothing about the model."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """rms (n,) N·m of one model, both sides behind ``cutoff`` Hz, over the samples of ``mask``."""
+
+    model: str
+    runs: tuple[str, ...]
+    cutoff: float
+    rms: Array
+    floor: NoiseFloor
+    mask: str = MASK
+
+    @property
+    def ratio(self) -> Array:
+        """(n,): error over noise floor; nan where the floor is not known."""
+        return self.rms / self.floor.values
+
+    def document(self) -> dict[str, Any]:
+        """As JSON."""
+        return {
+            "runs": list(self.runs),
+            "cutoff_hz": self.cutoff,
+            "mask": self.mask,
+            "rms": plain(self.rms),
+            **self.floor.document(),
+        }
+
+
+def judge(
+    model: TorqueModel, recordings: Sequence[Recording], cutoff: float | None = None
+) -> Judgement:
+    """cutoff: Hz; default: the model's own band."""
+    return judge_alike([model], recordings, cutoff)[0]
+
+
+def judge_alike(
+    models: Sequence[TorqueModel], recordings: Sequence[Recording], cutoff: float | None = None
+) -> list[Judgement]:
+    """Several models on the same runs in one band (default: the narrowest of their own)."""
+    if not recordings:
+        raise UserError("nothing to judge by: expected at least one run")
+    cutoff = common_band(models) if cutoff is None else cutoff
+    seen = [in_band(model, cutoff) for model in models]
+    return [judged(m.name, [run_residual(m, run) for run in recordings]) for m in seen]
+
+
+def judged(model: str, runs: Sequence[RunResidual]) -> Judgement:
+    """The same of runs that a model was held against already."""
+    cutoff = runs[0].equation.lowpass.cutoff
+    names = tuple(run.name for run in runs)
+    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs))

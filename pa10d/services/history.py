@@ -1,0 +1,69 @@
+"""A model and all it was made from, judged alike: the same runs, one band, one mask."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pa10d.errors import UserError
+from pa10d.judgement import Judgement, common_band, judge_alike
+from pa10d.model import TorqueModel
+from pa10d.recording import Recording
+from pa10d.services.library import Library
+from pa10d.store.models import ModelInfo
+
+
+@dataclass(frozen=True)
+class Version:
+    """One model of the line; judgement: None where its runs are not in this store."""
+
+    info: ModelInfo
+    judgement: Judgement | None
+
+    def document(self) -> dict[str, Any]:
+        """As JSON: the model's own entry with its error as judged here; ``fit``: what it was
+        fitted to and the error there, in its own band."""
+        info, judged = self.info, self.judgement
+        fit = {"runs": list(info.runs), "cutoff_hz": info.cutoff_hz, "rms": list(info.rms)}
+        entry = vars(info) | {"fit": fit, "mask": None, "noise_floor_from": None}
+        return entry if judged is None else entry | judged.document()
+
+
+def history(library: Library, model: str, runs: Sequence[str] = ()) -> list[Version]:
+    """The first ancestor first. runs: to judge by; default: those that the model itself was judged
+    by and had not seen, else those that it was fitted to."""
+    infos = library.models.history(model)
+    asked = list(runs) or _own_runs(library, infos[-1])
+    try:
+        found = list({i.id: i for i in map(library.runs.find, asked)}.values())
+    except UserError:
+        if runs:
+            raise
+        return [Version(info, None) for info in infos]
+    recordings = [library.runs.recording(info) for info in found]
+    judgements = judge_line(library, infos, recordings)
+    return [Version(i, j) for i, j in zip(infos, judgements, strict=True)]
+
+
+def judge_line(
+    library: Library, infos: Sequence[ModelInfo], recordings: Sequence[Recording]
+) -> list[Judgement]:
+    """Every version of a line on the same runs."""
+    return judge_alike([library.models.load(info) for info in infos], recordings)
+
+
+def line_band(library: Library, model: str) -> float:
+    """Hz: the band that a model shares with all it was made from, so that errors compare."""
+    return common_band(_line(library, model))
+
+
+def _line(library: Library, model: str) -> list[TorqueModel]:
+    return [library.models.load(info) for info in library.models.history(model)]
+
+
+def _own_runs(library: Library, info: ModelInfo) -> list[str]:
+    judged = library.models.load(info).notes.get("judged_on")
+    if isinstance(judged, list) and judged:
+        return [str(run) for run in judged]
+    return list(info.runs)
