@@ -8,20 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects import Context, Effect, Value, effect
+from pa10d.effects.context import posed
+from pa10d.effects.together import contextualised, sensed, torque_of
 from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 
-RUBBING = ("coulomb", "viscous")  # friction that needs nothing but the motion
-WARMING_ROUNDS = 4  # friction makes heat and heat takes friction: in these the two settle
+Parameters = Literal["free", "feasible"]
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,7 @@ class Term:
 
     def torque(self, context: Context) -> Array:
         """(N, n) N·m at the raw rate."""
-        columns = self.effect.columns(context, self.joints, self.shape)
-        if self.effect.reaches_other_joints:
-            return np.asarray(columns @ self.coefficients)
-        out = np.zeros_like(context.q)
-        out[:, self.joints[0]] = columns @ self.coefficients
-        return out
+        return torque_of(self, context)
 
 
 def in_units_of(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
@@ -149,6 +145,12 @@ class TorqueModel:
             terms.append(replace(term, coefficients=np.array(values)))
         return replace(self, h=self.base.of(self.standard), terms=tuple(terms))
 
+    def of(self, parameters: Parameters) -> TorqueModel:
+        """The model with these parameters: itself, or the ``possible`` one."""
+        if parameters not in ("free", "feasible"):
+            raise UserError(f"parameters {parameters!r}: expected 'free' or 'feasible'")
+        return self if parameters == "free" else self.possible()
+
     def parameter_names(self) -> list[str]:
         """Names of [h, coefficients], such as ``Izz4`` or ``coulomb J2: Fc``."""
         names = [parameter_name(k) for k in self.base.kept]
@@ -170,41 +172,9 @@ class TorqueModel:
         return in_units_of(self.robot, term, found)
 
     def contextualise(self, context: Context) -> Context:
-        """The same motion with this model's loads and total torque.
-
-        Load-dependent effects see the rigid bodies, warming ones the friction that heats them;
-        sensing effects see the torque of all mechanical ones.
-        """
-        textbook, rubbing = self._friction(context)
-        own_rotor = [t.joints[0] for t in self.terms if t.effect_id == "rotor_inertia"]
-        loaded = replace(
-            context,
-            rigid=self.rigid if self.loads is None else self._standard_form(self.loads),
-            total=np.zeros_like(context.q),
-            rubbing=rubbing,
-            rotor_in_load=tuple(sorted(set(range(self.robot.n)) - set(own_rotor))),
-        )
-        own = loaded if self.loads is None else replace(context, rigid=self.rigid)
-        total = own.load + textbook
-        for term in self.terms:
-            if not term.effect.sensing and term.effect_id not in RUBBING:
-                total += term.torque(loaded)
-        return replace(loaded, total=total)
-
-    def _friction(self, context: Context) -> tuple[Array, Array]:
-        """(N, n) N·m each: Coulomb and viscous friction, and what warmth has left of it."""
-        textbook = np.zeros_like(context.q)
-        for term in self.terms:
-            if term.effect_id in RUBBING:
-                textbook += term.torque(context)
-        left = textbook
-        for _ in range(WARMING_ROUNDS):
-            seen = replace(context, rubbing=left)
-            warming = [t.torque(seen) for t in self.terms if t.effect.feels_own_heat]
-            if not warming:
-                break
-            left = textbook + np.sum(warming, axis=0)
-        return textbook, left
+        """The same motion with this model's loads and total torque."""
+        loads = None if self.loads is None else self._standard_form(self.loads)
+        return contextualised(context, self.terms, self.rigid, loads)
 
     def predict(self, context: Context) -> Array:
         """Torque (N, n) N·m at the raw rate, as the sensors would report it."""
@@ -212,8 +182,26 @@ class TorqueModel:
 
     def sensed(self, seen: Context) -> Array:
         """The same of a motion that ``contextualise`` has seen."""
-        out = seen.total.copy()
-        for term in self.terms:
-            if term.effect.sensing:
-                out += term.torque(seen)
-        return out
+        return sensed(seen, self.terms)
+
+    def torque(
+        self,
+        q: ArrayLike,
+        dq: ArrayLike,
+        ddq: ArrayLike,
+        time: ArrayLike | None = None,
+        parameters: Parameters = "free",
+        temperature: ArrayLike | None = None,
+    ) -> Array:
+        """Torque (N, n) in N·m (N where a joint slides), as the sensors would report it.
+
+        q, dq, ddq: (N, n) rad, rad/s, rad/s² (m …), or (n,) for one sample, which gives (n,)
+        time: (N,) s at equal steps: the samples are one motion, and effects remember. Without it
+            each stands for itself: friction slides, a joint is cold, a spring rests under its load
+        parameters: "free", the unconstrained fit as ``compare`` judges it, or "feasible", bodies
+            that can exist and coefficients within their bounds
+        temperature: (N, n) °C, where it is known
+        """
+        context = posed(self.robot, q, dq, ddq, time, temperature)
+        out = self.of(parameters).predict(context)
+        return out[0] if np.ndim(q) == 1 else out

@@ -30,8 +30,8 @@ from backends.virtual.datasets import (
     write_csv,
 )
 from backends.virtual.plant.catalogue import ALL, LISTED, UNLISTED
+from pa10d.effects import all_effects
 
-CHANGES = ("payload", "base_tilt", "encoder_offset", "torque_gain")
 NOISES = ("white", "strong", "coloured")
 
 
@@ -44,7 +44,7 @@ def main() -> None:
         started = time.perf_counter()
         seed = args.seed + number
         effects, noise = drawn(seed, args.effect, args.noise, figures)
-        changed = any(e["effect"] in CHANGES for e in effects)
+        changed = any(asks_what_changed(e["effect"]) for e in effects)
         kinds = (("ref_a", "ref_b") if changed else ()) + KINDS
         runs, truth = make_runs(
             seed, effects, noise, kinds, robot, seconds=args.seconds, temperature=args.temperature
@@ -73,6 +73,12 @@ def drawn(
     pool = list(UNLISTED) if how_many == 1 and rng.random() < 0.1 else list(LISTED)
     names = [str(n) for n in rng.choice(pool, how_many, replace=False)]
     return [random_effect(rng, name, figures) for name in names], kind
+
+
+def asks_what_changed(name: str) -> bool:
+    """Does it happen to an arm that was known before? Effects outside the library do not."""
+    kind = all_effects().get(name)
+    return kind is not None and kind.question == "changed"
 
 
 def arguments() -> argparse.Namespace:

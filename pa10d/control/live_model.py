@@ -20,8 +20,6 @@ from pa10d.model import TorqueModel
 
 Array = NDArray[np.float64]
 
-NOT_COMMANDED = ("torque_delay",)  # a late sensor is no torque
-
 
 @dataclass(frozen=True)
 class LiveModel:
@@ -86,6 +84,6 @@ def remainder(
     )
     whole = model.predict(context)
     for term in model.terms:
-        if term.effect_id in NOT_COMMANDED:
+        if not term.effect.commanded:
             whole = whole - term.torque(model.contextualise(context))
     return whole - live.torque(model.robot, q, dq, dq, ddq)

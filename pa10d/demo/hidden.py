@@ -17,11 +17,6 @@ from pa10d.profile import Profile, Simulation
 SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more
 DRAWS = 400  # until an effect falls on the joint that was asked for
 OWN_PLANT = str(Simulation().plant)
-NOT_SHOWN = {
-    "thermal_friction": "the arm warms up in its first minute and stays warm",
-    "backlash": "the knocks behind a gap drown its own torque",
-}
-"""Effects that the demo's experiments do not show reliably: hidden on request only."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +79,7 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
     if own and asked is None:
         return Hidden(tuple(own))
     rng = np.random.default_rng([seed, 4])
-    shown = [name for name in LISTED if name not in NOT_SHOWN]
+    shown = [name for name in LISTED if not all_effects()[name].escapes_demo]
     name, _, joint = (asked or str(rng.choice(shown))).partition(":")
     if name not in ALL:
         raise UserError(f"--hide {asked}: no such effect, expected none or one of {', '.join(ALL)}")

@@ -49,15 +49,13 @@ THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
 WORTH_JUDGING = 0.5  # of the best variant's gain
 THIN = 10  # samples of which one is looked at for where to start
-CHANGES = ("coulomb", "viscous", "torque_offset", "contact")
-"""Besides effects that only ask what changed: friction that rose or fell, a new bias, a stop."""
 
 
 def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
     """All pairs of effect and joints: what may be missing, or (frozen) what may have changed."""
     out: list[tuple[Effect, tuple[int, ...]]] = []
     for effect in all_effects().values():
-        changed = effect.question == "changed" or effect.id in CHANGES
+        changed = effect.question == "changed" or effect.also_changes
         if not (changed if frozen else effect.question == "missing"):
             continue
         out += [(effect, joints) for joints in places(effect, n)]
@@ -189,9 +187,9 @@ def _in_all_equations(
 
 def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:
     """Shapes to begin with, in groups that fit into memory together."""
-    if effect.id == "torque_ripple":
+    if effect.line_order:
         peaks = order_peaks(state.train, state.train_residual(), joints[0])
-        shapes: list = [{"N": order} for order in peaks]
+        shapes: list = [{effect.line_order: order} for order in peaks]
     else:
         # what reaches other joints asks for inertias, which the first run has at hand
         one_run = effect.reaches_other_joints

@@ -189,7 +189,7 @@ class Search:
         open_suspects = [
             (e, joints)
             for e, joints in self.suspects
-            if (e.id, joints) not in present or e.id in REPEATABLE
+            if (e.id, joints) not in present or e.repeatable
         ]
         found = self._shortlist(scan(self.state, open_suspects))
         sharp = sharpened(self.state, found)
@@ -239,7 +239,7 @@ class Search:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
         power = fit_side_power(self.state.train, fit.residual, seen)
-        if candidate.effect.id == "torque_ripple":
+        if candidate.effect.line_order:
             own = chance_of_line(self.state.train, candidate.joints[0], power)
         else:
             own = float(scipy.stats.chi2.sf(power, complexity(candidate)))
@@ -393,10 +393,6 @@ def _seen_change(fit: Fit, columns: PerJoint, candidate: Candidate) -> PerJoint:
     for j, c in columns.items():
         change[j] = change[j] + c @ partial.theta / fit.sigma[j]
     return change
-
-
-REPEATABLE = ("torque_ripple", "contact", "position_friction")
-"""Effects of which a joint may have several: another order, the other stop, a second worn spot."""
 
 
 def harmful(before: State, after: State) -> bool:

@@ -44,7 +44,7 @@ def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 15) -> d
     def cost(x: np.ndarray) -> float:
         return -gain(inside(np.atleast_1d(x)))
 
-    steps = np.array([_step(effect, s.name, s.scale, start) for s in free])
+    steps = np.array([s.step_at(start) for s in free])
     origin = np.array([np.log(start[s.name]) if s.scale == "log" else start[s.name] for s in free])
     if len(free) == 1:
         found = scipy.optimize.minimize_scalar(
@@ -87,7 +87,7 @@ def approach(
         for share in SHARES:
             trial = dict(best)
             for s, change in zip(free, wanted, strict=True):
-                trial[s.name] = _moved(effect, s, best, share * change)
+                trial[s.name] = _moved(s, best, share * change)
             reached = gain(trial)
             if reached > most:
                 best, most = trial, reached
@@ -97,28 +97,12 @@ def approach(
     return best
 
 
-def _moved(effect: Effect, s: ShapeParameter, shape: Shape, change: float) -> float:
+def _moved(s: ShapeParameter, shape: Shape, change: float) -> float:
     """The parameter after a change, which on its own scale goes no further than the neighbours of
     a starting grid stand apart."""
-    value, far = shape[s.name], _step(effect, s.name, s.scale, shape)
+    value, far = shape[s.name], s.step_at(shape)
     if s.scale == "log":
         value = float(value * np.exp(np.clip(change / value, -far, far)))
     else:
         value = float(value + np.clip(change, -far, far))
     return float(np.clip(value, s.lower, s.upper))
-
-
-def _step(effect: Effect, name: str, scale: str, start: Shape) -> float:
-    """How far the starting grid leaves its neighbours apart, in the search's own scale."""
-    if name == "rotor":
-        return 0.25 * start["rotor"]
-    by_effect = {
-        ("position_friction", "qc"): 0.6 * start.get("w", 0.2),
-        ("position_friction", "w"): 0.2 if start.get("wave") else 0.7,
-        ("torque_ripple", "N"): 0.15,
-        ("contact", "qs"): 0.08,
-        ("stribeck", "delta"): 0.5,
-        ("nonlinear_viscous", "p"): 0.5,
-        ("backlash", "b"): 0.12,
-    }
-    return by_effect.get((effect.id, name), 0.7 if scale == "log" else 0.2)

@@ -7,6 +7,7 @@ from pa10d.dynamics.base import BaseParameters, base_parameters
 from pa10d.dynamics.derivatives import sensitivities
 from pa10d.dynamics.regressor import inverse_dynamics, regressor
 from pa10d.dynamics.robot import Robot, robot_from_profile, robot_from_urdf
+from pa10d.dynamics.typical import typical_inertia
 
 __all__ = [
     "BaseParameters",
@@ -17,4 +18,5 @@ __all__ = [
     "robot_from_profile",
     "robot_from_urdf",
     "sensitivities",
+    "typical_inertia",
 ]

@@ -7,6 +7,7 @@ from pa10d.effects.base import (
     Shape,
     ShapeParameter,
     Value,
+    View,
     smooth_sign,
 )
 from pa10d.effects.context import Context
@@ -21,6 +22,7 @@ __all__ = [
     "Shape",
     "ShapeParameter",
     "Value",
+    "View",
     "all_effects",
     "effect",
     "smooth_sign",

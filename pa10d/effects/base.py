@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal
 
@@ -17,6 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
+from pa10d.effects.sign import smooth_sign
+
+__all__ = [
+    "Array",
+    "Coefficient",
+    "Effect",
+    "Example",
+    "Shape",
+    "ShapeParameter",
+    "Value",
+    "View",
+    "smooth_sign",
+    "speed_quantiles",
+]
 
 Array = NDArray[np.float64]
 Shape = Mapping[str, float]
@@ -36,7 +50,10 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class ShapeParameter:
-    """A nonlinear parameter: bounds, and whether its scale is logarithmic or a mere choice."""
+    """A nonlinear parameter: bounds, whether its scale is logarithmic or a mere choice, and how far
+    the search steps at first, on that scale (a ratio's logarithm where it is logarithmic): about
+    as far as neighbours among the effect's ``starts`` stand apart; a function of the shape where
+    that depends on it."""
 
     name: str
     unit: str
@@ -46,6 +63,13 @@ class ShapeParameter:
     smoothing: bool = False  # only rounds a corner; may lie at its bound
     optional: bool = False  # only some joints have it; absent from the shapes of others
     blur: float = 0.0  # standard deviation, relative, over which the columns average
+    step: float | Callable[[Shape], float] | None = None
+
+    def step_at(self, shape: Shape) -> float:
+        """How far a search that begins at this shape steps at first."""
+        if self.step is None:
+            return 0.7 if self.scale == "log" else 0.2
+        return self.step(shape) if callable(self.step) else self.step
 
     def at_edge(self, value: float) -> bool:
         """At the end of a logarithmic range, where the effect has turned into another one."""
@@ -68,6 +92,25 @@ class Value:
         for turns, slides in (("N·m", "N"), ("rad", "m"), ("kg·m²", "kg"), ("rev", "m")):
             unit = unit.replace(turns, slides)
         return replace(self, unit=unit)
+
+
+@dataclass(frozen=True)
+class View:
+    """How a finding of the effect is drawn.
+
+    against: the quantity whose plot shows it best, see ``pa10d.figures.views``; empty: none does,
+        it is looked at over time
+    along: torque is counted along the motion: friction of both directions falls on one curve
+    near: the shape parameter that says how close to zero the effect acts, and how many to show
+    over_time: its course over time comes first
+    over_frequency: a spectrum in hertz tells it from others
+    """
+
+    against: str = ""
+    along: bool = False
+    near: tuple[str, float] | None = None
+    over_time: bool = False
+    over_frequency: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,6 +147,20 @@ class Effect(ABC):
     reaches_other_joints: ClassVar[bool] = False  # columns in every joint's equation
     starts_by_own_equation: ClassVar[bool] = False  # which says best where a search begins
     feels_own_heat: ClassVar[bool] = False  # is friction that depends on the heat of friction
+    rubs: ClassVar[bool] = False  # is friction that needs nothing but the motion, and heats
+    is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
+    also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
+    repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
+    line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
+    # of the residual against the angle (cycles per turn): the search begins at such lines
+    joint_property: ClassVar[Literal["", "armature", "damping", "friction"]] = ""  # what URDF
+    # and MJCF have a place for
+    live: ClassVar[bool] = False  # the control loop evaluates it itself, in every cycle
+    commanded: ClassVar[bool] = True  # a controller has to ask for this torque, too
+    remembers: ClassVar[str] = ""  # what its torque depends on beside this instant, and what is
+    # taken for it where samples stand apart
+    escapes_demo: ClassVar[str] = ""  # why the demo's experiments may not show it
+    view: ClassVar[View | None] = None  # None: as the example is drawn
     over: tuple[str, ...] = ()  # quantities of a map (only those have any)
     uses_model: bool = False  # columns change with the model's loads and torques
     coefficients: tuple[Coefficient, ...]
@@ -120,6 +177,11 @@ class Effect(ABC):
     def named(self) -> str:
         """The effect within a sentence, with its article: "a spring"."""
         return self.noun or self.title.lower()
+
+    @property
+    def drawn(self) -> View:
+        """How a finding of it is drawn."""
+        return self.view or View(self.example.against if self.example else "dq")
 
     @property
     def meaning(self) -> str:
@@ -182,33 +244,6 @@ class Effect(ABC):
         for s in self.shapes_in(shape):
             out[s.name] = Value(float(shape[s.name]), float(shape_errors.get(s.name, 0.0)), s.unit)
         return out
-
-
-def smooth_sign(velocity: Array, v0: float) -> Array:
-    """sign(v) smoothed over ±v0 and averaged over each sample interval.
-
-    The mean of tanh(v/v0) while v goes linearly from the middle of the interval before to the
-    middle of the one after; without the average a reversal within one sample is lost.
-    velocity: (N,) rad/s. Returns (N,) in [-1, 1].
-    """
-    middle = 0.5 * (velocity[1:] + velocity[:-1])
-    before = np.concatenate([velocity[:1], middle])
-    after = np.concatenate([middle, velocity[-1:]])
-    out = np.sign(before)
-    # beyond 20·v0 the tangent is ±1 to the last digit: only the neighbourhood of reversals costs
-    near = np.flatnonzero((np.abs(before + after) - np.abs(after - before)) < 40.0 * v0)
-    before, after = before[near], after[near]
-    span = after - before
-    small = np.abs(span) < 1e-3 * v0
-    safe = np.where(small, 1.0, span)
-    mean = v0 * (_log_cosh(after / v0) - _log_cosh(before / v0)) / safe
-    out[near] = np.where(small, np.tanh(velocity[near] / v0), mean)
-    return out
-
-
-def _log_cosh(x: Array) -> Array:
-    a = np.abs(x)
-    return a + np.log1p(np.exp(-2.0 * a)) - np.log(2.0)
 
 
 def speed_quantiles(context: Context, joint: int, shares: Sequence[float]) -> list[float]:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from pa10d.dynamics import Robot, inverse_dynamics, sensitivities
+from pa10d.dynamics import Robot, inverse_dynamics, sensitivities, typical_inertia
+from pa10d.effects.sign import smooth_sign
+from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 
-POSES = 64  # over which a joint's typical inertia is taken
 SHARPEST = 5e-4  # rad/s: of a sign without noise, for which a reversal still takes some samples
 
 
@@ -32,6 +32,8 @@ class Context:
     rubbing          (N, n) N·m, friction of the model so far that heats the joints, or None
     desired          the motion was not measured but is wanted: without noise, so that no sign of a
                      velocity has to be smoothed against it
+    apart            the samples are of no one motion: nothing that came before any of them is
+                     known, and t means nothing
     """
 
     robot: Robot
@@ -45,6 +47,11 @@ class Context:
     rubbing: Array | None = None
     rotor_in_load: tuple[int, ...] = ()
     desired: bool = False
+    apart: bool = False
+
+    def sign(self, velocity: Array, v0: float) -> Array:
+        """(N,) sign of a velocity smoothed over ±v0; along a motion its mean over each interval."""
+        return np.tanh(velocity / v0) if self.apart else smooth_sign(velocity, v0)
 
     def softness(self, v0: float) -> float:
         """rad/s over which a sign that is usually smoothed over v0 is to be smoothed here."""
@@ -81,16 +88,7 @@ class Context:
     def typical_inertia(self) -> Array:
         """(n,) kg·m²: median of M_jj over poses spread evenly over the joints' ranges, so the same
         for every run of a robot. Positive, even where a badly excited fit makes M_jj negative."""
-        n, robot = self.robot.n, self.robot
-        low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-        high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-        q = low + (high - low) * scipy.stats.qmc.Halton(n, scramble=False).random(POSES)
-        rest = np.zeros_like(q)
-        still = self.rigid_torque(q, rest, rest)
-        found = [
-            (self.rigid_torque(q, rest, rest + e) - still)[:, j] for j, e in enumerate(np.eye(n))
-        ]
-        return np.maximum(np.abs(np.median(found, axis=1)), 1e-6)
+        return typical_inertia(self.robot, self.rigid)
 
     def sensitivity(self, joint: int) -> tuple[Array, Array, Array]:
         """∂τ/∂q_j, ∂τ/∂q̇_j and ∂τ/∂q̈_j of all joints' link-side torque, (N, n) each."""
@@ -105,3 +103,43 @@ class Context:
     @cached_property
     def _kept(self) -> dict[str, tuple[Array, Array, Array]]:
         return {}
+
+
+def posed(
+    robot: Robot,
+    q: ArrayLike,
+    dq: ArrayLike,
+    ddq: ArrayLike,
+    time: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+) -> Context:
+    """A motion that nobody has measured, (N, n) or (n,) each; without time its samples stand
+    apart. Its model part is empty."""
+    named = {"q": q, "dq": dq, "ddq": ddq}
+    moved = {name: np.atleast_2d(np.asarray(x, dtype=float)) for name, x in named.items()}
+    samples = len(moved["q"])
+    if temperature is not None:
+        moved["temperature"] = np.atleast_2d(np.asarray(temperature, dtype=float))
+    for name, values in moved.items():
+        if values.shape != (samples, robot.n):
+            raise UserError(f"{name} has shape {values.shape}, expected ({samples}, {robot.n})")
+    t = np.zeros(samples) if time is None else np.asarray(time, dtype=float)
+    if time is not None and (samples < 2 or t.shape != (samples,) or not _even(t)):
+        raise UserError(f"time: expected {samples} values at equal steps, at least two")
+    return Context(
+        robot=robot,
+        t=t - t[0],
+        q=moved["q"],
+        dq=moved["dq"],
+        ddq=moved["ddq"],
+        rigid=np.zeros((robot.n, 10)),
+        total=np.zeros_like(moved["q"]),
+        temperature=moved.get("temperature"),
+        apart=time is None,
+    )
+
+
+def _even(t: Array) -> bool:
+    """At equal steps forward, but for what stamps are rounded by."""
+    step = np.diff(t)
+    return bool(step.min() > 0 and np.ptp(step) < 0.01 * step.mean())

@@ -23,6 +23,7 @@ from pa10d.effects.rotor import link_inertia, link_load, typical_link
 
 Array = NDArray[np.float64]
 
+SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 
 
@@ -44,17 +45,28 @@ def twisted_torque(
     by_q, by_dq, by_ddq = context.sensitivity(joint)
     inertia = link_inertia(context, joint, rotor)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
-    link = [
-        link_load(context, joint, rotor),
-        *(np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq)),
-    ]
-    twist = mean_lag(*link, inertia, stiffness, damping, np.array(gaps, float), context.dt)
+    load, wide = link_load(context, joint, rotor), np.array(gaps, float)
+    soft, drag = (np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))
+    if context.apart:
+        twist = static_lag(load, soft, stiffness, wide)
+    else:
+        twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, context.dt)
     # far from the model's validity the integration may run away: no torque is better than inf
     twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
     reach = slice(joint, joint + 1) if own else slice(None)
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     return torque[:, 0] if own else torque
+
+
+def static_lag(load: Array, by_q: Array, stiffness: float, gaps: Array) -> Array:
+    """δ, δ̇, δ̈ (N, 3, S) of a link that hangs still, its teeth on the side of its load."""
+    side = np.where(load >= 0.0, 1.0, -1.0)
+    grip = np.maximum(stiffness + by_q, SOFTEST * stiffness)
+    still = (load / grip)[:, None] + (side * stiffness / grip)[:, None] * gaps.mean(axis=1)
+    out = np.zeros((len(load), 3, len(gaps)))
+    out[:, 0] = still
+    return out
 
 
 @numba.njit(cache=True, nogil=True)

@@ -13,6 +13,7 @@ from pa10d.model import TorqueModel
 
 Array = NDArray[np.float64]
 
+CARRIED = ("damping", "friction")  # joint properties that a URDF has
 UNLIMITED = 1e8  # rad: wider limits stand for a joint that turns for ever
 
 
@@ -48,7 +49,7 @@ def urdf_with_inertia(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     comment = f"<!-- inertias identified by pa10d: {about.replace('--', '- -')} -->"
-    missing = [t for t in model.terms if t.effect_id not in ("coulomb", "viscous")]
+    missing = [t for t in model.terms if t.effect.joint_property not in CARRIED]
     lost = [
         f"{label} not in the export: a URDF knows rigid bodies, Coulomb and viscous friction only"
         for label in grouped(missing)
@@ -88,10 +89,10 @@ def _inertial(parameters: Array, joint: str) -> ET.Element:
 
 
 def _friction(joint: ET.Element, model: TorqueModel, j: int) -> None:
-    found = {"damping": 0.0, "friction": 0.0}
+    found = dict.fromkeys(CARRIED, 0.0)
     for term in model.terms:
-        key = {"viscous": "damping", "coulomb": "friction"}.get(term.effect_id)
-        if key and term.joints == (j,):
+        key = term.effect.joint_property
+        if key in found and term.joints == (j,):
             found[key] += float(term.coefficients[0])
     _drop(joint, "dynamics")
     ET.SubElement(joint, "dynamics", {key: _text(value) for key, value in found.items()})

@@ -16,7 +16,7 @@ from pa10d.figures.plotly import MODEL, Figure, axis, dots, layout, line, packed
 from pa10d.figures.staircase import Step, staircase
 from pa10d.figures.structure_map import structure_map
 from pa10d.figures.traces import over_frequency, over_order, over_time
-from pa10d.figures.views import View, near, view_of
+from pa10d.figures.views import Quantity, direction, near, quantity_of
 
 Array = NDArray[np.float64]
 
@@ -24,9 +24,6 @@ OWN_SHARE = 0.3  # of its squared error that the effect's own joint must lose to
 POINTS = 1500
 OVER_TIME = "over time"
 FEWEST = 50  # samples worth a plot
-FIRST_OVER_TIME = ("presliding_hysteresis",)  # a memory is read from its course
-BY_FREQUENCY = ("joint_elasticity", "torque_delay")
-BY_ORDER = ("torque_ripple",)
 
 
 def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
@@ -84,41 +81,41 @@ def evidence_figures(found: Diagnosis, seen: HeldOut, k: int) -> dict[str, Figur
     level = float(found.noise_floor[joint])
     floor = level if np.isfinite(level) else None
     out: dict[str, Figure] = {}
-    view = view_of(term)
-    if view is not None:
-        out |= _against(found, seen, k, view, floor)
-    if term.effect_id in FIRST_OVER_TIME:
+    quantity, drawn = quantity_of(term), term.effect.drawn
+    if quantity is not None:
+        out |= _against(found, seen, k, quantity, floor)
+    if drawn.over_time:
         out = {OVER_TIME: {}, **out}
     out[OVER_TIME] = over_time(before, after, joint, floor)
-    if term.effect_id in BY_FREQUENCY:
+    if drawn.over_frequency:
         out["over frequency"] = over_frequency(before, after, joint, found.cutoff)
-    if term.effect_id in BY_ORDER:
+    if term.effect.line_order:
         orders = over_order(before, after, joint)
         out |= {} if orders is None else {"over cycles per revolution": orders}
     return out
 
 
 def _against(
-    found: Diagnosis, seen: HeldOut, k: int, view: View, floor: float | None
+    found: Diagnosis, seen: HeldOut, k: int, quantity: Quantity, floor: float | None
 ) -> dict[str, Figure]:
     term, joint = found.findings[k].term, shown_joint(found, k)
     runs = seen.seen[k + 1]
     robot = found.model.robot
     own = term.joints[0] if term.joints else joint
     other = term.joints[-1] if term.joints else joint
-    label = view.label.format(
+    label = quantity.label.format(
         own=own + 1, other=other + 1, angle=robot.angle_unit(other), unit=robot.torque_unit(own)
     )  # fmt: skip
     unit = robot.torque_unit(joint)
-    x = seen.counted([view.x(run, term, joint) for run in runs], joint)
-    turn = seen.counted([view.direction(run, joint) for run in runs], joint)
+    x = seen.counted([quantity.x(run, term, joint) for run in runs], joint)
+    turn = seen.counted([direction(term, run, joint) for run in runs], joint)
     torque = [run.equation.lowpass(term.torque(run.seen)[:, joint]) for run in runs]
-    shows = seen.counted([view.shows(run, term, joint) for run in runs], joint)
+    shows = seen.counted([quantity.shows(run, term, joint) for run in runs], joint)
     chosen = near(term, x) & (turn != 0) & shows
     if chosen.sum() < FEWEST:
         return {}
     x, turn = x[chosen], turn[chosen]
-    towards = " (along the motion)" if view.along else ""
+    towards = " (along the motion)" if term.effect.drawn.along else ""
     drawn = evidence(
         x, label, turn * seen.error(k, joint)[chosen], turn * seen.error(k + 1, joint)[chosen],
         turn * seen.change(k + 1, joint)[chosen], floor=floor, unit=unit,

@@ -15,23 +15,18 @@ from pa10d.model import Term
 Array = NDArray[np.float64]
 Look = Callable[[RunResidual, Term, int], Array]
 
-REACH = {"stribeck": ("vs", 5.0), "presliding_hysteresis": ("zs", 12.0)}
-"""Effects that live near zero: the shape parameter that says how near, and how many of it to
-show."""
 PASSED = 0.5  # of the cut-off: slower changes than that pass the filter whole
 FEWEST = 200  # samples that must remain for a closer look
 
 
 @dataclass(frozen=True)
-class View:
+class Quantity:
     """label: of the axis, with {own} and {other} joint numbers; x: (M,) of one run, for the effect
-    and the joint (0-based) whose residual is shown; along: torque is counted along the motion, so
-    that friction of both directions falls on one curve; slow_enough: (M,) True where the equation's
+    and the joint (0-based) whose residual is shown; slow_enough: (M,) True where the equation's
     low-pass leaves the effect as it is."""
 
     label: str
     x: Look
-    along: bool = False
     slow_enough: Look | None = None
 
     def shows(self, run: RunResidual, term: Term, joint: int) -> Array:
@@ -40,26 +35,24 @@ class View:
             return np.ones(len(run.measured), dtype=bool)
         return self.slow_enough(run, term, joint)
 
-    def direction(self, run: RunResidual, joint: int) -> Array:
-        """(M,) ±1: by which the residual is multiplied."""
-        if not self.along:
-            return np.ones(len(run.measured))
-        return np.sign(run.decimated(run.seen.dq[:, joint]))
+
+def quantity_of(term: Term) -> Quantity | None:
+    """What its class wants it drawn against; None: no single quantity shows it."""
+    return QUANTITIES.get(term.effect.drawn.against)
 
 
-def view_of(term: Term) -> View | None:
-    """None: no single quantity shows it; look at it over time."""
-    if term.effect_id in SPECIAL:
-        return SPECIAL[term.effect_id]
-    example = term.effect.example
-    return GENERAL.get(example.against) if example is not None else GENERAL["dq"]
+def direction(term: Term, run: RunResidual, joint: int) -> Array:
+    """(M,) ±1: by which the residual is multiplied."""
+    if not term.effect.drawn.along:
+        return np.ones(len(run.measured))
+    return np.sign(run.decimated(run.seen.dq[:, joint]))
 
 
 def near(term: Term, x: Array) -> NDArray[np.bool_]:
     """(K,) samples worth showing: all, or those near zero where the effect acts only there."""
-    if term.effect_id not in REACH:
+    if term.effect.drawn.near is None:
         return np.isfinite(x)
-    name, times = REACH[term.effect_id]
+    name, times = term.effect.drawn.near
     close = np.abs(x) < times * term.shape[name]
     return close if close.sum() >= FEWEST else np.isfinite(x)
 
@@ -73,13 +66,14 @@ def _other(term: Term, joint: int) -> int:
 
 
 def _phase(run: RunResidual, term: Term, joint: int) -> Array:
-    cycles = run.decimated(run.seen.q[:, _own(term, joint)]) * term.shape["N"] / (2 * np.pi)
-    return np.asarray(cycles % 1.0)
+    turns = run.decimated(run.seen.q[:, _own(term, joint)]) / (2 * np.pi)
+    return np.asarray(turns * term.shape[term.effect.line_order] % 1.0)
 
 
 def _slow(run: RunResidual, term: Term, joint: int) -> Array:
     speed = np.abs(run.decimated(run.seen.dq[:, _own(term, joint)]))
-    return np.asarray(speed * term.shape["N"] / (2 * np.pi) < PASSED * run.equation.lowpass.cutoff)
+    hertz = speed * term.shape[term.effect.line_order] / (2 * np.pi)
+    return np.asarray(hertz < PASSED * run.equation.lowpass.cutoff)
 
 
 def _travel(run: RunResidual, term: Term, joint: int) -> Array:
@@ -96,41 +90,26 @@ def _load(run: RunResidual, term: Term, joint: int) -> Array:
     return run.equation.lowpass(run.seen.load[:, _own(term, joint)])
 
 
-def _warmth(run: RunResidual, term: Term, joint: int) -> Array:
-    return run.decimated(run.seen.t)
-
-
-GENERAL: dict[str, View] = {
-    "q": View("position of joint {own}, {angle}",
-              lambda r, t, j: r.decimated(r.seen.q[:, _own(t, j)])),
-    "dq": View("velocity of joint {own}, {angle}/s",
-               lambda r, t, j: r.decimated(r.seen.dq[:, _own(t, j)])),
-    "ddq": View("acceleration of joint {own}, {angle}/s²",
-                lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _own(t, j)])),
-    "other_dq": View("velocity of joint {other}, {angle}/s",
-                     lambda r, t, j: r.decimated(r.seen.dq[:, _other(t, j)])),
-    "other_ddq": View("acceleration of joint {other}, {angle}/s²",
-                      lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _other(t, j)])),
-    "load": View("torque that joint {own} passes to the links, {unit}", _load),
-    "total": View("modelled torque of joint {own}, {unit}",
-                  lambda r, t, j: r.equation.lowpass(r.seen.total[:, _own(t, j)])),
-    "rate": View("rate at which joint {own}'s torque changes, {unit}/s", _rate),
-    "t": View("time in the run, s", _warmth),
+QUANTITIES: dict[str, Quantity] = {
+    "q": Quantity("position of joint {own}, {angle}",
+                  lambda r, t, j: r.decimated(r.seen.q[:, _own(t, j)])),
+    "dq": Quantity("velocity of joint {own}, {angle}/s",
+                   lambda r, t, j: r.decimated(r.seen.dq[:, _own(t, j)])),
+    "ddq": Quantity("acceleration of joint {own}, {angle}/s²",
+                    lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _own(t, j)])),
+    "other_dq": Quantity("velocity of joint {other}, {angle}/s",
+                         lambda r, t, j: r.decimated(r.seen.dq[:, _other(t, j)])),
+    "other_ddq": Quantity("acceleration of joint {other}, {angle}/s²",
+                          lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _other(t, j)])),
+    "load": Quantity("torque that joint {own} passes to the links, {unit}", _load),
+    "size of load": Quantity("size of the torque that joint {own} passes to the links, {unit}",
+                             lambda r, t, j: np.abs(_load(r, t, j))),
+    "total": Quantity("modelled torque of joint {own}, {unit}",
+                      lambda r, t, j: r.equation.lowpass(r.seen.total[:, _own(t, j)])),
+    "rate": Quantity("rate at which joint {own}'s torque changes, {unit}/s", _rate),
+    "t": Quantity("time in the run, s", lambda r, t, j: r.decimated(r.seen.t)),
+    "travel": Quantity("travel of joint {own} since it last turned round, {angle}", _travel),
+    "turns of a line": Quantity("place of joint {own} within one ripple, turns of it", _phase,
+                                slow_enough=_slow),
 }  # fmt: skip
-
-SPECIAL: dict[str, View | None] = {
-    "payload": None,
-    "base_tilt": None,
-    "joint_elasticity": None,
-    "load_friction": View(
-        "size of the torque that joint {own} passes to the links, {unit}",
-        lambda r, t, j: np.abs(_load(r, t, j)), along=True,
-    ),
-    "position_friction": View(GENERAL["q"].label, GENERAL["q"].x, along=True),
-    "presliding_hysteresis": View(
-        "travel of joint {own} since it last turned round, {angle}", _travel, along=True
-    ),
-    "thermal_friction": View(GENERAL["t"].label, _warmth, along=True),
-    "torque_ripple": View("place of joint {own} within one ripple, turns of it", _phase,
-                          slow_enough=_slow),
-}  # fmt: skip
+"""Against what an effect's class may ask to be drawn (``View.against``)."""

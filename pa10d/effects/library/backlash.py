@@ -32,9 +32,10 @@ class Backlash(Effect):
     reaches_other_joints = True
     starts_by_own_equation = True  # many starts, and a knock is felt at home first
     uses_model = True
+    escapes_demo = "the knocks behind a gap drown its own torque"
     coefficients = (Coefficient("share", "1", 0.5, 1.25),)
     shapes = (
-        ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR))),
+        ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR)), step=0.12),
         replace(ROTOR, blur=float(np.std(BLUR))),  # what moves the knocks as a wider gap does
     )
     signature = (
@@ -50,6 +51,7 @@ class Backlash(Effect):
     experiment_kind = "reversals"
     source = "Nordin & Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     remedy = "Adjust the gear's preload; inspect teeth, keys and couplings for wear."
+    remembers = "how far the link lags behind and how fast (apart: at rest under its load)"
     example = Example((1.0,), against="load", shape={"b": 0.01}, motion="across_upright")
 
     def columns(self, context, joints, shape):

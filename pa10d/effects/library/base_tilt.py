@@ -3,7 +3,7 @@
 import numpy as np
 
 from pa10d.dynamics import inverse_dynamics
-from pa10d.effects.base import Coefficient, Effect, Example
+from pa10d.effects.base import Coefficient, Effect, Example, View
 
 SMALL = 1e-6  # rad, where nothing is known of the angle yet
 
@@ -42,6 +42,7 @@ class BaseTilt(Effect):
     experiment_kind = "point_to_point"
     source = "Hollerbach, Khalil & Gautier, Springer Handbook of Robotics (2016), ch. 6"
     remedy = "Level the base, or enter its orientation in the profile."
+    view = View()
     example = Example((0.03, 0.02, 0.0, 0.0), against="q", motion="wander", joints=(2,))
 
     def columns(self, context, joints, shape):

@@ -15,9 +15,11 @@ class Contact(Effect):
     equation = "τ = k·side·max(0, side·(q - qs))"
     coefficients = (Coefficient("k", "N·m/rad", lower=0.0),)
     shapes = (
-        ShapeParameter("qs", "rad", -10.0, 10.0, "linear"),
+        ShapeParameter("qs", "rad", -10.0, 10.0, "linear", step=0.08),
         ShapeParameter("side", "1", -1.0, 1.0, "choice"),
     )
+    repeatable = True
+    also_changes = True
     signature = (
         "There is no error up to one angle; beyond it, on one side, it grows, at any speed and in "
         "both directions of motion alike."

@@ -1,6 +1,6 @@
 """Coulomb friction."""
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
 
 
 class Coulomb(Effect):
@@ -14,6 +14,10 @@ class Coulomb(Effect):
     plainly = "the same friction at any speed"
     equation = "τ = Fc·tanh(q̇/v0)"
     question = "textbook"
+    rubs = True
+    also_changes = True
+    joint_property = "friction"
+    live = True
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)
     shapes = (ShapeParameter("v0", "rad/s", 1e-4, 0.3, "log", smoothing=True),)
     signature = (
@@ -34,7 +38,7 @@ class Coulomb(Effect):
     example = Example((9.0,), against="dq", shape={"v0": 0.01})
 
     def columns(self, context, joints, shape):
-        return smooth_sign(context.dq[:, joints[0]], shape["v0"])[:, None]
+        return context.sign(context.dq[:, joints[0]], shape["v0"])[:, None]
 
     def starts(self, context, joints):
         return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1)]

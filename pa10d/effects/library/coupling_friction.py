@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
 
 SHARP = 1e-3
 """rad/s over which the sign is smoothed. What slips turns round while both joints move, so those
@@ -49,7 +49,7 @@ class CouplingFriction(Effect):
         i, j = joints
         v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
         both = np.column_stack(
-            [smooth_sign(v, context.softness(SHARP)), shape.get("viscous", 1.0) * v]
+            [context.sign(v, context.softness(SHARP)), shape.get("viscous", 1.0) * v]
         )
         out = np.zeros((*context.q.shape, 2))
         out[:, i] = both

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 from pa10d.effects.rotor import ROTOR, link_inertia, rotor_starts
 from pa10d.effects.twist import twisted_torque
 
@@ -49,6 +49,8 @@ class JointElasticity(Effect):
         "Check the flexspline (the thin cup of a harmonic drive), couplings and all bolts; keep "
         "motion and controller slower than the resonance."
     )
+    view = View(over_frequency=True)
+    remembers = "how far the link lags behind and how fast (apart: at rest under its load)"
     example = Example(
         (1.0,), against="frequency", shape={"K": 2000.0, "zeta": 0.06}, motion="chirp"
     )

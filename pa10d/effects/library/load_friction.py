@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 from pa10d.effects.rotor import ROTOR, link_load, rotor_starts
 
 
@@ -34,12 +34,13 @@ class LoadFriction(Effect):
         "Every gear has it: keep it in the model. Where it has grown, inspect the gear's "
         "lubrication and teeth."
     )
+    view = View("size of load", along=True)
     example = Example((0.12,), against="load", shape={"v0": 0.01})
 
     def columns(self, context, joints, shape):
         j = joints[0]
         load = link_load(context, j, shape.get("rotor", 0.0))
-        return (np.abs(load) * smooth_sign(context.dq[:, j], shape["v0"]))[:, None]
+        return (np.abs(load) * context.sign(context.dq[:, j], shape["v0"]))[:, None]
 
     def starts(self, context, joints):
         return [

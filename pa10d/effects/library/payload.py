@@ -4,7 +4,7 @@ import numpy as np
 
 from pa10d.dynamics import regressor
 from pa10d.dynamics.robot import PARAMETER_NAMES
-from pa10d.effects.base import Coefficient, Effect, Example, Value
+from pa10d.effects.base import Coefficient, Effect, Example, Value, View
 
 
 class Payload(Effect):
@@ -42,6 +42,7 @@ class Payload(Effect):
         "industrial manipulators, ICRA (2007)"
     )
     remedy = "Look at what the arm is holding; enter it as the profile's tool, or take it off."
+    view = View()
     example = Example(
         (5.0, 0.0, 0.15, 0.6, *(0.0,) * 6), against="load", motion="wander", joints=(2,)
     )

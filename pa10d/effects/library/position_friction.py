@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 
 WAVES_PER_TURN = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
 PHASES = (0.0, np.pi / 3, 2 * np.pi / 3)  # half a wave further is the same with A below zero
@@ -19,10 +19,11 @@ class PositionFriction(Effect):
     equation = "τ = A·exp(-(q - qc)²/(2·w²))·sign(q̇), or in waves τ = A·cos((q - qc)/w)·sign(q̇)"
     coefficients = (Coefficient("A", "N·m"),)
     shapes = (
-        ShapeParameter("qc", "rad", -10.0, 10.0, "linear"),
-        ShapeParameter("w", "rad", 0.02, 1.5, "log"),
+        ShapeParameter("qc", "rad", -10.0, 10.0, "linear", step=lambda s: 0.6 * s["w"]),
+        ShapeParameter("w", "rad", 0.02, 1.5, "log", step=lambda s: 0.2 if s["wave"] else 0.7),
         ShapeParameter("wave", "1", 0.0, 1.0, "choice"),
     )
+    repeatable = True
     signature = (
         "In one range of the joint's angle friction is higher (or lower), and it opposes the "
         "motion in both directions."
@@ -37,13 +38,14 @@ class PositionFriction(Effect):
     experiment_kind = "velocity_sweep"
     source = "Armstrong-Hélouvry, Control of Machines with Friction (1991), ch. 4"
     remedy = "Inspect bearing, seal and gear teeth at that angle for dirt and wear."
+    view = View("q", along=True)
     example = Example((5.0,), against="q", shape={"qc": 0.7, "w": 0.08, "wave": 0.0})
 
     def columns(self, context, joints, shape):
         j = joints[0]
         away = (context.q[:, j] - shape["qc"]) / shape["w"]
         where = np.cos(away) if shape["wave"] else np.exp(-0.5 * away**2)
-        return (where * smooth_sign(context.dq[:, j], context.softness(0.01)))[:, None]
+        return (where * context.sign(context.dq[:, j], context.softness(0.01)))[:, None]
 
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])

@@ -3,7 +3,9 @@
 import numba
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
+
+SLIDES = 0.01  # rad/s: where nothing is known of the way, faster than that it slides
 
 
 class PreslidingHysteresis(Effect):
@@ -37,9 +39,13 @@ class PreslidingHysteresis(Effect):
         "Nothing to repair as such. A distance that has grown since the last identification "
         "hints at wear."
     )
+    remembers = "the way since the joint last turned round (apart: it slides)"
+    view = View("travel", along=True, near=("zs", 12.0), over_time=True)
     example = Example((8.0,), against="q", shape={"zs": 0.004}, motion="reversals")
 
     def columns(self, context, joints, shape):
+        if context.apart:
+            return context.sign(context.dq[:, joints[0]], SLIDES)[:, None]
         return bristle(context.q[:, joints[0]], shape["zs"])[:, None]
 
     def starts(self, context, joints):

@@ -13,6 +13,9 @@ class RotorInertia(Effect):
     plainly = "the flywheel that the motor is"
     equation = "τ = Ia·q̈"
     question = "textbook"
+    is_rotor = True
+    joint_property = "armature"
+    live = True
     coefficients = (Coefficient("Ia", "kg·m²", lower=0.0),)
     signature = "The error is proportional to the joint's own acceleration, alike in every pose."
     confounders = {

@@ -7,7 +7,7 @@ from pa10d.effects.base import (
     Effect,
     Example,
     ShapeParameter,
-    smooth_sign,
+    View,
     speed_quantiles,
 )
 
@@ -28,7 +28,7 @@ class Stribeck(Effect):
     coefficients = (Coefficient("Fs", "N·m", lower=0.0),)
     shapes = (
         ShapeParameter("vs", "rad/s", 2e-3, 1.0, "log"),
-        ShapeParameter("delta", "1", 0.5, 2.0, "linear"),
+        ShapeParameter("delta", "1", 0.5, 2.0, "linear", step=0.5),
     )
     signature = (
         "More friction at low speed, in both directions: a bump on either side of zero speed that "
@@ -49,12 +49,13 @@ class Stribeck(Effect):
         "Check kind and age of the lubricant. Keep the effect in the model where the arm has to "
         "move slowly and evenly."
     )
+    view = View("dq", near=("vs", 5.0))
     example = Example((6.0,), against="dq", shape={"vs": 0.06, "delta": 1.0})
 
     def columns(self, context, joints, shape):
         v = context.dq[:, joints[0]]
         bump = np.exp(-((np.abs(v) / shape["vs"]) ** shape["delta"]))
-        return (bump * smooth_sign(v, context.softness(min(0.05 * shape["vs"], SHARP))))[:, None]
+        return (bump * context.sign(v, context.softness(min(0.05 * shape["vs"], SHARP))))[:, None]
 
     def starts(self, context, joints):
         # well inside the speeds visited: a bump as wide as the data is another effect

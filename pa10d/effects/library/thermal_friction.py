@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, smooth_sign
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 
 COLD = 20.0  # °C, from which measured warmth counts; the same in every run
 KELVIN = 10.0  # K of warmth to which the coefficients refer where temperature is measured
@@ -28,6 +28,7 @@ class ThermalFriction(Effect):
     )
     uses_model = True
     feels_own_heat = True
+    escapes_demo = "the arm warms up in its first minute and stays warm"
     coefficients = (
         Coefficient("dFv", "N·m·s/rad", lower=0.0),
         Coefficient("dFc", "N·m", lower=0.0),
@@ -47,17 +48,21 @@ class ThermalFriction(Effect):
     experiment_kind = "warm_up"
     source = "Bittencourt & Gunnarsson, ASME J. Dyn. Sys. Meas. Control 134 (2012)"
     remedy = "Warm the joint up before identification, and before work that needs the model."
+    remembers = "how warm the joint is (apart: cold, unless its temperature is known)"
+    view = View("t", along=True)
     example = Example((6.0, 2.0), against="dq", shape={"T": 150.0, "heated": 0.0}, motion="warm_up")
 
     def columns(self, context, joints, shape):
         j = joints[0]
         warm = measured_warmth(context, j)
-        if warm is None and shape["heated"]:
+        if warm is None and context.apart:
+            warm = np.zeros(len(context.q))
+        elif warm is None and shape["heated"]:
             warm = own_warmth(context, j, shape["T"])
         elif warm is None:
             warm = 1.0 - np.exp(-context.t / shape["T"])
         v = context.dq[:, j]
-        return -np.column_stack([warm * v, warm * smooth_sign(v, context.softness(0.01))])
+        return -np.column_stack([warm * v, warm * context.sign(v, context.softness(0.01))])
 
     def starts(self, context, joints):
         span = float(context.t[-1] - context.t[0])

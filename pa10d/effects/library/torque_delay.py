@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example
+from pa10d.effects.base import Coefficient, Effect, Example, View
 from pa10d.signals import delayed
 
 
@@ -16,6 +16,7 @@ class TorqueDelay(Effect):
     equation = "τ = τ_model(t - Td) - τ_model(t)"
     sensing = True
     uses_model = True
+    commanded = False  # a late sensor is no torque
     coefficients = (Coefficient("Td", "s", 0.0, 0.2),)
     signature = (
         "The error follows the slope of the torque: large where torque changes fast, zero where "
@@ -32,9 +33,13 @@ class TorqueDelay(Effect):
     experiment_kind = "chirp"
     source = "Ljung, System Identification: Theory for the User (1999)"
     remedy = "Line up the time stamps of torque and angle; look for a filter in the drive."
+    remembers = "the torque a moment ago (apart: it does not change)"
+    view = View("rate", over_frequency=True)
     example = Example((0.02,), against="rate", motion="wander")
 
     def columns(self, context, joints, shape):
+        if context.apart:
+            return np.zeros((len(context.q), 1))
         total, at = context.total[:, joints[0]], shape.get("at", 0.0)
         if at < 0.1 * context.dt:
             return -np.gradient(total, context.dt)[:, None]

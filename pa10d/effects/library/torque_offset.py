@@ -14,6 +14,8 @@ class TorqueOffset(Effect):
     noun = "a torque offset"
     plainly = "it reads too high or too low by a constant"
     equation = "τ = offset"
+    also_changes = True
+    live = True
     coefficients = (Coefficient("offset", "N·m"),)
     signature = "All of the error is shifted by the same amount, in both directions, in every pose."
     confounders = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
 
 USUAL = (25.0, 50.0, 80.0, 100.0, 120.0, 160.0, 200.0)  # ratios of harmonic drives, and twice them
 
@@ -17,7 +17,9 @@ class TorqueRipple(Effect):
     plainly = "torque that comes again at the same angles"
     equation = "τ = a·sin(N·q) + b·cos(N·q)"
     coefficients = (Coefficient("a", "N·m"), Coefficient("b", "N·m"))
-    shapes = (ShapeParameter("N", "cycles/rev", 3.0, 1000.0, "linear"),)
+    shapes = (ShapeParameter("N", "cycles/rev", 3.0, 1000.0, "linear", step=0.15),)
+    repeatable = True
+    line_order = "N"
     signature = (
         "Against the angle the error swings evenly, equally often per turn at every speed: one "
         "line in the spectrum taken against the angle."
@@ -38,6 +40,7 @@ class TorqueRipple(Effect):
         "Inspect gear mesh, coupling and motor; what remains can be stored against the angle and "
         "compensated."
     )
+    view = View("turns of a line")
     example = Example((3.0, 1.5), against="q", shape={"N": 50.0})
 
     def columns(self, context, joints, shape):

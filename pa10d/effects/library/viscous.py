@@ -11,6 +11,10 @@ class Viscous(Effect):
     plainly = "friction in proportion to the speed"
     equation = "τ = Fv·q̇"
     question = "textbook"
+    rubs = True
+    also_changes = True
+    joint_property = "damping"
+    live = True
     coefficients = (Coefficient("Fv", "N·m·s/rad", lower=0.0),)
     signature = "Against the joint's speed the error is a straight line through zero."
     confounders = {

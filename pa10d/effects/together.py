@@ -1,0 +1,94 @@
+"""What the effects of a model add up to, and in which order they may look at each other.
+
+A term is an effect at work: ``effect``, ``joints`` (0-based), ``coefficients`` (k,) and ``shape``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.effects.base import Effect, Shape
+from pa10d.effects.context import Context
+
+Array = NDArray[np.float64]
+
+WARMING_ROUNDS = 4  # friction makes heat and heat takes friction: in these the two settle
+
+
+class AtWork(Protocol):
+    """One effect with its fitted values."""
+
+    @property
+    def effect(self) -> Effect: ...
+    @property
+    def joints(self) -> Sequence[int]: ...
+    @property
+    def coefficients(self) -> Array: ...
+    @property
+    def shape(self) -> Shape: ...
+
+
+def torque_of(term: AtWork, context: Context) -> Array:
+    """(N, n) N·m at the raw rate."""
+    columns = term.effect.columns(context, term.joints, term.shape)
+    if term.effect.reaches_other_joints:
+        return np.asarray(columns @ term.coefficients)
+    out = np.zeros_like(context.q)
+    out[:, term.joints[0]] = columns @ term.coefficients
+    return out
+
+
+def contextualised(
+    context: Context, terms: Sequence[AtWork], rigid: Array, loads: Array | None
+) -> Context:
+    """The same motion with the loads and the total torque of a model of these bodies and terms.
+
+    rigid, loads: (n, 10) standard parameters, the latter those from which effects take their loads
+    where these are others. Load-dependent effects see the rigid bodies, warming ones the friction
+    that heats them; sensing effects see the torque of all mechanical ones.
+    """
+    textbook, rubbing = friction(context, terms)
+    own_rotor = [term.joints[0] for term in terms if term.effect.is_rotor]
+    loaded = replace(
+        context,
+        rigid=rigid if loads is None else loads,
+        total=np.zeros_like(context.q),
+        rubbing=rubbing,
+        rotor_in_load=tuple(sorted(set(range(context.robot.n)) - set(own_rotor))),
+    )
+    own = loaded if loads is None else replace(context, rigid=rigid)
+    total = own.load + textbook
+    for term in terms:
+        if not term.effect.sensing and not term.effect.rubs:
+            total += torque_of(term, loaded)
+    return replace(loaded, total=total)
+
+
+def friction(context: Context, terms: Sequence[AtWork]) -> tuple[Array, Array]:
+    """(N, n) N·m each: Coulomb and viscous friction, and what warmth has left of it."""
+    textbook = np.zeros_like(context.q)
+    for term in terms:
+        if term.effect.rubs:
+            textbook += torque_of(term, context)
+    left = textbook
+    for _ in range(WARMING_ROUNDS):
+        seen = replace(context, rubbing=left)
+        warming = [torque_of(term, seen) for term in terms if term.effect.feels_own_heat]
+        if not warming:
+            break
+        left = textbook + np.sum(warming, axis=0)
+    return textbook, left
+
+
+def sensed(seen: Context, terms: Sequence[AtWork]) -> Array:
+    """(N, n) N·m as the sensors would report it, of a motion that ``contextualised`` has seen."""
+    out = seen.total.copy()
+    for term in terms:
+        if term.effect.sensing:
+            out += torque_of(term, seen)
+    return out
