@@ -122,6 +122,11 @@ class TorqueModel:
         """(n, 10) standard parameters with the model's base parameters (zeros elsewhere)."""
         return self._standard_form(self.h)
 
+    @property
+    def load_bodies(self) -> Array:
+        """(n, 10) the same of the base parameters from which effects take their loads."""
+        return self.rigid if self.loads is None else self._standard_form(self.loads)
+
     def _standard_form(self, base: Array) -> Array:
         out = np.zeros(10 * self.robot.n)
         out[self.base.kept] = base
@@ -173,7 +178,7 @@ class TorqueModel:
 
     def contextualise(self, context: Context) -> Context:
         """The same motion with this model's loads and total torque."""
-        loads = None if self.loads is None else self._standard_form(self.loads)
+        loads = None if self.loads is None else self.load_bodies
         return contextualised(context, self.terms, self.rigid, loads)
 
     def predict(self, context: Context) -> Array:

@@ -11,6 +11,7 @@ from pa10d.effects.base import (
     smooth_sign,
 )
 from pa10d.effects.context import Context
+from pa10d.effects.memory import fading
 from pa10d.effects.registry import TEXTBOOK, all_effects, effect
 
 __all__ = [
@@ -25,5 +26,6 @@ __all__ = [
     "View",
     "all_effects",
     "effect",
+    "fading",
     "smooth_sign",
 ]

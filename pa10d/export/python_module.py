@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
 import pprint
 from typing import Any
 
-import numpy as np
-
-from pa10d.effects.library.base_tilt import SMALL, rotation
-from pa10d.export import runtime
+from pa10d.dynamics import typical_inertia
+from pa10d.effects import Context
+from pa10d.effects.together import contextualised, sensed
+from pa10d.export import bodies
+from pa10d.export.source import NotWritable, Source
 from pa10d.export.words import grouped
 from pa10d.model import Term, TorqueModel
 
@@ -18,108 +18,130 @@ HEAD = '''"""Joint torques of {name}: {about}.
 Written by pa10d; stands on NumPy alone.
 
     torque(q, dq, ddq)          one sample, shape (n,), or many, (N, n), in any order
-    torque_series(q, dq, ddq)   (N, n), rows at equal steps of one motion: the sign of the velocity
-                                is averaged over each step, as it was when the model was fitted
+    torque(q, dq, ddq, time)    (N, n), time (N,) s at equal steps: the rows are one motion, so that
+                                friction, warmth and springs remember
+    torque_series(q, dq, ddq, dt)   the same, dt seconds apart
 
 Joints: {joints}
-Units: rad (m), rad/s, rad/s², N·m (N), torque at the joint side.
-{lost}"""
+Units: rad (m), rad/s, rad/s², N·m (N), torque at the joint side. {bodies}
+{remembers}{lost}"""
 
 from __future__ import annotations
 
-import numpy as np
+'''
+
+INTERFACE = '''
+
+class Term:
+    """One effect at work on its joints, numbered from 0."""
+
+    def __init__(self, effect, joints, coefficients, shape):
+        self.effect, self.joints, self.shape = effect, joints, shape
+        self.coefficients = np.array(coefficients)
+
 
 JOINTS = {joints!r}
 NOT_CARRIED = {not_carried!r}
-MODEL = {model}
+ROBOT = Robot(
+    **{{key: np.array(value) for key, value in {robot}.items()}}
+)
+RIGID = np.array({rigid})
+LOADS = {loads}
+REMEMBERS = {memory!r}
+TERMS = [
+{terms}
+]
 
 
-def torque(q, dq, ddq):
-    """Torque of one sample (n,) or of many independent ones (N, n)."""
-    single = np.ndim(q) == 1
-    out = predict(MODEL, *(np.atleast_2d(np.asarray(x, dtype=float)) for x in (q, dq, ddq)))
-    return out[0] if single else out
+def torque(q, dq, ddq, time=None, temperature=None):
+    """Torque of one sample (n,), of many independent ones (N, n), or with time of one motion.
+
+    temperature: (N, n) °C, where it is known
+    """
+    moved = [np.atleast_2d(np.asarray(x, dtype=float)) for x in (q, dq, ddq)]
+    samples = len(moved[0])
+    if any(x.shape != (samples, len(JOINTS)) for x in moved):
+        raise ValueError(f"q, dq, ddq: expected ({{samples}}, {{len(JOINTS)}}) each")
+    t = np.zeros(samples) if time is None else np.asarray(time, dtype=float)
+    warm = None if temperature is None else np.atleast_2d(np.asarray(temperature, dtype=float))
+    seen = Context(
+        ROBOT, t - t[0], *moved, rigid=0.0 * RIGID, total=0.0 * moved[0], temperature=warm,
+        apart=time is None,
+    )
+    out = sensed(contextualised(seen, TERMS, RIGID, LOADS), TERMS)
+    return out[0] if np.ndim(q) == 1 else out
 
 
-def torque_series(q, dq, ddq):
-    """Torque (N, n) along one motion."""
-    q, dq, ddq = (np.asarray(x, dtype=float) for x in (q, dq, ddq))
-    return predict(MODEL, q, dq, ddq, series=True)
-
+def torque_series(q, dq, ddq, dt=None, temperature=None):
+    """Torque (N, n) along one motion, its rows dt seconds apart."""
+    if dt is None and REMEMBERS:
+        raise ValueError(f"dt: expected the seconds between rows for {{', '.join(REMEMBERS)}}")
+    return torque(q, dq, ddq, (1.0 if dt is None else dt) * np.arange(len(q)), temperature)
 '''
 
 
 def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     """The module's text, and one line per effect that it cannot carry."""
-    carried = [term for term in model.terms if _known(term)]
-    missing = [term for term in model.terms if not _known(term)]
+    source = Source()
+    carried: list[tuple[Term, str]] = []
+    missing: dict[str, list[Term]] = {}
+    for needed in (bodies.Robot, Context, contextualised, sensed):
+        source.add(needed, needed.__name__)
+    for term in model.terms:
+        try:
+            carried.append((term, _class_of(source, term)))
+        except NotWritable as reason:
+            missing.setdefault(str(reason), []).append(term)
     lost = [
-        f"{label} not in the export: it has a memory or a time of its own, so that a function of "
-        "q, dq and ddq cannot give it"
-        for label in grouped([term for term in missing if not term.over])
-    ] + [
-        f"{term.label} not in the export: a map of what nobody understands stays where its range "
-        "is watched"
-        for term in missing
-        if term.over
+        f"{label} not in the export: {reason}"
+        for reason, terms in missing.items()
+        for label in grouped(terms)
     ]
-    data = _data(model, carried)
     head = HEAD.format(
         name=model.name,
         about=about,
         joints=list(model.robot.joint_names),
+        bodies="",
+        remembers=_remembered([term for term, _ in carried]),
         lost="".join(f"\nNOT CARRIED: {line}" for line in lost) + ("\n" if lost else ""),
-        not_carried=[term.label for term in missing],
-        model=pprint.pformat(data, width=100, compact=True, sort_dicts=False),
     )
-    return head + _runtime_text(), lost
+    tail = INTERFACE.format(
+        joints=list(model.robot.joint_names),
+        not_carried=[term.label for terms in missing.values() for term in terms],
+        robot=_pretty(_robot(model)),
+        rigid=_pretty(model.rigid.tolist()),
+        loads="None" if model.loads is None else f"np.array({_pretty(model.load_bodies.tolist())})",
+        memory=sorted({t.effect_id for t, _ in carried if t.effect.remembers}),
+        terms="\n".join(_term(term, name) for term, name in carried),
+    )
+    return head + source.text() + tail, lost
 
 
-def _known(term: Term) -> bool:
-    return term.effect_id in runtime.MECHANICS or term.effect_id in runtime.SENSING
+def _class_of(source: Source, term: Term) -> str:
+    if term.over:
+        raise NotWritable("a map of what nobody understands stays where its range is watched")
+    return source.add_effect(term.effect)
 
 
-def _runtime_text() -> str:
-    """The runtime without its own docstring and imports."""
-    source = inspect.getsource(runtime)
-    return "\n" + source[source.index("def predict(") :]
-
-
-def _data(model: TorqueModel, terms: list[Term]) -> dict[str, Any]:
+def _robot(model: TorqueModel) -> dict[str, Any]:
     robot = model.robot
-    return {
-        "parent": robot.parent.tolist(),
-        "order": robot.order.tolist(),
-        "rotation": robot.rotation.tolist(),
-        "translation": robot.translation.tolist(),
-        "axis": robot.axis.tolist(),
-        "prismatic": robot.prismatic.tolist(),
-        "gravity": robot.gravity.tolist(),
-        "rigid": model.rigid.tolist(),
-        "terms": [_term(model, term) for term in terms],
-    }
+    fields = ("parent", "order", "rotation", "translation", "axis", "prismatic", "gravity")
+    typical = typical_inertia(robot, model.load_bodies)
+    return {key: getattr(robot, key).tolist() for key in fields} | {"typical": typical.tolist()}
 
 
-def _term(model: TorqueModel, term: Term) -> dict[str, Any]:
-    entry: dict[str, Any] = {
-        "effect": term.effect_id,
-        "joints": list(term.joints),
-        "coefficients": [float(c) for c in term.coefficients],
-        "shape": {name: float(value) for name, value in term.shape.items()},
-    }
-    return entry | (_tilt(model, term) if term.effect_id == "base_tilt" else {})
+def _term(term: Term, name: str) -> str:
+    shape = {key: float(value) for key, value in term.shape.items()}
+    coefficients = [float(c) for c in term.coefficients]
+    return f"    Term({name}(), {list(term.joints)!r}, {coefficients!r}, {shape!r}),"
 
 
-def _tilt(model: TorqueModel, term: Term) -> dict[str, Any]:
-    """What the effect works out from the robot: change of gravity per angle, and whether the
-    first axis stands upright."""
-    robot = model.robot
-    turns = []
-    for axis, name in ((0, "rx"), (1, "ry")):
-        at = term.shape.get(name, 0.0) or SMALL
-        turns.append(((rotation(axis, at).T @ robot.gravity - robot.gravity) / at).tolist())
-    size = float(np.linalg.norm(robot.gravity))
-    first = int(robot.order[0])
-    along = abs(float(robot.rotation[first] @ robot.axis[first] @ robot.gravity))
-    upright = size > 0 and along > 0.99 * size and not robot.prismatic[first]
-    return {"turns": turns, "vertical_first": bool(upright)}
+def _remembered(terms: list[Term]) -> str:
+    found = {t.effect_id: t.effect.remembers for t in terms if t.effect.remembers}
+    return "".join(f"\n{name} remembers {what}." for name, what in found.items()) + "\n" * bool(
+        found
+    )
+
+
+def _pretty(data: Any) -> str:
+    return pprint.pformat(data, width=100, compact=True, sort_dicts=False)

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
+from pa10d.effects.memory import fading
 
 COLD = 20.0  # °C, from which measured warmth counts; the same in every run
 KELVIN = 10.0  # K of warmth to which the coefficients refer where temperature is measured
@@ -86,7 +86,7 @@ def own_warmth(context, joint, time_constant):
     heat = context.friction_heat[:, joint]
     mean = 0.5 * (heat[1:] + heat[:-1])
     kept = float(np.exp(-context.dt / time_constant))
-    return np.concatenate([[0.0], scipy.signal.lfilter([1.0 - kept], [1.0, -kept], mean)])
+    return np.concatenate([np.zeros(1), (1.0 - kept) * fading(mean, kept)])
 
 
 def measured_warmth(context, joint):

@@ -1,0 +1,1 @@
+"""Does an effect keep what a model, a search and a controller rely on? The conformance kit."""
