@@ -115,6 +115,14 @@ class Watch:
                 self._asked[axis] = self._earliest
         gap = self._now - self._heard[axis]
         if gap > self._silence[axis] and axis not in self.faults:
+            self._fell_silent(axis, gap, missing=cycle - seen.cycle)
+
+    def _fell_silent(self, axis: int, gap: float, missing: int) -> None:
+        """Only a drive that still answers SYNC lacks its heartbeat alone."""
+        if missing:
+            why = f"no TPDO for {missing} cycles and no heartbeat for {gap:.2f} s"
+            self.tell(fault("silent", why, axis))
+        else:
             self.tell(fault("heartbeat_lost", f"no heartbeat for {gap:.2f} s", axis))
 
     def _check_values(self, axis: int, seen: AxisInput, enabled: bool) -> None:

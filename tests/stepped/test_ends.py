@@ -1,0 +1,75 @@
+"""Whoever ends while the arm moves, and whenever: it comes to rest, brakes on, power off."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+REST = 2.0  # s until the arm is at rest with its brakes on
+SETTLED = 0.1  # s until brakes that have just closed have swallowed what was left
+
+
+def pytest_generate_tests(metafunc):
+    if "moment" in metafunc.fixturenames:
+        count = 50 if metafunc.config.getoption("--long") else 3
+        draw = random.Random(metafunc.function.__name__)
+        metafunc.parametrize("moment", [round(draw.uniform(0.0, 1.5), 3) for _ in range(count)])
+
+
+def test_control_ends(world, moment):
+    def story():
+        yield from world.moving()
+        yield world.passes(moment)
+        world.kill("control")
+        yield world.passes(1.0)
+
+    world.run(story())
+    assert world.rests_within(REST) < REST
+    assert world.farthest < 1.5
+
+
+def test_the_daemon_ends(world, moment):
+    def story():
+        yield from world.moving()
+        yield world.passes(moment)
+
+    world.run(story())  # a story that is over ends the daemon
+    assert world.rests_within(SETTLED) < SETTLED
+    assert [fault.kind for fault in world.faults] == ["daemon_gone"]
+    assert world.farthest < 0.7
+
+
+def test_the_daemon_hangs(world):
+    def story():
+        yield from world.moving()
+        world.fall_silent()
+        yield world.is_in("fault")
+
+    world.run(story())
+    assert world.rests_within(SETTLED) < SETTLED
+    assert [fault.kind for fault in world.faults] == ["daemon_gone"]
+
+
+def test_the_arm_ends(world, moment):
+    def story():
+        yield from world.moving()
+        yield world.passes(moment)
+        world.kill("arm")
+        yield world.is_in("fault")
+
+    world.run(story())
+    assert [fault.kind for fault in world.faults] == ["silent"]
+
+
+@pytest.mark.parametrize("state", ["inactive", "holding", "running"])
+def test_the_daemon_ends_in_any_state(world, state):
+    def story():
+        for _ in world.moving():
+            yield _
+            if world.state() == state:
+                return
+
+    world.run(story())
+    assert world.state() == "offline"
+    assert world.rests_within(REST) < REST
