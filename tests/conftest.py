@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from pathlib import Path
 
 import pytest
+
+LOOK, LOOKS = 2e-3, 0.3  # s: sleeps by which the machine is measured, and for how long
+TOO_LATE = 20e-3  # s: two periods of the loops that tests run in real time
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -21,6 +25,22 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if "long" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.fixture(autouse=True)
+def _time_is_kept(request):
+    """What needs real time is not tried on a machine that does not keep it just now."""
+    if request.node.get_closest_marker("realtime") is None:
+        return
+    worst = max(_lateness(LOOK) for _ in range(round(LOOKS / LOOK)))
+    if worst > TOO_LATE:
+        pytest.skip(f"this machine came {worst * 1e3:.0f} ms late, {TOO_LATE * 1e3:.0f} may be")
+
+
+def _lateness(seconds: float) -> float:
+    due = time.monotonic() + seconds
+    time.sleep(seconds)
+    return time.monotonic() - due
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -22,7 +22,7 @@ def pytest_collection_modifyitems(items):
     """One daemon serves these tests in their order: they are not dealt out to workers."""
     for item in items:
         if item.path.parent == HERE:
-            item.add_marker(pytest.mark.realtime)
+            item.add_marker(pytest.mark.alone)
 
 
 @pytest.fixture(scope="session")

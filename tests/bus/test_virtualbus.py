@@ -18,7 +18,7 @@ import pytest
 from backends.frames import ERROR_CONTROLLER, RX_OVERFLOW
 from backends.virtualbus.rendezvous import channels
 
-pytestmark = pytest.mark.realtime
+pytestmark = pytest.mark.alone
 
 ECHO = """
 import can, sys

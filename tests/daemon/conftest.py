@@ -27,15 +27,20 @@ class Bench:
     """``pa10d serve`` on a private bus with a virtual arm that outlives it."""
 
     def __init__(self, data: Path, channel: str, clock: str = "real") -> None:
-        self.data, self.channel, self._clock = data, channel, clock
+        self.data, self.channel, self.clock = data, channel, clock
         self.simulator: subprocess.Popen | None = None
         self.server: subprocess.Popen | None = None
         self._stack = contextlib.ExitStack()
         self.client: Client | None = None
         self.observer: Observer | None = None
 
+    @property
+    def goes_on_alone(self) -> bool:
+        """Whether time passes for the drives while nobody sends SYNC."""
+        return self.clock == "real"
+
     def start_simulator(self) -> None:
-        options = ["sim", "--channel", self.channel, "--clock", self._clock]
+        options = ["sim", "--channel", self.channel, "--clock", self.clock]
         said = self.data / "simulator.log"  # a pipe that nobody reads would stop it once full
         with said.open("w") as log:
             self.simulator = subprocess.Popen(
@@ -48,7 +53,7 @@ class Bench:
 
     def start_daemon(self) -> None:
         options = ["--data", str(self.data), "--json", "serve", "--port", "0", "--no-sim"]
-        options += ["--channel", self.channel, "--clock", self._clock]
+        options += ["--channel", self.channel, "--clock", self.clock]
         self.server = subprocess.Popen(
             [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
         )
@@ -148,11 +153,14 @@ def _close(process: subprocess.Popen) -> None:
             pipe.close()
 
 
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory):
+CLOCKS = ["simulated", pytest.param("real", marks=[pytest.mark.long, pytest.mark.realtime])]
+
+
+@pytest.fixture(scope="module", params=CLOCKS)
+def bench(request, tmp_path_factory):
     """One for all tests of a module; they leave it inactive."""
     name = f"t{os.getpid()}-{time.time_ns() % 10**6}"
-    made = Bench(tmp_path_factory.mktemp("data"), name)
+    made = Bench(tmp_path_factory.mktemp("data"), name, request.param)
     try:
         made.start_simulator()
         made.start_daemon()

@@ -10,7 +10,7 @@ import pytest
 from pa10d.client import local_daemon
 from pa10d.store import RunStore
 
-pytestmark = [pytest.mark.realtime, pytest.mark.timeout(240)]
+pytestmark = [pytest.mark.alone, pytest.mark.timeout(240)]
 PLAN = {"period": 4.0, "cycles": 1}
 
 

@@ -1,4 +1,4 @@
-"""Processes that get no processor for a while: an arm may stop for it, it may not run away."""
+"""Whole processes that get no processor for a while; the same law in stepped time: tests/stepped."""
 
 import contextlib
 import os
@@ -11,7 +11,11 @@ import pytest
 
 from pa10d.client import JobFailed
 
-pytestmark = pytest.mark.realtime
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.long,
+    pytest.mark.parametrize("bench", ["real"], indirect=True, scope="module"),
+]
 
 TRIALS, STALL, CALM = 3, 0.15, 0.3  # s: means of how long a process stands still, and goes on
 FARTHEST = 2.0

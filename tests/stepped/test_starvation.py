@@ -38,6 +38,13 @@ def starved(world, rng):
 
 def test_a_starved_arm_does_not_run_away(world, seed):
     world.run(starved(world, random.Random(seed)))
+    print(
+        "FARTHEST",
+        seed,
+        round(world.farthest, 3),
+        round(world.fastest, 2),
+        [f.kind for f in world.faults],
+    )
     assert world.farthest < FARTHEST
     assert world.rests_within(1.0) < 1.0
     stopped = world.drives.mechanics.q.copy()

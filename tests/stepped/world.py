@@ -223,7 +223,9 @@ class World:
         """Time passes for the arm."""
         with self._lock:
             while True:
-                due = max(self.now, self._asleep["arm"], self.drives._time + 1.5 * self.drives.period)
+                due = max(
+                    self.now, self._asleep["arm"], self.drives._time + 1.5 * self.drives.period
+                )
                 if due > until:
                     break
                 self.now = due
@@ -317,7 +319,9 @@ class _End:
             with world._lock:
                 if not self._inbox:
                     world._lock.wait(0.002)
-                if not self._inbox and any(d.node.state != OPERATIONAL for d in world.drives.drives):
+                if not self._inbox and any(
+                    d.node.state != OPERATIONAL for d in world.drives.drives
+                ):
                     world.advance(world.now + world.drives.period)
         with world._lock:
             packet = b"".join(self._inbox)

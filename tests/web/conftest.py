@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(items):
     """A page is used in real time, even where the arm is not."""
     for item in items:
         if item.path.parent == HERE:
-            item.add_marker(pytest.mark.realtime)
+            item.add_marker(pytest.mark.alone)
 
 
 @pytest.fixture(scope="package")
