@@ -46,6 +46,7 @@ def demo(options: argparse.Namespace) -> Answer:
     profile = load_profile(options.profile)
     hidden = hide(options.hide, seed, profile)
     bench = Bench(profile, hidden, seed)
+    tell("The whole story takes one to three minutes on most machines; Ctrl-C ends it.")
     tell(
         f"1. A simulated {profile.name} and its daemon start, on a bus of their own (seed {seed})."
     )

@@ -1,4 +1,4 @@
-"""Whole processes that get no processor for a while; the same law in stepped time: tests/stepped."""
+"""Whole processes that get no processor for a while; tests/stepped has the law in stepped time."""
 
 import contextlib
 import os

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 
 import numpy as np
-import pytest
 
 STALL, CALM = 0.15, 0.3  # s: means of how long a process stands still, and goes on
 FARTHEST = 2.0
