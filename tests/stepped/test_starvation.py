@@ -16,7 +16,7 @@ They let no joint go faster than 1.5 times its limit meanwhile: of joints 1 and 
 
 def pytest_generate_tests(metafunc):
     if "seed" in metafunc.fixturenames:
-        count = 200 if metafunc.config.getoption("--long") else 4
+        count = 100 if metafunc.config.getoption("--long") else 4
         metafunc.parametrize("seed", range(count))
 
 
