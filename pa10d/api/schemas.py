@@ -65,6 +65,9 @@ class RobotState(BaseModel):
     offline_reason: str | None
     controller: Literal["pid", "computed_torque"]
     model: str | None = Field(description="The model that computed torque uses")
+    model_parameters: Literal["feasible", "free"] | None = Field(
+        default=None, description="Of which fit: bodies that can exist, or the free one"
+    )
     rate: float = Field(description="Hz")
     simulated: bool
     notes: list[str] = Field(description="What this machine does not allow, and what that means")
@@ -205,6 +208,7 @@ class ModelDetails(Model):
         description="Feasible standard parameters per joint: m mx my mz Ixx Ixy Iyy Ixz Iyz Izz"
     )
     shift_s: float
+    impossible: list[str] = Field(description="What of the free fit no arm can have, in words")
 
 
 class ModelPage(Page):

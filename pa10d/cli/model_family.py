@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.models import _library, _model, _rows
+from pa10d.export.endings import ENDINGS, FORMATS
 
 if TYPE_CHECKING:
     from pa10d.store.models import ModelInfo
-
-ENDINGS = {"urdf": "urdf", "python": "py"}
 
 
 def add_commands(commands: Commands) -> None:
@@ -30,8 +29,12 @@ def add_commands(commands: Commands) -> None:
     )  # fmt: skip
     parser = models.add("export", export, "a model for other programs")
     _model(parser)
-    parser.add_argument("--format", required=True, choices=tuple(ENDINGS))
-    parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf or .py")
+    parser.add_argument("--format", required=True, choices=FORMATS)
+    parser.add_argument(
+        "--parameters", choices=("feasible", "free"), default="feasible",
+        help="feasible: bodies that can exist (default); free: the unconstrained fit",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf, .py …")
     replace_option(parser, "an existing file")
 
 
@@ -70,6 +73,7 @@ def show(options: argparse.Namespace) -> Answer:
         f"runs {', '.join(info.runs)}; cut-off {info.cutoff_hz:g} Hz; file {path}",
         table(["parameter", "value", "± 1 σ", "unit", "is"], rows),
         table(["joint", f"RMS {model.robot.torque_units()}"], _rows(info.joints, info.rms)),
+        *details["impossible"],
     ]
     return Answer(_brief(info) | details | {"file": path}, "\n".join(lines))
 
@@ -103,15 +107,20 @@ def export(options: argparse.Namespace) -> Answer:
     from pa10d.errors import UserError
     from pa10d.services.models import export_model, write_file
 
-    info, text, lost = export_model(_library(options), options.model_, options.format)
+    library, parameters = _library(options), options.parameters
+    info, made = export_model(library, options.model_, options.format, parameters)
     out = options.out or Path(f"{info.name}.{ENDINGS[options.format]}")
     if out.exists() and not options.replace:
         raise UserError(f"{out}: there is such a file already; expected another or --replace")
-    for line in lost:
+    for line in (*made.warnings, *made.not_carried):
         note(f"warning: {line}")
-    write_file(out.absolute(), text)
-    document = {"id": info.id, "name": info.name, "file": out.absolute(), "not_carried": lost}
-    return Answer(document, str(out))
+    write_file(out.absolute(), made.text)
+    document = {
+        "id": info.id, "name": info.name, "file": out.absolute(), "format": made.format,
+        "parameters": made.parameters, "not_carried": list(made.not_carried),
+        "warnings": list(made.warnings),
+    }  # fmt: skip
+    return Answer(document, f"{out} ({made.parameters} parameters)")
 
 
 def _several(values: Iterable[float]) -> str:

@@ -1,9 +1,9 @@
 """The part of a torque model that the loop evaluates itself, in every cycle.
 
-Rigid bodies at the measured position and speed; rotor inertia, Coulomb and viscous friction and
-offset at the desired motion (paper, 3.2.2). Everything else that the model predicts travels with
-a motion, computed along it beforehand (see ``remainder``), so that effects with memory and effects
-of third parties need no second implementation.
+Rigid bodies at the measured position and speed; effects that say so of themselves (rotor inertia,
+Coulomb and viscous friction, offset) at the desired motion (paper, 3.2.2). Everything else that
+the model predicts travels with a motion, computed along it beforehand (see ``remainder``), so that
+effects with memory and effects of third parties need no second implementation.
 """
 
 from __future__ import annotations
@@ -15,75 +15,144 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot, inverse_dynamics
-from pa10d.effects import Context
-from pa10d.model import TorqueModel
+from pa10d.effects import Context, effect
+from pa10d.model import Parameters, TorqueModel
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Part:
+    """One effect on the m joints (0-based) that have it: coefficients (m, k), shape name -> (m,).
+
+    Its formula sees each joint as a sample of its own, so that one call serves all of them.
+    """
+
+    effect_id: str
+    joints: tuple[int, ...]
+    coefficients: Array
+    shape: dict[str, Array]
+
+    def __post_init__(self) -> None:
+        """What every cycle would look up again."""
+        first, count = self.joints[0], len(self.joints)
+        side_by_side = self.joints == tuple(range(first, first + count))
+        at = slice(first, first + count) if side_by_side else np.array(self.joints)
+        vars(self).update(at=at, columns=effect(self.effect_id).columns)
+
+    def add(self, out: Array, dq: Array, ddq: Array) -> None:
+        """Its torque at speeds and accelerations (N, n), added to out (N, n) N·m."""
+        at, times, shape = self.at, len(dq), self.shape  # type: ignore[attr-defined]
+        if times > 1:
+            shape = {name: np.tile(values, times) for name, values in shape.items()}
+        instant = _Instant(dq[:, at].reshape(-1, 1), ddq[:, at].reshape(-1, 1))
+        columns = self.columns(instant, (0,), shape)  # type: ignore[attr-defined]
+        rows = columns.reshape(times, len(self.joints), -1)
+        for k in range(rows.shape[2]):
+            out[:, at] += rows[:, :, k] * self.coefficients[:, k]
+
+
+class _Instant:
+    """What an effect that the loop evaluates may look at: samples of one joint that stand apart."""
+
+    apart, desired = True, True
+    sign, softness = Context.sign, Context.softness
+
+    def __init__(self, dq: Array, ddq: Array) -> None:
+        self.dq, self.ddq, self.t = dq, ddq, dq[:, 0]
+
+
+@dataclass(frozen=True)
 class LiveModel:
-    """rigid (n, 10); the others (n,): kg·m², N·m, rad/s, N·m·s/rad, N·m."""
+    """rigid (n, 10) standard parameters; parameters: of which fit, feasible or free."""
 
     name: str
     rigid: Array
-    rotor: Array
-    coulomb: Array
-    v0: Array
-    viscous: Array
-    offset: Array
+    parts: tuple[Part, ...] = ()
+    parameters: Parameters = "feasible"
 
     def torque(self, robot: Robot, q: Array, dq: Array, desired: Array, ddq: Array) -> Array:
         """(N, n) N·m at q, dq; friction at the ``desired`` speed; ddq the desired acceleration."""
         out = inverse_dynamics(robot, self.rigid, q, dq, ddq)
-        out += self.rotor * ddq + self.viscous * desired + self.offset
-        out += self.coulomb * np.tanh(desired / self.v0)
+        for part in self.parts:
+            part.add(out, desired, ddq)
         return out
 
     def document(self) -> dict[str, Any]:
         """For the pipe to the control process."""
-        arrays = {k: v.tolist() for k, v in vars(self).items() if k != "name"}
-        return {"name": self.name, **arrays}
+        parts = [
+            {
+                "effect": part.effect_id,
+                "joints": list(part.joints),
+                "coefficients": part.coefficients.tolist(),
+                "shape": {name: values.tolist() for name, values in part.shape.items()},
+            }
+            for part in self.parts
+        ]
+        return {
+            "name": self.name,
+            "rigid": self.rigid.tolist(),
+            "parts": parts,
+            "parameters": self.parameters,
+        }
 
     @staticmethod
     def from_document(document: dict[str, Any]) -> LiveModel:
         """The other way."""
-        arrays = {k: np.array(v, dtype=float) for k, v in document.items() if k != "name"}
-        return LiveModel(name=document["name"], **arrays)
+        parts = tuple(
+            Part(
+                part["effect"],
+                tuple(part["joints"]),
+                np.array(part["coefficients"], dtype=float),
+                {name: np.array(values) for name, values in part["shape"].items()},
+            )
+            for part in document["parts"]
+        )
+        rigid = np.array(document["rigid"], dtype=float)
+        return LiveModel(document["name"], rigid, parts, document["parameters"])
 
 
 def live_model(model: TorqueModel) -> LiveModel:
-    """The loop's part; a feasible parameter set is preferred, because its inertia is positive."""
-    n = model.robot.n
-    rotor, coulomb, viscous, offset = (np.zeros(n) for _ in range(4))
-    v0 = np.full(n, 0.01)
-    linear = {"rotor_inertia": rotor, "viscous": viscous, "torque_offset": offset}
-    for term in model.terms:
-        if term.effect_id in linear:
-            linear[term.effect_id][term.joints[0]] += term.coefficients[0]
-        elif term.effect_id == "coulomb" and not coulomb[term.joints[0]]:
-            coulomb[term.joints[0]] = term.coefficients[0]
-            v0[term.joints[0]] = term.shape["v0"]
-    rigid = model.standard if model.feasible and model.standard is not None else model.rigid
-    return LiveModel(model.name, np.array(rigid), rotor, coulomb, v0, viscous, offset)
+    """The loop's part, of the feasible parameters where the model has some: their inertia is
+    positive, and friction never pushes."""
+    chosen = _commanded(model)
+    at_work = [term for term in chosen.terms if term.effect.live]
+    parts = []
+    for name in dict.fromkeys(term.effect_id for term in at_work):
+        waiting = [term for term in at_work if term.effect_id == name]
+        while waiting:  # a joint that has it twice has it in two parts
+            once = list({term.joints: term for term in reversed(waiting)}.values())[::-1]
+            waiting = [term for term in waiting if all(term is not other for other in once)]
+            shape = {key: np.array([t.shape[key] for t in once]) for key in once[0].shape}
+            joints = tuple(t.joints[0] for t in once)
+            parts.append(Part(name, joints, np.array([t.coefficients for t in once]), shape))
+    rigid = chosen.standard if chosen is not model and chosen.standard is not None else model.rigid
+    kept: Parameters = "free" if chosen is model else "feasible"
+    return LiveModel(model.name, np.array(rigid), tuple(parts), kept)
 
 
 def remainder(
     model: TorqueModel, live: LiveModel, q: Array, dq: Array, ddq: Array, dt: float
 ) -> Array:
     """(N, n) N·m: what the whole model predicts along a desired motion beyond ``live``."""
+    chosen = model.of(live.parameters)
     context = Context(
         robot=model.robot,
         t=np.arange(float(len(q))) * dt,
         q=q,
         dq=dq,
         ddq=ddq,
-        rigid=model.rigid,
+        rigid=chosen.rigid,
         total=np.zeros_like(q),
         desired=True,
     )
-    whole = model.predict(context)
-    for term in model.terms:
+    whole = chosen.predict(context)
+    for term in chosen.terms:
         if not term.effect.commanded:
-            whole = whole - term.torque(model.contextualise(context))
+            whole = whole - term.torque(chosen.contextualise(context))
     return whole - live.torque(model.robot, q, dq, dq, ddq)
+
+
+def _commanded(model: TorqueModel) -> TorqueModel:
+    """The parameters that a controller gets."""
+    return model.possible() if model.feasible and model.standard is not None else model

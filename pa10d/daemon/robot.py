@@ -157,6 +157,7 @@ class RobotProcess:
             "offline_reason": self.why_offline if self.state == "offline" else None,
             "controller": self.controller["name"],
             "model": model.get("name"),
+            "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
             "notes": [*self.notes, *self._told.get("warnings", ())],

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 Progress = Callable[[float, str], None]
+
+if TYPE_CHECKING:
+    from pa10d.export.endings import Format
+    from pa10d.model import Parameters
 
 
 def import_file(
@@ -97,13 +101,13 @@ def model_history(data: str, model: str) -> dict[str, Any]:
     return {"items": [version.document() for version in history(open_library(data), model)]}
 
 
-def model_text(data: str, model: str, format: str) -> dict[str, Any]:
+def model_text(data: str, model: str, format: Format, parameters: Parameters) -> dict[str, Any]:
     """A model for other programs: its text and what it cannot carry."""
     from pa10d.services.library import open_library
     from pa10d.services.models import export_model
 
-    info, text, lost = export_model(open_library(data), model, format)
-    return {"name": info.name, "text": text, "not_carried": lost}
+    info, made = export_model(open_library(data), model, format, parameters)
+    return {"name": info.name, "text": made.text, "not_carried": list(made.not_carried)}
 
 
 def live_model_of(data: str, model: str) -> dict[str, Any]:

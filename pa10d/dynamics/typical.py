@@ -20,14 +20,20 @@ def typical_inertia(robot: Robot, parameters: Array) -> Array:
     parameters: (n, 10) of the rigid bodies. Positive, even where a badly excited fit makes M_jj
     negative.
     """
-    n = robot.n
-    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    q = low + (high - low) * scipy.stats.qmc.Halton(n, scramble=False).random(POSES)
+    q = usual_poses(robot)
     rest = np.zeros_like(q)
     still = inverse_dynamics(robot, parameters, q, rest, rest)
     found = [
         (inverse_dynamics(robot, parameters, q, rest, rest + e) - still)[:, j]
-        for j, e in enumerate(np.eye(n))
+        for j, e in enumerate(np.eye(robot.n))
     ]
     return np.maximum(np.abs(np.median(found, axis=1)), 1e-6)
+
+
+def usual_poses(robot: Robot) -> Array:
+    """(P, n) spread evenly over the joints' ranges, the same ones every time."""
+    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    return np.asarray(
+        low + (high - low) * scipy.stats.qmc.Halton(robot.n, scramble=False).random(POSES)
+    )

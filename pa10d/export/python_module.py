@@ -23,7 +23,7 @@ Written by pa10d; stands on NumPy alone.
     torque_series(q, dq, ddq, dt)   the same, dt seconds apart
 
 Joints: {joints}
-Units: rad (m), rad/s, rad/s², N·m (N), torque at the joint side. {bodies}
+Units: rad (m), rad/s, rad/s², N·m (N), torque at the joint side.
 {remembers}{lost}"""
 
 from __future__ import annotations
@@ -101,7 +101,6 @@ def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         name=model.name,
         about=about,
         joints=list(model.robot.joint_names),
-        bodies="",
         remembers=_remembered([term for term, _ in carried]),
         lost="".join(f"\nNOT CARRIED: {line}" for line in lost) + ("\n" if lost else ""),
     )

@@ -30,7 +30,6 @@ def urdf_with_inertia(model: TorqueModel, about: str) -> tuple[str, list[str]]:
             f"model {model.name!r} has no feasible standard parameters, and base parameters alone "
             "do not make a URDF; expected a model whose identification found some"
         )
-    possible = model.possible()
     root = ET.fromstring(model.robot.urdf)
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     links = {link.get("name", ""): link for link in root.findall("link")}
@@ -41,7 +40,7 @@ def urdf_with_inertia(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         for link in _rigidly_attached(root, child, moving):
             _drop(links[link], "inertial")
         links[child].insert(0, _inertial(model.standard[j], name))
-        _friction(joints[name], possible, j)
+        _friction(joints[name], model, j)
         _restore_continuous(joints[name])
     for name, joint in joints.items():
         if name not in moving and joint.get("type") not in ("fixed", None):

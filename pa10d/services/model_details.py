@@ -6,13 +6,15 @@ from typing import Any
 
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
+from pa10d.impossible import impossible
 from pa10d.model import TorqueModel
 from pa10d.store.model_text import parameter_unit
 
 
 def model_details(model: TorqueModel) -> dict[str, Any]:
     """``parameters``: base parameters and effects, each with value, standard error, unit and
-    meaning; ``standard``: feasible standard parameters per joint, or null."""
+    meaning; ``standard``: feasible standard parameters per joint, or null; ``impossible``: what
+    of the free fit no arm can have, in words."""
     sentences = model.base.sentences()
     parameters = [
         {
@@ -39,4 +41,9 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
     if model.standard is not None:
         names = model.robot.joint_names
         standard = {name: list(row) for name, row in zip(names, model.standard, strict=True)}
-    return {"parameters": parameters, "standard": standard, "shift_s": model.shift}
+    return {
+        "parameters": parameters,
+        "standard": standard,
+        "shift_s": model.shift,
+        "impossible": list(impossible(model)),
+    }

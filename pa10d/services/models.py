@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from pa10d.compare import Comparison, compare, document
 from pa10d.errors import UserError
 from pa10d.figures.staircase import Step
 from pa10d.judgement import Judgement, judge, judge_alike
-from pa10d.model import TorqueModel
+from pa10d.model import Parameters, TorqueModel
 from pa10d.recording import Recording
 from pa10d.services.history import line_band
 from pa10d.services.library import Library
@@ -24,8 +24,11 @@ from pa10d.store import RunInfo
 from pa10d.store.folders import write_text
 from pa10d.store.models import ModelInfo
 
+if TYPE_CHECKING:
+    from pa10d.export.endings import Format
+    from pa10d.export.formats import Exported
+
 Progress = Callable[[float, str], None]
-FORMATS = ("urdf", "python")
 
 
 @dataclass(frozen=True)
@@ -146,17 +149,15 @@ def write_report(compared: Compared, path: Path) -> Path:
     return write_file(path, compare_page(compared.comparison, compared.staircase))
 
 
-def export_model(library: Library, model: str, kind: str) -> tuple[ModelInfo, str, list[str]]:
-    """A stored model as the text of a URDF or a Python module, and what it cannot carry."""
-    from pa10d.export import python_module, urdf_with_inertia
+def export_model(
+    library: Library, model: str, format: Format, parameters: Parameters = "feasible"
+) -> tuple[ModelInfo, Exported]:
+    """A stored model as text for other programs."""
+    from pa10d.export.formats import export
 
     info = library.models.find(model)
-    loaded = library.models.load(info)
-    if kind not in FORMATS:
-        raise UserError(f"format {kind!r}: expected one of {', '.join(FORMATS)}")
     about = f"{info.name} ({info.id}), {info.software}"
-    text, lost = (urdf_with_inertia if kind == "urdf" else python_module)(loaded, about)
-    return info, text, lost
+    return info, export(library.models.load(info), format, parameters, about)
 
 
 def write_file(path: Path, text: str) -> Path:

@@ -15,7 +15,7 @@ from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.gains import ROTOR, nominal_inertia, pid_gains
 from pa10d.control.limits import arm_limits
-from pa10d.control.live_model import LiveModel, live_model, remainder
+from pa10d.control.live_model import LiveModel, Part, live_model, remainder
 from pa10d.control.pid import Pid
 from pa10d.control.reference import Braking, Motion, Reference
 from pa10d.control.ring import Ring
@@ -201,11 +201,56 @@ def test_friction_of_a_desired_motion_changes_its_sign_where_the_motion_does(rob
     assert np.all(np.sign(rise[around]) == np.sign(6.0 - t[around]))
 
 
+def test_the_loop_gets_bodies_that_can_exist_and_says_so(robot):
+    """A free fit may have friction that pushes; live part and remainder are of one set."""
+    model = small_model(robot)
+    names = model.parameter_names()[len(model.h) :]
+    found = dict.fromkeys(names, 0.25)
+    possible = replace(
+        model,
+        standard=robot.parameters,
+        feasible=True,
+        notes={"feasible": {"coefficients": found, "rms": [0.0] * robot.n}},
+    )
+    assert live_model(model).parameters == "free"
+    live = live_model(possible)
+    assert live.parameters == "feasible"
+    np.testing.assert_array_equal(live.rigid, robot.parameters)
+    assert all(np.all(part.coefficients == 0.25) for part in live.parts)
+    rng = np.random.default_rng(0)
+    q, dq, ddq = rng.normal(0.0, 0.3, (3, 40, robot.n))
+    total = live.torque(robot, q, dq, dq, ddq) + remainder(possible, live, q, dq, ddq, PERIOD)
+    of_free = live_model(model).torque(robot, q, dq, dq, ddq) + remainder(
+        model, live_model(model), q, dq, ddq, PERIOD
+    )
+    assert np.abs(total - of_free).max() > 0.1
+
+
+def test_the_loops_friction_is_the_effects_own_formula(robot):
+    """Each joint a sample of its own, whichever joints have the effect and however often."""
+    model = small_model(robot)
+    twice = Term("coulomb", (3,), np.array([1.5]), {"v0": 0.02})
+    only = tuple(t for t in (*model.terms, twice) if t.effect.live and t.joints != (5,))
+    model = replace(model, terms=only)
+    rng = np.random.default_rng(1)
+    q, dq, ddq = rng.normal(0.0, 0.3, (3, 30, robot.n))
+    np.testing.assert_allclose(
+        live_model(model).torque(robot, q, dq, dq, ddq), model.torque(q, dq, ddq), atol=1e-12
+    )
+
+
 def test_live_model_survives_the_pipe(robot):
     live = live_model(small_model(robot))
     again = LiveModel.from_document(live.document())
-    for key, value in vars(live).items():
-        np.testing.assert_array_equal(getattr(again, key), value)
+    np.testing.assert_array_equal(again.rigid, live.rigid)
+    assert (again.name, again.parameters) == (live.name, live.parameters)
+    assert len(again.parts) == len(live.parts) > 2
+    for one, other in zip(again.parts, live.parts, strict=True):
+        assert (one.effect_id, one.joints) == (other.effect_id, other.joints)
+        np.testing.assert_array_equal(one.coefficients, other.coefficients)
+        assert {k: v.tolist() for k, v in one.shape.items()} == {
+            k: v.tolist() for k, v in other.shape.items()
+        }
 
 
 def test_computed_torque_tracks_better_than_pid_with_the_same_gains(profile, robot):
@@ -213,10 +258,11 @@ def test_computed_torque_tracks_better_than_pid_with_the_same_gains(profile, rob
     plant = build(profile)
     book = plant.textbook
     errors = {}
-    live = LiveModel(
-        "known", robot.parameters, book.rotor_inertia, book.coulomb, np.full(7, 0.002),
-        book.viscous, np.zeros(7),
-    )  # fmt: skip
+    every = tuple(range(7))
+    known = {"rotor_inertia": book.rotor_inertia, "coulomb": book.coulomb, "viscous": book.viscous}
+    shapes = {"coulomb": {"v0": np.full(7, 0.002)}}
+    parts = tuple(Part(k, every, v[:, None], shapes.get(k, {})) for k, v in known.items())
+    live = LiveModel("known", robot.parameters, parts)
     for name in ("pid", "computed_torque"):
         start = np.array([0.0, 0.5, 0.0, 0.8, 0.0, 0.3, 0.0])
         plant.reset(start)

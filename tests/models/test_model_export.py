@@ -10,7 +10,10 @@ import pytest
 from pa10d.effect_kit import draws
 from pa10d.effects import all_effects
 from pa10d.errors import UserError
-from pa10d.export import python_module, urdf_with_inertia
+from pa10d.export.formats import export
+from pa10d.export.python_module import python_module
+from pa10d.export.urdf import urdf_with_inertia
+from pa10d.impossible import impossible, mass_matrices
 
 DRAWS = 200
 
@@ -200,18 +203,94 @@ def test_urdf_keeps_friction_and_says_what_it_cannot():
     ]
 
 
+def bounded(model, **lowest):
+    """With a feasible set whose coefficients are 0.5, or as given."""
+    from dataclasses import replace
+
+    names = model.parameter_names()[len(model.h) :]
+    found = dict.fromkeys(names, 0.5) | {key.replace("_", " "): v for key, v in lowest.items()}
+    return replace(
+        model, notes=model.notes | {"feasible": {"coefficients": found, "rms": [1.0] * 4}}
+    )
+
+
 def test_friction_in_a_urdf_is_the_feasible_sets():
     """The free fit may have it negative; a simulator would gain energy from that."""
     import xml.etree.ElementTree as ET
+
+    made = export(bounded(examples.textbook()), "urdf")
+    assert made.parameters == "feasible"
+    assert "feasible parameters" in made.text
+    joints = {joint.get("name"): joint for joint in ET.fromstring(made.text).findall("joint")}
+    assert joints["j2"].find("dynamics").attrib == {"damping": "0.5", "friction": "0.5"}
+
+
+def test_the_module_carries_bodies_that_can_exist_unless_asked_otherwise():
+    model, motion = bounded(examples.textbook()), examples.motion()
+    given = (motion.q, motion.dq, motion.ddq, motion.t)
+    found = {}
+    for parameters in ("feasible", "free"):
+        space: dict = {}
+        made = export(model, "python", parameters, "m0 (abc)")
+        exec(compile(made.text, "exported", "exec"), space)
+        found[parameters] = space["torque"](*given)
+        assert found[parameters] == pytest.approx(model.torque(*given, parameters), abs=1e-9)
+        assert f"m0 (abc); {parameters} parameters" in " ".join(space["__doc__"].split())
+    assert np.max(np.abs(found["free"] - found["feasible"])) > 0.1
+    assert export(model, "python").text == export(model, "python", "feasible").text
+
+
+def test_a_free_fit_that_cannot_exist_is_said_in_words():
     from dataclasses import replace
 
     model = examples.textbook()
-    names = model.parameter_names()[len(model.h) :]
-    bounded = dict.fromkeys(names, 0.5) | {"viscous J2: Fv": 0.0}
-    notes = model.notes | {"feasible": {"coefficients": bounded, "rms": [1.0] * 4}}
-    text, _ = urdf_with_inertia(replace(model, notes=notes), "test")
-    joints = {joint.get("name"): joint for joint in ET.fromstring(text).findall("joint")}
-    assert joints["j2"].find("dynamics").attrib == {"damping": "0.0", "friction": "0.5"}
+    assert impossible(model.possible()) == ()
+    light = replace(model, h=-model.h)
+    light = replace(
+        light,
+        terms=tuple(
+            replace(t, coefficients=-t.coefficients) if t.label == "rotor_inertia J4" else t
+            for t in light.terms
+        ),
+    )
+    said = export(light, "python", "free").warnings
+    assert "mass matrix is not positive definite in" in said[0]
+    assert "--parameters feasible" in said[0]
+    assert any(s.startswith("rotor_inertia J4: Ia = -0.2") and "at least 0" in s for s in said)
+    assert export(light, "python", "feasible").warnings == ()
+
+
+def test_mass_matrices_are_those_of_pinocchio():
+    """With the rotors on the diagonal."""
+    model = examples.textbook().possible()
+    from pa10d.dynamics.typical import usual_poses
+
+    pin = pytest.importorskip("pinocchio")
+    arm, index = model.robot.pinocchio()
+    data = arm.createData()
+    rotors = {t.joints[0]: t.coefficients[0] for t in model.terms if t.effect.is_rotor}
+    for q, found in list(zip(usual_poses(model.robot), mass_matrices(model), strict=True))[:5]:
+        state = pin.neutral(arm)
+        angles = q[index]
+        state = pin.integrate(arm, state, angles)
+        expected = pin.crba(arm, data, state)
+        expected = np.triu(expected) + np.triu(expected, 1).T
+        back = np.argsort(index)
+        expected = expected[np.ix_(back, back)] + np.diag([rotors[j] for j in range(4)])
+        assert found == pytest.approx(expected, abs=1e-9)
+
+
+def test_what_cannot_be_written_so_is_said():
+    from dataclasses import replace
+
+    model = examples.textbook()
+    with pytest.raises(UserError, match="base parameters of a free fit alone do not make"):
+        export(model, "urdf", "free")
+    with pytest.raises(UserError, match=r"no feasible standard parameters; .* --parameters free"):
+        export(replace(model, standard=None), "python")
+    with pytest.raises(UserError, match="no feasible standard parameters") as told:
+        export(replace(model, standard=None), "urdf")
+    assert "--parameters free" not in str(told.value)
 
 
 def test_the_possible_model_stands_on_the_feasible_bodies():

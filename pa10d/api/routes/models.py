@@ -28,6 +28,7 @@ from pa10d.daemon.improvement import improvement_job
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
+from pa10d.export.endings import ENDINGS, Format
 from pa10d.store.models import ModelInfo
 
 router = APIRouter(tags=["models"])
@@ -91,13 +92,19 @@ async def show_history(daemon: TheDaemon, model: str) -> Any:
     responses=responses("not-found", "refused"),
 )
 async def export_model(
-    daemon: TheDaemon, model: str, format: Literal["urdf", "python"]
+    daemon: TheDaemon,
+    model: str,
+    format: Format,
+    parameters: Literal["feasible", "free"] = "feasible",
 ) -> PlainTextResponse:
-    """The model as a URDF with its inertias, or as a Python module."""
+    """The model for other programs, on bodies that can exist unless the free fit is asked for;
+    the text says which, and what it cannot carry."""
     info = find_model(daemon, model)
-    found = await daemon.answer("model_text", model=info.id, format=format)
-    ending = {"urdf": "urdf", "python": "py"}[format]
-    headers = {"Content-Disposition": f'attachment; filename="{info.id}.{ending}"'}
+    found = await daemon.answer("model_text", model=info.id, format=format, parameters=parameters)
+    headers = {
+        "Content-Disposition": f'attachment; filename="{info.id}.{ENDINGS[format]}"',
+        "X-Pa10d-Parameters": parameters,
+    }
     return PlainTextResponse(found["text"], headers=headers)
 
 

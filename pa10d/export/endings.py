@@ -1,0 +1,9 @@
+"""Which formats there are, and how their files end; light, for command lines and schemas."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+Format = Literal["urdf", "python"]
+FORMATS: tuple[Format, ...] = get_args(Format)
+ENDINGS: dict[Format, str] = {"urdf": "urdf", "python": "py"}

@@ -1,0 +1,62 @@
+"""What a model can be written as, with which parameters, and what it loses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pa10d.errors import UserError
+from pa10d.export.endings import FORMATS, Format
+from pa10d.export.python_module import python_module
+from pa10d.export.urdf import urdf_with_inertia
+from pa10d.impossible import impossible
+from pa10d.model import Parameters, TorqueModel
+
+WRITTEN = {
+    "feasible": "feasible parameters: bodies that can exist, friction that brakes",
+    "free": "free parameters: the unconstrained fit, which no arm need be able to have",
+}
+
+
+Write = Callable[[TorqueModel, str], tuple[str, list[str]]]
+"""The text of a model, and one line per effect that it cannot carry."""
+
+WRITERS: dict[Format, Write] = {"urdf": urdf_with_inertia, "python": python_module}
+BODIES_ONLY: tuple[Format, ...] = ("urdf",)
+"""Formats of bodies, which base parameters alone do not make."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """text; parameters: of which fit; not_carried: one line per effect that the format has no place
+    for; warnings: what of a free fit no arm can have."""
+
+    text: str
+    format: Format
+    parameters: Parameters
+    not_carried: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def export(
+    model: TorqueModel, format: Format, parameters: Parameters = "feasible", about: str = ""
+) -> Exported:
+    """The model as text; about: where it comes from."""
+    if format not in FORMATS:
+        raise UserError(f"format {format!r}: expected one of {', '.join(FORMATS)}")
+    bodies_only = format in BODIES_ONLY
+    if parameters == "free" and bodies_only:
+        raise UserError(
+            f"format {format}: it holds bodies, which the base parameters of a free fit alone do "
+            "not make; expected --parameters feasible"
+        )
+    if parameters == "feasible" and model.standard is None:
+        instead = "" if bodies_only else ", or --parameters free"
+        raise UserError(
+            f"model {model.name!r} has no feasible standard parameters; expected a model whose "
+            f"identification found some{instead}"
+        )
+    chosen = model.of(parameters)
+    text, lost = WRITERS[format](chosen, f"{about or model.name}; {WRITTEN[parameters]}")
+    warnings = impossible(chosen) if parameters == "free" else ()
+    return Exported(text, format, parameters, tuple(lost), warnings)
