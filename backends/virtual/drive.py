@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from math import inf, pi
 
 from backends import cia402
@@ -12,7 +13,7 @@ from backends.virtual.errors import LOST_SYNC, POSITION_LIMIT
 from backends.virtual.injection import Injection
 from backends.virtual.mechanics import SPEED_BAND
 from backends.virtual.node import BOOTING, CanopenNode
-from backends.virtual.object_dictionary import INVALID, LiveDictionary, SdoAbort, Value, key_of
+from backends.virtual.object_dictionary import INVALID_VALUE, LiveDictionary, SdoAbort, Value, key_of
 from backends.virtual.state_machine import Options, StateMachine, Timing
 
 REST_SPEED = 0.03  # rad/s
@@ -24,7 +25,12 @@ MODE, MODE_DISPLAY = key_of(0x6060), key_of(0x6061)
 POSITION, VELOCITY, TARGET = key_of(0x6064), key_of(0x606C), key_of(0x6071)
 DEMAND, TORQUE, CURRENT = key_of(0x6074), key_of(0x6077), key_of(0x6078)
 MAX_TORQUE, HIGHEST, LOWEST = key_of(0x6072), key_of(0x60E0), key_of(0x60E1)
-BRAKE_OUTPUT, TEMPERATURE, INJECTION = key_of(0x60FE), key_of(0x2F10), key_of(0x2F00, 1)
+TORQUE_OFFSET = key_of(0x60B2)
+BRAKE_CLOSED, TEMPERATURE, INJECTION = key_of(0x2F04), key_of(0x2F10), key_of(0x2F00, 1)
+SET_BRAKE = 1  # bit 0 of 0x60FE and of its mask
+POSITION_TURNED, VELOCITY_TURNED = 0x80, 0x40  # bits of 0x607E
+DEVICE_TYPE = 0x00020192  # servo drive, CiA 402
+TOLD_ANYWAY = (CONTROLWORD, TARGET, MODE)  # by RPDO, and seen to each time
 
 
 class VirtualDrive:
@@ -54,13 +60,14 @@ class VirtualDrive:
         self._inside = True  # the software position limits
         self._limited = False
         self._speed = 0.0  # rad/s
+        self._held_by_output = False  # a master set the brake by 0x60FE
         self.restarted(completely=True)
         if boot_time <= 0:
             self.node.boot()
 
     @property
     def brake_closed(self) -> bool:
-        return self.brake and self.machine.brake_closed
+        return self.brake and (self.machine.brake_closed or self._held_by_output)
 
     @property
     def follows(self) -> bool:
@@ -110,18 +117,19 @@ class VirtualDrive:
 
     # --- what the node tells (Application) ---
 
-    def received(self) -> None:
-        was_fault = self.machine.state is cia402.State.FAULT
-        self.machine.command(int(self.values[CONTROLWORD]))
-        if was_fault and self.machine.state is not cia402.State.FAULT:
-            self.node.errors.cleared()
+    def received(self, keys: list[int]) -> None:
+        for key in keys:
+            if key not in TOLD_ANYWAY:
+                self.written(key, self.values[key])
+        self._take_mode()
+        self._command()
 
     def written(self, key: int, value: Value) -> None:
         if key == CONTROLWORD:
-            self.received()
+            self._command()
             self._status()
         elif key == MODE:
-            self.values[MODE_DISPLAY] = value
+            self._take_mode()
         elif key == INJECTION:
             self._inject(Injection(int(value)), self.dictionary.number(0x2F00, 2))
         else:
@@ -129,7 +137,7 @@ class VirtualDrive:
 
     def may_write(self, key: int, value: Value) -> None:
         if key == MODE and value not in (0, cia402.MODE_CST):
-            raise SdoAbort(INVALID)
+            raise SdoAbort(INVALID_VALUE)
 
     def connection_lost(self) -> None:
         if not self.machine.powered:
@@ -145,28 +153,56 @@ class VirtualDrive:
     def restarted(self, completely: bool) -> None:
         if completely:
             self.machine.power_up()
-        vendor = self.dictionary.number(0x1018, 1)
-        self.dictionary.set(0x6076, round(self._rated_torque / rated_torque_unit(vendor)))
-        self.dictionary.set(0x1018, self.node.id, 4)
         for key in (CONTROLWORD, TARGET, MODE, MODE_DISPLAY):  # inside, whatever the EDS declares
             self.values.setdefault(key, 0)
+        self._tell_run_time_values()
         self._take_options()
         self._status()
 
     # --- inside ---
 
+    def _tell_run_time_values(self) -> None:
+        """What a drive knows of itself and its motor, and no EDS can."""
+        dictionary, number = self.dictionary, self.dictionary.number
+        unit = rated_torque_unit(number(0x1018, 1))
+        dictionary.set(0x6076, round(self._rated_torque / unit))
+        dictionary.set(0x1018, self.node.id, 4)
+        dictionary.set(0x1000, number(0x1000) or DEVICE_TYPE)
+        dictionary.set(0x6502, number(0x6502) or cia402.SUPPORTS_CST)
+        per_turn = self.scaling.counts_per_radian * 2 * pi / self._gear_ratio
+        encoder = Fraction(per_turn).limit_denominator(1000)
+        for index in (0x608F, 0x6092):  # counts to one turn of the motor; 1 is an EDS's "unknown"
+            if number(index, 1) <= 1:
+                dictionary.set(index, encoder.numerator, 1)
+                dictionary.set(index, encoder.denominator, 2)
+
+    def _command(self) -> None:
+        was_fault = self.machine.state is cia402.State.FAULT
+        self.machine.command(int(self.values[CONTROLWORD]))
+        if was_fault and self.machine.state is not cia402.State.FAULT:
+            self.node.errors.over()
+
+    def _take_mode(self) -> None:
+        """The display follows to a mode that this drive has; another one changes nothing."""
+        if self.values[MODE] in (0, cia402.MODE_CST):
+            self.values[MODE_DISPLAY] = self.values[MODE]
+
     def _measure(self, q: float, velocity: float, torque: float) -> None:
         values, scaling = self.values, self.scaling
-        counts = scaling.counts(q) + self.node.injector.counts
+        counts = self._position_sign * (scaling.counts(q) + self.node.injector.counts)
         if not -INT32 <= counts <= INT32:  # a 32-bit counter runs over
             counts = (counts + INT32 + 1) % (2 * INT32 + 2) - INT32 - 1
         values[POSITION] = counts
-        values[VELOCITY] = _within(INT32, scaling.sign * velocity * scaling.counts_per_radian)
+        values[VELOCITY] = _within(
+            INT32, self._velocity_sign * scaling.sign * velocity * scaling.counts_per_radian
+        )
         values[TORQUE] = values[CURRENT] = _within(INT16, scaling.per_mille(torque))
 
     def _demand(self) -> None:
         values = self.values
-        target = int(values[TARGET]) if values[MODE_DISPLAY] == cia402.MODE_CST else 0
+        target = 0
+        if values[MODE_DISPLAY] == cia402.MODE_CST:
+            target = int(values[TARGET]) + int(values.get(TORQUE_OFFSET, 0))
         most = int(values.get(MAX_TORQUE, 1000))
         high = int(values.get(HIGHEST, most))
         low = -int(values.get(LOWEST, most))
@@ -190,13 +226,14 @@ class VirtualDrive:
         machine = self.machine
         word = machine.status_bits | cia402.STATUS_VOLTAGE | cia402.STATUS_REMOTE
         if machine.state is cia402.State.ENABLED and not machine.stopping:
-            word |= cia402.STATUS_FOLLOWS
+            if self.values[MODE_DISPLAY] == cia402.MODE_CST:
+                word |= cia402.STATUS_FOLLOWS
             if self._limited or self.racing:
                 word |= cia402.STATUS_LIMIT
         if self.node.injector.warning:
             word |= cia402.STATUS_WARNING
         self.values[STATUSWORD] = word
-        self.values[BRAKE_OUTPUT] = int(machine.brake_closed)
+        self.values[BRAKE_CLOSED] = int(self.brake_closed)
 
     def _take_options(self) -> None:
         """Settings that the cycle uses; asked for again whenever one was written."""
@@ -204,6 +241,11 @@ class VirtualDrive:
         self._position_limits = number(0x607D, 1, -INT32 - 1), number(0x607D, 2, INT32)
         watched = number(0x1006) and number(0x2F01)
         self._sync_timeout = watched / 1000.0 if watched else inf
+        polarity = number(0x607E)
+        self._position_sign = -1 if polarity & POSITION_TURNED else 1
+        self._velocity_sign = -1 if polarity & VELOCITY_TURNED else 1
+        mask = number(0x60FE, 2, SET_BRAKE)
+        self._held_by_output = bool(number(0x60FE, 1) & mask & SET_BRAKE)
         rpm = number(0x6080, default=0) or UNLIMITED  # zero as it comes: nobody has set it
         self.fastest = rpm * 2 * pi / 60 / self._gear_ratio  # rad/s
         options.quick_stop = number(0x605A, default=cia402.QuickStop.QUICK_STOP)

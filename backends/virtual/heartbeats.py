@@ -1,4 +1,4 @@
-"""Heartbeats of a virtual drive, both ways, in the drive's own time."""
+"""How a virtual drive and its master watch each other: heartbeats or node guarding (CiA 301)."""
 
 from __future__ import annotations
 
@@ -61,3 +61,35 @@ class Consumer:
             if left - dt <= 0:
                 self._left[node], silent = None, node
         return silent
+
+
+class Guard:
+    """Node guarding: the master asks, and is missed when it no longer does."""
+
+    def __init__(self) -> None:
+        self._toggle = 0
+        self._life = 0.0  # s, guard time times life time factor; 0: nobody is missed
+        self._left: float | None = None  # s, once asked
+
+    def configure(self, dictionary: LiveDictionary) -> None:
+        """Take over 0x100C and 0x100D."""
+        self._life = dictionary.number(0x100C) * dictionary.number(0x100D) / 1000.0
+        if not self._life:
+            self._left = None
+
+    def asked(self, state: int) -> bytes:
+        """The answer to a remote frame: the state, and a bit that turns over each time."""
+        answer = bytes([state | self._toggle])
+        self._toggle ^= 0x80
+        self._left = self._life or None
+        return answer
+
+    def lost(self, dt: float) -> bool:
+        """Whether the master fell silent during ``dt`` more seconds; told once."""
+        if self._left is None:
+            return False
+        self._left -= dt
+        if self._left > 0:
+            return False
+        self._left = None
+        return True

@@ -19,7 +19,7 @@ from backends.virtual.object_dictionary import LiveDictionary
 from pa10d.errors import UserError
 from pa10d.profile import Profile, Simulation
 
-SYNC, FUNCTION, COMMAND = 0x80, 0x780, 0x200  # of identifiers: RPDO 1 is the command
+FUNCTION, COMMAND = 0x780, 0x200  # of identifiers: RPDO 1 is the command
 BOOT_TIME = 0.05  # s, in real time; in simulated time nothing passes before the first SYNC
 MOST_PERIODS = 50  # caught up at once after a stall
 TEMPERATURE_EVERY = 0.1  # s
@@ -44,6 +44,7 @@ class VirtualArm:
         self._all = np.ones(len(self.drives), bool)
         self._powered = ~self._all
         self._routes: dict[int, list[VirtualDrive]] = {}
+        self._synced_by: set[int] = set()  # identifiers of the SYNCs that ended this period
         self._find_routes()
         for drive in self.drives:
             drive.node.on_routes = self._find_routes
@@ -55,8 +56,8 @@ class VirtualArm:
     def handle(self, packet: bytes) -> None:
         """Take in frames and answer them."""
         for can_id, data in frames(packet):
-            if can_id == SYNC:
-                self._synced()
+            if can_id in self._sync_ids:
+                self._synced(can_id)
                 continue
             for drive in self._routes.get(can_id, ()):
                 drive.node.receive(can_id, data)
@@ -70,7 +71,7 @@ class VirtualArm:
             if not self.realtime or self.wait() > 0:
                 return
             self._time += self.period
-            self._cycle(synced=False)
+            self._cycle(synced_by=None)
             self.flush()
         self._time = time.monotonic()  # too slow for real time: the rest is skipped
 
@@ -97,26 +98,30 @@ class VirtualArm:
                 log.warning("frames of the drives are lost: %s", error)
             self._losing = True
 
-    def _synced(self) -> None:
+    def _synced(self, can_id: int) -> None:
+        """A period ends with it; drives with a SYNC of their own (0x1005) share the period."""
         self._release_held()
-        periods = 1
+        periods = int(not self._synced_by or can_id in self._synced_by)
+        if periods:
+            self._synced_by.clear()
+        self._synced_by.add(can_id)
         if self.realtime:
             now = time.monotonic()
             periods = min(int((now - self._time) / self.period + 0.5), MOST_PERIODS)
             self._time = now if periods else self._time
         for _ in range(periods - 1):
-            self._cycle(synced=False)
-        self._cycle(synced=True, advance=periods > 0)
+            self._cycle(synced_by=None)
+        self._cycle(synced_by=can_id, advance=periods > 0)
 
-    def _cycle(self, synced: bool, advance: bool = True) -> None:
+    def _cycle(self, synced_by: int | None, advance: bool = True) -> None:
         dt = self.period if advance else 0.0
         q, torque = self.mechanics.measure(self._powered, dt)
         velocity = self.mechanics.velocity.tolist()
         self._read_temperature(dt)
         seen = zip(self.drives, q.tolist(), velocity, torque.tolist(), strict=True)
         for drive, angle, speed, effort in seen:
-            drive.update(dt, angle, speed, effort, synced)
-        if synced:
+            drive.update(dt, angle, speed, effort, drive.node.sync_id == synced_by)
+        if synced_by is not None:
             self.flush()  # the answer first: the plant may take its time
         if not advance:
             return
@@ -162,6 +167,7 @@ class VirtualArm:
             for can_id in drive.node.listens_to():
                 routes.setdefault(can_id, []).append(drive)
         self._routes = routes
+        self._sync_ids = {drive.node.sync_id for drive in self.drives}
 
     def _drive(self, profile: Profile, axis: int) -> VirtualDrive:
         assert profile.drives is not None

@@ -17,9 +17,10 @@ from backends.eds import load_eds
 NOT_FOUND, NO_SUB_INDEX = 0x06020000, 0x06090011
 READ_ONLY, WRITE_ONLY = 0x06010002, 0x06010001
 TOO_LONG, TOO_SHORT = 0x06070012, 0x06070013
-TOO_HIGH, TOO_LOW, INVALID = 0x06090031, 0x06090032, 0x06090030
-NOT_MAPPABLE, PDO_TOO_LONG = 0x06040041, 0x06040042
-WRONG_STATE, BAD_COMMAND, BAD_TOGGLE = 0x08000022, 0x05040001, 0x05030000
+TOO_HIGH, TOO_LOW, INVALID_VALUE = 0x06090031, 0x06090032, 0x06090030
+NOT_MAPPABLE, PDO_TOO_LONG, DUPLICATE = 0x06040041, 0x06040042, 0x06040043
+NO_DATA, WRONG_STATE = 0x08000024, 0x08000022
+BAD_COMMAND, BAD_TOGGLE = 0x05040001, 0x05030000
 
 SIZES = {
     datatypes.BOOLEAN: 1,
@@ -53,7 +54,8 @@ class Entry:
     signed: bool
     readable: bool
     writable: bool
-    mappable: bool
+    sendable: bool  # in a TPDO
+    receivable: bool  # in an RPDO
     low: int | None
     high: int | None
     default: Value
@@ -92,6 +94,10 @@ class LiveDictionary:
         if key in self.entries:
             self.values[key] = value
 
+    def forget(self, index: int, sub: int) -> None:
+        """From inside the drive: there is no value to be read."""
+        self.values.pop(key_of(index, sub), None)
+
     def entry(self, index: int, sub: int) -> Entry:
         """The declaration, or SdoAbort."""
         found = self.entries.get(key_of(index, sub))
@@ -104,7 +110,9 @@ class LiveDictionary:
         entry = self.entry(index, sub)
         if not entry.readable:
             raise SdoAbort(WRITE_ONLY)
-        value = self.values[key_of(index, sub)]
+        value = self.values.get(key_of(index, sub))
+        if value is None:
+            raise SdoAbort(NO_DATA)
         if isinstance(value, bytes):
             return value
         return (value & (1 << 8 * entry.size) - 1).to_bytes(entry.size, "little")
@@ -146,13 +154,15 @@ def _entry(variable: ODVariable) -> Entry:
         value: Value = default if isinstance(default, int) else 0
     else:
         value = default.encode("latin-1") if isinstance(default, str) else b""
+    mappable, access = bool(variable.pdo_mappable), variable.access_type
     return Entry(
         name=variable.name,
         size=size,
         signed=variable.data_type in datatypes.SIGNED_TYPES,
         readable=variable.readable,
         writable=variable.writable,
-        mappable=bool(variable.pdo_mappable),
+        sendable=mappable and access in ("ro", "const", "rw", "rwr"),
+        receivable=mappable and access in ("wo", "rw", "rww"),
         low=variable.min if isinstance(variable.min, int) else None,
         high=variable.max if isinstance(variable.max, int) else None,
         default=value,

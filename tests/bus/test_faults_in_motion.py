@@ -386,7 +386,7 @@ def at_rest(profile: Profile, within: float = 4.0) -> None:
             while state_of(node.sdo[0x6041].raw) in MOVING:
                 assert time.monotonic() < end, "the drive does not stop"
                 time.sleep(0.02)
-            assert node.sdo[0x60FE].raw == 1, "brake"
+            assert node.sdo[0x2F04].raw == 1, "brake"
             positions = []
             for _ in range(5):
                 positions.append(node.sdo[0x6064].raw)

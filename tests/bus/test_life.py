@@ -173,7 +173,7 @@ def _life_by_canopen(network: canopen.Network) -> None:
     faulty.state = "OPERATION ENABLED"
     faulty.state = "SWITCHED ON"
     faulty.state = "SWITCH ON DISABLED"
-    assert faulty.sdo[0x60FE].raw == 1, "brake on"
+    assert faulty.sdo[0x2F04].raw == 1, "brake on"
 
 
 def be_patient(node: BaseNode402) -> None:

@@ -230,9 +230,9 @@ def test_switching_takes_its_time(bench: Bench) -> None:
     assert bench.control(7, 5) == "READY TO SWITCH ON", "20 ms to switch on"
     assert bench.control(7, 10) == "SWITCHED ON"
     assert bench.control(15, 20) == "SWITCHED ON", "the brake takes 50 ms"
-    assert bench.read(0x60FE) == 1
+    assert bench.read(0x2F04) == 1
     assert bench.control(15, 10) == "OPERATION ENABLED"
-    assert bench.read(0x60FE) == 0
+    assert bench.read(0x2F04) == 0
 
 
 @pytest.mark.parametrize("word", [0, 2, 6, 7, 15, 0x80, 0x8F])
