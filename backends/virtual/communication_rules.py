@@ -75,9 +75,7 @@ def _check_communication(dictionary: LiveDictionary, index: int, sub: int, value
             _require(not (_exists(dictionary, index) and changed), WRONG_STATE)
     elif sub == TRANSMISSION_TYPE:
         sent = index >= TPDO
-        _require(
-            value in EACH_SYNC or value in FROM_EVENTS or (sent and value in FROM_REQUESTS)
-        )
+        _require(value in EACH_SYNC or value in FROM_EVENTS or (sent and value in FROM_REQUESTS))
     elif sub == INHIBIT_TIME and index >= TPDO:
         _require(not _exists(dictionary, index), WRONG_STATE)
 

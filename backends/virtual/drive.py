@@ -13,7 +13,13 @@ from backends.virtual.errors import LOST_SYNC, POSITION_LIMIT
 from backends.virtual.injection import Injection
 from backends.virtual.mechanics import SPEED_BAND
 from backends.virtual.node import BOOTING, CanopenNode
-from backends.virtual.object_dictionary import INVALID_VALUE, LiveDictionary, SdoAbort, Value, key_of
+from backends.virtual.object_dictionary import (
+    INVALID_VALUE,
+    LiveDictionary,
+    SdoAbort,
+    Value,
+    key_of,
+)
 from backends.virtual.state_machine import Options, StateMachine, Timing
 
 REST_SPEED = 0.03  # rad/s

@@ -10,7 +10,7 @@ from backends.virtual.object_dictionary import LiveDictionary, key_of
 RPDO, TPDO, MAPPINGS = 0x1400, 0x1800, 0x200  # communication records; their mappings lie 0x200 on
 INVALID, NO_REMOTE = 1 << 31, 1 << 30  # of a COB-ID
 EACH_SYNC = range(0, 241)  # transmission types that wait for SYNC
-ASKED_AT_SYNC, ASKED = 252, 253  # sent on a remote frame only: as it was at SYNC, as it is
+ASKED_AT_SYNC, ASKED = 252, 253  # sent on a remote frame only: as it was at SYNC, as it is now
 CODES = {1: "B", 2: "H", 4: "I", 8: "Q"}
 
 
@@ -98,10 +98,10 @@ class TransmitPdo(_Pdo):
 
     def _at_sync(self) -> bytes | None:
         self._syncs += 1
-        if 0 < self.type and self._syncs < self.type:
+        if self.type in EACH_SYNC and self._syncs < self.type:
             return None
         data = self._sampled = self._pack()
-        if self.type == ASKED_AT_SYNC or (self.type == 0 and data == self._sent):
+        if self.type not in EACH_SYNC or (self.type == 0 and data == self._sent):
             return None
         return self._note(data)
 
