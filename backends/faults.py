@@ -23,6 +23,8 @@ REMEDIES = {
     "interface_down": "the CAN adapter and its cable; 'ip link show' of the interface",
     "timeout": "the drive's statusword and inputs: supply, safe-torque-off, brake supply",
     "torque": "the controller: it asked for something that is not a number",
+    "bus_taken": "which program that is ('pa10d serve', 'pa10d check'); end it, or use it",
+    "foreign_master": "other control PCs, service tools and gateways; a drive that produces SYNC",
     "ended": "nothing: the recording is over",
 }
 

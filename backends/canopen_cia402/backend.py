@@ -9,7 +9,8 @@ import numpy as np
 
 from backends import vendors
 from backends.bus_budget import BusBudget, require_fit
-from backends.canopen_cia402 import sequence
+from backends.bus_lock import BusLock
+from backends.canopen_cia402 import other_masters, sequence
 from backends.canopen_cia402.bring_up import BootWatch, bring_up, let_go
 from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
 from backends.canopen_cia402.configure import DriveReport, Wish
@@ -27,6 +28,7 @@ from pa10d.errors import UserError
 from pa10d.profile import Profile
 
 TRIAL_CYCLES = 3  # at the end of open
+LISTEN, LISTEN_TO_SIMULATION = 0.25, 0.05  # s, before the first frame of our own
 
 
 class CanopenBackend:
@@ -46,6 +48,7 @@ class CanopenBackend:
         self.scales = Scales(profile)
         self._open_port = port or (lambda: open_port(profile.can, str(profile.path)))
         self._port: Port | None = None
+        self._lock = BusLock(profile.can)
         self._cycle: BusCycle | None = None
         self._heartbeat = min(drive.heartbeat_ms for drive in self.drives) / 1000.0
         n = self.n
@@ -68,8 +71,10 @@ class CanopenBackend:
 
     def open(self) -> None:
         self._forget()
-        self._port = self._open_port()
+        self._lock.take()
         try:
+            self._port = self._open_port()
+            self._listen(self._port)
             self._network = PortNetwork(self._port)
             self._nodes = {
                 axis: self._network.add_drive(
@@ -192,6 +197,14 @@ class CanopenBackend:
         if self._port is not None:
             self._port.close()
         self._port = self._cycle = None
+        self._lock.release()
+
+    def _listen(self, port: Port) -> None:
+        nodes = [drive.node for drive in self.drives]
+        try:
+            other_masters.listen(port, nodes, LISTEN if self.realtime else LISTEN_TO_SIMULATION)
+        except OSError as error:
+            raise self._watch.latch(bus_fault(error)) from error
 
     def _configure(self, axes: list[int]) -> dict[int, DriveReport]:
         assert self._port is not None

@@ -9,6 +9,7 @@ from backends.frames import ERROR, ERROR_BUS_OFF, ERROR_CONTROLLER, REMOTE, desc
 from backends.protocol import BackendFault
 
 OPERATIONAL, BOOT_UP = 5, 0
+SYNC = 0x80
 NMT_NAMES = {0: "booting", 4: "stopped", 5: "operational", 127: "pre-operational"}
 SILENCE = 2.5  # heartbeat periods without a heartbeat that count as its loss
 FASTER_THAN_POSSIBLE = 3.0  # times the velocity limit
@@ -77,6 +78,8 @@ class Watch:
             return
         elif 0x700 < can_id <= 0x77F and data:
             self._heartbeat(can_id - 0x700, data[0] & 0x7F)
+        elif can_id == SYNC:
+            self.tell(fault("foreign_master", "somebody else sends SYNC (0x080) on this bus"))
         elif 0x80 < can_id <= 0xFF and len(data) >= 2:
             self._emergency(can_id - 0x80, int.from_bytes(data[:2], "little"))
 
