@@ -46,6 +46,22 @@ def state_of(statusword: int) -> State | None:
     return _BY_BITS.get(statusword & STATUS_MASK)
 
 
+def remarks(statusword: int) -> list[str]:
+    """What a drive says beside its state, for people."""
+    said = []
+    if statusword & STATUS_WARNING:
+        said.append(
+            "its drive warns (bit 7 of the statusword): look at its temperature, supply and error "
+            "history 0x1003 before it becomes a fault"
+        )
+    if statusword & STATUS_LIMIT and state_of(statusword) is State.ENABLED:
+        said.append(
+            "its drive limits torque or speed by itself (bit 11 of the statusword): look at "
+            "0x6072, 0x6080, 0x607D and its current limit"
+        )
+    return said
+
+
 class Control(IntEnum):
     """Values of the controlword 0x6040."""
 

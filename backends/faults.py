@@ -13,6 +13,8 @@ REMEDIES = {
     "heartbeat_lost": "the drive's firmware and bus load: it still sends PDOs but no heartbeat",
     "emcy": "the drive's manual for this code; its error history 0x1003",
     "drive_fault": "the drive's error code 0x603F and history 0x1003",
+    "not_following": "its mode 0x6061, its limit and inhibit inputs, other masters on the bus",
+    "other_mode": "who else commands this drive: service tools, another master",
     "left_enabled": "safe-torque-off and enable inputs, the emergency stop, another bus master",
     "short_pdo": "who changed the drive's PDO mapping; start again to configure it anew",
     "repeated_pdo": "two nodes with the same id, or a TPDO that is not of transmission type 1",

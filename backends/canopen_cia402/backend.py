@@ -16,9 +16,9 @@ from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
 from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
 from backends.canopen_cia402.network import PortNetwork
+from backends.canopen_cia402.poll import Poll
 from backends.canopen_cia402.scales import Scales
-from backends.canopen_cia402.temperature import TemperaturePoll
-from backends.canopen_cia402.watch import SILENCE, Watch
+from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
 from backends.faults import fault
@@ -60,7 +60,8 @@ class CanopenBackend:
     @property
     def warnings(self) -> list[str]:
         """What each drive lacks, known after ``open``."""
-        return [f"joint {k + 1}: {lack}" for k, r in enumerate(self.reports) for lack in r.lacks]
+        lacks = [f"joint {k + 1}: {lack}" for k, r in enumerate(self.reports) for lack in r.lacks]
+        return lacks + [f"joint {k + 1}: {NEVER_FOLLOWED}" for k in self._watch.never_followed]
 
     @property
     def counters(self) -> Counters:
@@ -237,7 +238,8 @@ class CanopenBackend:
         assert self._port is not None
         nodes = [drive.node for drive in self.drives]
         known = [vendors.TEMPERATURE_OBJECT.get((r.vendor, r.product)) for r in self.reports]
-        self._poll = TemperaturePoll(nodes, known)
+        shown = [report.shows_mode for report in self.reports]
+        self._poll = Poll(nodes, known, shown, self._watch.mode)
         self._feedback.temperature = self._poll.values if self._poll.measured else None
         self._exchange = Exchange(
             nodes,

@@ -50,27 +50,42 @@ def bring_up(
 ) -> dict[int, DriveReport]:
     """Reset communication, configure and start the axes ``nodes``; call while listening.
 
-    BackendFault names the first axis that does not answer or does not serve.
+    BackendFault names every axis that does not answer or does not serve, each in one line.
     """
     ids = {axis: node.id for axis, node in nodes.items()}
     boot.forget()
     for number in ids.values():
         network.send_message(0, bytes([RESET_COMMUNICATION, number]))
     silent = boot.wait(list(ids.values()), BOOT_TIMEOUT)
-    for axis, number in ids.items():
-        if number in silent:
-            raise fault("no_answer", f"node {number} does not answer to NMT reset", axis)
+    _refuse(
+        "no_answer",
+        {
+            axis: f"node {number} does not answer to NMT reset"
+            for axis, number in ids.items()
+            if number in silent
+        },
+    )
     with ThreadPoolExecutor(max(len(nodes), 1)) as pool:
         running = {axis: pool.submit(configure, nodes[axis], wishes[axis]) for axis in nodes}
-    reports = {}
+    reports, refused = {}, {}
     for axis, result in running.items():
         try:
             reports[axis] = result.result()
         except SetupError as error:
-            raise fault("setup", f"node {ids[axis]}: {error}", axis) from error
+            refused[axis] = f"node {ids[axis]}: {error}"
+    _refuse("setup", refused)
     for number in ids.values():
         network.send_message(0, bytes([START, number]))
     return reports
+
+
+def _refuse(kind: str, causes: dict[int, str]) -> None:
+    """One fault for all axes that have a cause: who repairs one wants to know of the others."""
+    if not causes:
+        return
+    first, *others = causes
+    lines = [f"joint {axis + 1}: {cause}" for axis, cause in causes.items()]
+    raise fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
 
 
 def let_go(network: PortNetwork, nodes: dict[int, canopen.RemoteNode]) -> None:

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 
 from backends.canopen_cia402.exchange import SYNC_FRAME, Exchange
-from backends.canopen_cia402.temperature import TemperaturePoll
+from backends.canopen_cia402.poll import Poll
 from backends.canopen_cia402.watch import Watch
 from backends.faults import fault
 from backends.frames import frame
@@ -50,7 +50,7 @@ class BusCycle:
     not by a timer, so that a loop that hangs is noticed by the drives."""
 
     def __init__(
-        self, port: Port, exchange: Exchange, watch: Watch, poll: TemperaturePoll, pace: Pace
+        self, port: Port, exchange: Exchange, watch: Watch, poll: Poll, pace: Pace
     ) -> None:
         self._port, self._exchange, self._watch = port, exchange, watch
         self._poll, self._pace = poll, pace

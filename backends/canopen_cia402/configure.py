@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 from math import isfinite, pi
 
@@ -12,11 +13,12 @@ from backends.canopen_cia402.layout import Layout
 from backends.canopen_cia402.mapping import map_pdos
 from backends.canopen_cia402.objects import ESSENTIAL, WANTED, declared, lack
 from backends.canopen_cia402.remote import Remote, SetupError
+from backends.canopen_cia402.takeover import clear_offsets, contradictions, own_sync, untold
 from backends.limits import AxisLimits
 from backends.scaling import Scaling
 from pa10d.profile import Drive
 
-RATED_TORQUE_TOLERANCE = 0.02
+MODE_TAKES = 0.5  # s at most until 0x6061 shows the mode
 DRIVE_SPEED = 1.5
 """Of the velocity limit: what a drive lets its axis do in torque mode. Where pa10d is kept from
 its work the last torque goes on until the drive misses SYNC, and speed is what the arm gathers."""
@@ -50,6 +52,7 @@ class DriveReport:
     command: Layout
     feedback: Layout
     error: int  # 0x603F when we came
+    shows_mode: bool = True  # by 0x6061
     lacks: list[str] = field(default_factory=list)
 
     @property
@@ -66,6 +69,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     remote = Remote(node)
     _require_usable(remote, wish)
     lacks = [lack(index) for index in WANTED if not declared(node, index)]
+    lacks += untold(remote)
     lacks += _set_up(remote, wish)
     command, feedback = map_pdos(remote)
     return DriveReport(
@@ -79,6 +83,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         command=command,
         feedback=feedback,
         error=remote.read(0x603F) or 0,
+        shows_mode=remote.read(0x6061) is not None,
         lacks=list(dict.fromkeys(lacks)),
     )
 
@@ -89,8 +94,8 @@ def _require_usable(remote: Remote, wish: Wish) -> None:
         for index, name in ESSENTIAL.items()
         if not declared(remote.node, index)
     ]
-    kind = remote.read(0x1000) or 0
-    if kind & 0xFFFF != 402:
+    kind = remote.read(0x1000)
+    if kind is not None and kind & 0xFFFF != 402:
         reasons.append(f"device type 0x{kind:08X} (0x1000) is not CiA 402 (0x....0192)")
     for sub, name, expected in (
         (1, "vendor", wish.drive.vendor_id),
@@ -100,33 +105,28 @@ def _require_usable(remote: Remote, wish: Wish) -> None:
         if expected is not None and found != expected:
             shown = "nothing" if found is None else f"0x{found:X}"
             reasons.append(f"{name} (0x1018:{sub}): found {shown}, profile expects 0x{expected:X}")
-    reasons += _torque_reasons(remote, wish)
+    reasons += _mode_reasons(remote)
+    reasons += contradictions(remote, wish.drive)
     rates = remote.node.object_dictionary.device_information.allowed_baudrates
     if rates and wish.bitrate not in rates:
         shown = ", ".join(f"{rate / 1000:g}" for rate in sorted(rates))
         reasons.append(f"its EDS allows {shown} kbit/s, the profile has {wish.bitrate / 1000:g}")
+    if not reasons:  # nothing is written to a drive that is refused anyway
+        reasons = [*clear_offsets(remote), *own_sync(remote)]
     if reasons:
         raise SetupError(reasons)
 
 
-def _torque_reasons(remote: Remote, wish: Wish) -> list[str]:
-    reasons = []
+def _mode_reasons(remote: Remote) -> list[str]:
+    """A drive that does not say what it offers is asked for the mode, and 0x6061 decides."""
     modes = remote.read(0x6502)
-    if not (modes or 0) & cia402.SUPPORTS_CST:
-        names = ", ".join(cia402.supported_modes(modes or 0)) or "none at all"
-        reasons.append(
-            "no cyclic synchronous torque mode (bit 9 of 0x6502, Supported drive modes): "
-            f"the drive offers {names}"
-        )
-    rated = remote.read(0x6076)
-    unit = vendors.rated_torque_unit(remote.read(0x1018, 1) or 0)
-    expected = wish.drive.rated_torque
-    if rated and abs(rated * unit / expected - 1) > RATED_TORQUE_TOLERANCE:
-        reasons.append(
-            f"Motor rated torque (0x6076): found {rated * unit:g} N·m, profile has {expected:g}: "
-            "every torque would be wrong by that factor"
-        )
-    return reasons
+    if modes is None or modes & cia402.SUPPORTS_CST:
+        return []
+    names = ", ".join(cia402.supported_modes(modes)) or "none at all"
+    return [
+        "no cyclic synchronous torque mode (bit 9 of 0x6502, Supported drive modes): "
+        f"the drive offers {names}"
+    ]
 
 
 def _set_up(remote: Remote, wish: Wish) -> list[str]:
@@ -140,8 +140,16 @@ def _set_up(remote: Remote, wish: Wish) -> list[str]:
             name, meaning = WANTED[index]
             lacks.append(f"{name} (0x{index:04X}): {problem}; {meaning}")
     lacks += _left_to_the_user(remote)
+    return lacks + _choose_torque_mode(remote)
+
+
+def _choose_torque_mode(remote: Remote) -> list[str]:
+    """Cyclic synchronous torque, and that the drive shows it; the answer says what it hides."""
     problem = remote.write(0x6060, cia402.MODE_CST)
-    shown = remote.read(0x6061)
+    shown, end = remote.read(0x6061), time.monotonic() + MODE_TAKES
+    while shown not in (None, cia402.MODE_CST) and not problem and time.monotonic() < end:
+        time.sleep(0.02)
+        shown = remote.read(0x6061)
     if problem or shown not in (None, cia402.MODE_CST):
         raise SetupError(
             [
@@ -149,7 +157,7 @@ def _set_up(remote: Remote, wish: Wish) -> list[str]:
                 f"0x6061 shows {shown}"
             ]
         )
-    return lacks
+    return [lack(0x6061)] if shown is None else []
 
 
 def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:

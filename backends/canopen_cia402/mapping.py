@@ -7,6 +7,7 @@ from backends.canopen_cia402.remote import Remote, SetupError
 
 INVALID = 1 << 31
 SYNCHRONOUS = 1  # transmission type: every SYNC
+TIMERS = {3: "inhibit time", 5: "event timer", 6: "SYNC start value"}  # by sub-index
 
 
 def map_pdos(remote: Remote) -> tuple[Layout, Layout]:
@@ -30,7 +31,9 @@ def _map(
     remote: Remote, communication: int, wanted: tuple[tuple[int, int], ...], base: int
 ) -> Layout:
     mapping, cob_id = communication + 0x200, base + remote.node.id
-    steps = [(communication, 1, cob_id | INVALID), (communication, 2, SYNCHRONOUS), (mapping, 0, 0)]
+    steps = [(communication, 1, cob_id | INVALID), (communication, 2, SYNCHRONOUS)]
+    steps += [(communication, sub, 0) for sub in TIMERS if remote.read(communication, sub)]
+    steps += [(mapping, 0, 0)]
     words = [mapping_word(index, bits) for index, bits in wanted]
     steps += [(mapping, k + 1, word) for k, word in enumerate(words)]
     steps += [(mapping, 0, len(words)), (communication, 1, cob_id)]
@@ -56,6 +59,9 @@ def _read_back(
         raise ValueError(f"COB-ID {shown}, expected 0x{expected:X}")
     if kind != SYNCHRONOUS:
         raise ValueError(f"transmission type {kind}, expected 1 (every SYNC)")
+    for sub, name in TIMERS.items():
+        if left := remote.read(communication, sub):
+            raise ValueError(f"{name} (0x{communication:04X}:{sub}) stays at {left}, expected 0")
     mapping = communication + 0x200
     words = [remote.read(mapping, k + 1) or 0 for k in range(remote.read(mapping) or 0)]
     return layout_of(words, wanted, exactly=communication == 0x1400)

@@ -48,13 +48,13 @@ WANTED = {
         "the drive may coast on a fault instead of braking",
     ),
     0x603F: ("Error code", "a fault without EMCY cannot be named"),
+    0x6061: (
+        "Modes of operation display",
+        "whether the drive takes the command for a torque shows only in what it does",
+    ),
     0x6072: (
         "Max torque",
         "the torque limit holds in pa10d only, not in the drive",
-    ),
-    0x6076: (
-        "Motor rated torque",
-        "the unit of torque cannot be compared with the profile: a wrong one moves the arm wrongly",
     ),
     0x607D: (
         "Software position limit",
@@ -71,8 +71,20 @@ WANTED = {
     ),
 }
 
-# SDO aborts: no such object, no such sub-index, no value there
-ABSENT = (0x06020000, 0x06090011, 0x060A0023)
+# what is compared with the profile where the drive tells it
+COMPARED = {
+    0x6076: (
+        "Motor rated torque",
+        "the unit of torque cannot be compared with the profile: a wrong one moves the arm wrongly",
+    ),
+    0x608F: (
+        "Position encoder resolution",
+        "counts_per_rev cannot be compared with the drive: turn the joint by a known angle",
+    ),
+}
+
+# SDO aborts: no such object, no such sub-index, no value there, no data at the moment
+ABSENT = (0x06020000, 0x06090011, 0x060A0023, 0x08000024)
 
 
 def declared(node: canopen.RemoteNode, index: int) -> bool:
@@ -82,5 +94,5 @@ def declared(node: canopen.RemoteNode, index: int) -> bool:
 
 def lack(index: int) -> str:
     """One line about a lacking object."""
-    name, meaning = WANTED[index]
+    name, meaning = (WANTED | COMPARED)[index]
     return f"no {name} (0x{index:04X}): {meaning}"

@@ -49,9 +49,18 @@ class Remote:
         kept = self.read(index, sub)
         return None if kept == value else f"the drive keeps {kept} instead of {value}"
 
+    def ensure(self, index: int, value: int, sub: int = 0) -> str | None:
+        """The value is there, written where need be. None: it is, or the drive has no such object;
+        else what is there instead."""
+        found = self.read(index, sub)
+        if found == value:
+            return None
+        problem = self.write(index, value, sub)
+        return None if problem in (None, "absent") else f"found {found}, {problem}"
+
     def _read(self, index: int, sub: int) -> int | str | bytes | float | None:
         variable = self._variable(index, sub)
-        if variable is None:
+        if variable is None or not variable.readable:
             return None
         try:
             data = self.node.sdo.upload(index, sub)

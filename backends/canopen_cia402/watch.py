@@ -13,6 +13,13 @@ SYNC = 0x80
 NMT_NAMES = {0: "booting", 4: "stopped", 5: "operational", 127: "pre-operational"}
 SILENCE = 2.5  # heartbeat periods without a heartbeat that count as its loss
 FASTER_THAN_POSSIBLE = 3.0  # times the velocity limit
+NOT_FOLLOWING = 5  # cycles in a row
+NEVER_FOLLOWED = (
+    "never shows that it follows the torque (bit 12 of its statusword): whether it does is seen "
+    "by the following error alone"
+)
+USUAL = 0x6F | cia402.STATUS_FOLLOWS  # the bits of a statusword that say "enabled and obeying" …
+OBEYS = 0x27 | cia402.STATUS_FOLLOWS  # … and how they stand then
 
 
 class Watch:
@@ -38,6 +45,8 @@ class Watch:
         self._owed = [0] * len(nodes)  # answers that did not come in time and may come yet …
         self._asked = [0.0] * len(nodes)  # … s, and when the first of them was asked for
         self._codes: dict[int, int] = {}  # axis -> last error code
+        self._followed = [False] * len(nodes)  # since it was enabled
+        self._unfollowed = [0] * len(nodes)  # cycles enabled without following
         self._now = self._earliest = self._latest = 0.0
 
     def start(self, axes: list[int], now: float) -> None:
@@ -102,6 +111,19 @@ class Watch:
         self.faults.setdefault(new.axis, new)
         return new
 
+    @property
+    def never_followed(self) -> list[int]:
+        """Axes that were enabled for a while and never said that they follow."""
+        pairs = enumerate(zip(self._followed, self._unfollowed, strict=True))
+        return [k for k, (ever, cycles) in pairs if not ever and cycles >= NOT_FOLLOWING]
+
+    def mode(self, axis: int, shown: int) -> None:
+        """What the drive's 0x6061 shows."""
+        if shown != cia402.MODE_CST and axis not in self.faults:
+            name = cia402.MODES.get(shown, f"mode {shown}")
+            text = f"is in {name} (0x6061), no longer in cyclic synchronous torque"
+            self.tell(fault("other_mode", text, axis))
+
     def _check_axis(self, axis: int, seen: AxisInput, cycle: int, enabled: bool) -> None:
         if seen.short is not None:
             length, seen.short = seen.short, None
@@ -129,8 +151,10 @@ class Watch:
             self.tell(fault("heartbeat_lost", f"no heartbeat for {gap:.2f} s", axis))
 
     def _check_values(self, axis: int, seen: AxisInput, enabled: bool) -> None:
-        if seen.status & 0x6F == 0x27:  # operation enabled, the usual case
-            pass
+        if seen.status & USUAL == OBEYS and enabled:  # nearly always
+            self._followed[axis], self._unfollowed[axis] = True, 0
+        elif seen.status & 0x6F == 0x27:
+            self._check_following(axis, enabled)
         elif (state := cia402.state_of(seen.status)) in (cia402.State.FAULT, cia402.State.REACTING):
             self._drive_fault(axis)
         elif enabled:
@@ -143,6 +167,16 @@ class Watch:
                 self.tell(fault("encoder_jump", f"encoder jumped by {step} counts", axis))
         self._seen[axis] = self._asked[axis] if self._owed[axis] else self._earliest
         self._owed[axis] -= self._owed[axis] > 0
+
+    def _check_following(self, axis: int, enabled: bool) -> None:
+        """An enabled drive is free not to have bit 12, but not to lose it."""
+        if not enabled:
+            self._followed[axis], self._unfollowed[axis] = False, 0
+            return
+        self._unfollowed[axis] += 1
+        if self._followed[axis] and self._unfollowed[axis] >= NOT_FOLLOWING:
+            text = "enabled, but no longer follows the torque (bit 12 of its statusword)"
+            self.tell(fault("not_following", text, axis))
 
     def _drive_fault(self, axis: int) -> None:
         code = self._codes.get(axis)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from backends.bus_budget import profile_budget
+from backends.cia402 import remarks
 from pa10d.daemon.robot import CANOPEN, CommandRefused, RobotProcess
 from pa10d.experiments.checks import Check
 
@@ -58,4 +59,9 @@ def _drives(robot: RobotProcess) -> list[Check]:
         Check("error", "drives", f"joint {j + 1}: its drive does not answer", int(j) + 1)
         for j in np.flatnonzero(late)
     ]
-    return silent or [Check("ok", "drives", "every drive answers in every cycle")]
+    warned = [
+        Check("warning", "drives", f"joint {j + 1}: {remark}", j + 1)
+        for j, word in enumerate(robot.ring.layout.get(last, "status"))
+        for remark in remarks(int(word))
+    ]
+    return [*(silent or [Check("ok", "drives", "every drive answers in every cycle")]), *warned]

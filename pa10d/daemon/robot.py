@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.cia402 import remarks
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.daemon.child import Child
@@ -160,7 +161,7 @@ class RobotProcess:
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
-            "notes": [*self.notes, *self._told.get("warnings", ())],
+            "notes": [*self.notes, *self._told.get("warnings", ()), *_remarks(axes)],
             "recording": not offline and last is not None and bool(get(last, "recording")),
             "time": None if offline or last is None else float(get(last, "time")),
             "axes": axes,
@@ -368,6 +369,15 @@ class RobotProcess:
             if self._keepers
             else "add 'drives' to the profile, one entry per joint",
         }
+
+
+def _remarks(axes: list[dict[str, Any]]) -> list[str]:
+    """What drives say beside their states, now."""
+    return [
+        f"joint {axis['joint']}: {remark}"
+        for axis in axes
+        for remark in remarks(axis["status_word"])
+    ]
 
 
 def _finite(value: float) -> float | None:

@@ -20,7 +20,7 @@ from canopen import Network, RemoteNode
 from backends.canopen_cia402 import CanopenBackend
 from backends.eds import OWN_EDS
 from backends.frames import frame
-from backends.protocol import Feedback
+from backends.protocol import BackendFault, Feedback
 from backends.virtual.injection import Injection
 from backends.virtualbus import VirtualBus
 from pa10d.profile import Profile, load_profile
@@ -134,6 +134,12 @@ class Driver:
         for _ in range(round(seconds / self.arm.period)):
             feedback = self.step()
         return feedback
+
+    def run_on(self, seconds: float) -> None:
+        """The same, whatever else is told meanwhile."""
+        for _ in range(round(seconds / self.arm.period)):
+            with suppress(BackendFault):
+                self.step()
 
     def until(self, condition: Callable[[Feedback], bool], seconds: float = 5.0) -> Feedback:
         """Cycles until the condition holds."""

@@ -2,67 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-import canopen
 import pytest
 from bus_helpers import Driver, make_profile, virtual_arm
+from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
 from backends.canopen_cia402 import CanopenBackend
-from backends.canopen_cia402.configure import Wish, configure
+from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
 from backends.cia402 import State, state_of
-from backends.eds import load_eds
-from backends.limits import AxisLimits
 from backends.protocol import BackendFault
-from backends.scaling import scaling_of
-from pa10d.profile import Drive
-
-EDS = Path(__file__).parents[3] / "shared" / "pa10" / "eds"
-EPOS4 = EDS / "maxon_epos4_50_15_can_node1.dcf"
-EROB = EDS / "zeroerr_erob_V1.5.eds"
-GENERIC = EDS / "cia402_profile_kacanopen.eds"
-MILLI = 0.512871  # N·m, the EPOS4's rated torque: 512871 µN·m
-
-pytestmark = pytest.mark.skipif(not EDS.is_dir(), reason="the makers' EDS files are not here")
-
-
-@contextmanager
-def node_made_from(eds: Path, **values: int) -> Iterator[canopen.RemoteNode]:
-    """canopen's own LocalNode with that dictionary, seen over canopen's own network."""
-    here, there = canopen.Network(), canopen.Network()
-    for network in (here, there):
-        network.NOTIFIER_CYCLE = 0.02
-        network.connect(interface="virtual", channel=f"real-{eds.name}")
-    try:
-        local = there.create_node(5, load_eds(eds, 5))
-        local.add_write_callback(
-            lambda index, subindex, data, **_: (
-                local.sdo.download(0x6061, 0, bytes(data)) if index == 0x6060 else None
-            )
-        )
-        for name, value in values.items():
-            local.set_data(int(name[1:], 16), 0, value.to_bytes(4, "little"))
-        node = here.add_node(5, load_eds(eds, 5))
-        node.sdo.RESPONSE_TIMEOUT = 5.0  # s: a busy machine answers late
-        yield node
-    finally:
-        here.disconnect()
-        there.disconnect()
-
-
-def wish(rated: float = 1.0, bitrate: int = 1_000_000) -> Wish:
-    drive = Drive(node=5, counts_per_rev=524288, rated_torque=rated)
-    limits = AxisLimits(-3.0, 3.0, 2.0, 10.0, rated)
-    return Wish(drive, scaling_of(drive), limits, 0.002, bitrate, master=127, silence_ms=250)
 
 
 def test_the_maxon_epos4() -> None:
     with node_made_from(EPOS4) as node:
-        report = configure(node, wish(MILLI))
+        report = configure(node, wish(EPOS4_RATED))
         assert [node.sdo[0x1600][k + 1].raw for k in range(node.sdo[0x1600][0].raw)] == [
             0x60400010,
             0x60710010,
@@ -101,7 +57,7 @@ def test_the_zeroerr_erob() -> None:
 
 
 def test_the_generic_profile_is_refused_and_every_reason_told() -> None:
-    with node_made_from(GENERIC) as node, pytest.raises(SetupError) as caught:
+    with node_made_from(GENERIC, x6502=0x81) as node, pytest.raises(SetupError) as caught:
         configure(node, wish())
     text = str(caught.value)
     assert "device type 0x00000000" in text
@@ -130,7 +86,7 @@ def test_a_wrong_torque_unit_is_refused() -> None:
 
 
 def test_identity_is_compared() -> None:
-    other = wish(MILLI)
+    other = wish(EPOS4_RATED)
     other = replace(other, drive=other.drive.model_copy(update={"vendor_id": 0x9A}))
     with (
         node_made_from(EPOS4) as node,
@@ -139,7 +95,7 @@ def test_identity_is_compared() -> None:
         configure(node, other)
 
 
-@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, MILLI), (EROB, 1.0)])
+@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, EPOS4_RATED), (EROB, 1.0)])
 def test_a_virtual_drive_with_a_real_dictionary_lives(
     tmp_path: Path, eds: Path, rated: float
 ) -> None:

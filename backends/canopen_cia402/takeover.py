@@ -1,0 +1,135 @@
+"""A drive comes with a past: what we own is made nothing, what gives numbers a meaning has to
+agree with the profile. Only objects that the drive has; what it does not tell is told as a lack.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isclose
+
+from backends import vendors
+from backends.canopen_cia402.objects import lack
+from backends.canopen_cia402.remote import Remote
+from pa10d.profile import Drive
+
+OFFSETS = {
+    0x60B0: ("Position offset", "it would be added to every position demand"),
+    0x60B1: ("Velocity offset", "it would be added to every velocity demand"),
+    0x60B2: ("Torque offset", "it would be added to every torque"),
+}
+RATED_TORQUE_TOLERANCE = 0.02
+RATIO_TOLERANCE = 1e-4  # of a gear that both sides write as a ratio of small numbers
+POLARITY_BITS = {0x80: "position", 0x40: "velocity", 0x20: "torque"}
+SYNC_ID, SYNC_BITS, PRODUCES = 0x80, 0x7FFFFFFF, 1 << 30  # bit 31 means nothing
+
+
+def clear_offsets(remote: Remote) -> list[str]:
+    """What an earlier master left behind is zero now; reasons where it is not."""
+    reasons = []
+    for index, (name, meaning) in OFFSETS.items():
+        if (problem := remote.ensure(index, 0)) is not None:
+            reasons.append(f"{name} (0x{index:04X}): expected 0, {problem}: {meaning}")
+    return reasons
+
+
+def own_sync(remote: Remote) -> list[str]:
+    """The drive obeys our SYNC, as it is, and produces none."""
+    reasons = []
+    found = remote.read(0x1005) or SYNC_ID
+    if found & PRODUCES:  # its identifier cannot be changed before that has ended
+        remote.write(0x1005, found & ~PRODUCES)
+    if found & SYNC_BITS != SYNC_ID and (problem := remote.ensure(0x1005, SYNC_ID)) is not None:
+        reasons.append(f"COB-ID SYNC (0x1005): expected 0x80, {problem}: ours is not heard")
+    if (problem := remote.ensure(0x1019, 0)) is not None:
+        reasons.append(f"SYNC counter (0x1019): expected 0, {problem}: our SYNC has no counter")
+    return reasons
+
+
+def contradictions(remote: Remote, drive: Drive) -> list[str]:
+    """Where drive and profile give the same number different meanings."""
+    return [*_polarity(remote), *_counts(remote, drive), *_rated_torque(remote, drive)]
+
+
+def untold(remote: Remote) -> list[str]:
+    """What could not be compared."""
+    silent = []
+    if not remote.read(0x6076):
+        silent.append(lack(0x6076))
+    if _told(remote, 0x6092) is None and _told(remote, 0x608F) is None:
+        silent.append(lack(0x608F))
+    return silent
+
+
+def _polarity(remote: Remote) -> list[str]:
+    found = remote.read(0x607E) or 0
+    if not found:
+        return []
+    turned = ", ".join(name for bit, name in POLARITY_BITS.items() if found & bit) or "something"
+    return [
+        f"Polarity (0x607E): found 0x{found:02X}, the drive turns {turned} round by itself; "
+        "expected 0: the profile's sign is the one place for that"
+    ]
+
+
+def _counts(remote: Remote, drive: Drive) -> list[str]:
+    """Position units to one revolution of the joint, as CiA 402's chain of factors has them.
+
+    Either the drive knows the gear, then its shaft is the joint, or it does not (1:1), then its
+    shaft is the motor's. Without a feed (0x6092) the unit is the increment of the encoder, with a
+    known gear some makers' are seen through the gear.
+    """
+    gear = _ratio(remote, 0x6091)
+    knows_gear = gear is not None and gear != 1
+    if knows_gear and gear is not None and not _same(float(gear), drive.gear_ratio):
+        return [
+            f"Gear ratio (0x6091): found {_shown(gear)}, profile gear_ratio has "
+            f"{drive.gear_ratio:g}: expected the same, or 1:1 where the drive shall not know it"
+        ]
+    feed, encoder = _told(remote, 0x6092), _told(remote, 0x608F)
+    name, per_turn = ("Feed (0x6092)", feed) if feed else ("Encoder resolution (0x608F)", encoder)
+    if per_turn is None:
+        return []
+    through_gear = float(per_turn) * drive.gear_ratio
+    possible = [through_gear] if not knows_gear else [float(per_turn)]
+    if knows_gear and not feed:
+        possible.append(through_gear)
+    if any(_same(counts, drive.counts_per_rev) for counts in possible):
+        return []
+    expected = " or ".join(f"{counts:g}" for counts in possible)
+    return [
+        f"{name}: found {_shown(per_turn)} to a turn, with a gear of {drive.gear_ratio:g} that is "
+        f"{expected} to one of the joint, profile counts_per_rev has {drive.counts_per_rev:g}"
+    ]
+
+
+def _rated_torque(remote: Remote, drive: Drive) -> list[str]:
+    rated = remote.read(0x6076)
+    if not rated:
+        return []
+    found = rated * vendors.rated_torque_unit(remote.read(0x1018, 1) or 0)
+    if isclose(found, drive.rated_torque, rel_tol=RATED_TORQUE_TOLERANCE):
+        return []
+    return [
+        f"Motor rated torque (0x6076): found {found:g} N·m, profile has {drive.rated_torque:g}: "
+        "every torque would be wrong by that factor"
+    ]
+
+
+def _ratio(remote: Remote, index: int) -> Fraction | None:
+    """The first number to the second; None where the drive does not say."""
+    above, below = remote.read(index, 1), remote.read(index, 2)
+    return Fraction(above, below) if above and below else None
+
+
+def _told(remote: Remote, index: int) -> Fraction | None:
+    """As above, and a single count to a turn is what an EDS has that nobody filled in."""
+    ratio = _ratio(remote, index)
+    return None if ratio is None or ratio <= 1 else ratio
+
+
+def _same(a: float, b: float) -> bool:
+    return isclose(a, b, rel_tol=RATIO_TOLERANCE)
+
+
+def _shown(ratio: Fraction) -> str:
+    return f"{ratio.numerator}:{ratio.denominator}"
