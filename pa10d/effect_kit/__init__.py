@@ -1,1 +1,5 @@
 """Does an effect keep what a model, a search and a controller rely on? The conformance kit."""
+
+from pa10d.effect_kit.kit import Verdict, check
+
+__all__ = ["Verdict", "check"]

@@ -48,11 +48,14 @@ def context(robot: Robot, path: Path, rigid: Array | None = None) -> Context:
     return replace(known, total=known.load + rubbing, rubbing=rubbing)
 
 
-def shape(rng: np.random.Generator, kind: Effect, like: Context) -> dict[str, float]:
-    """Anywhere within the bounds; where an angle without a scale is meant, near the motion."""
+def shape(
+    rng: np.random.Generator, kind: Effect, like: Context, whole: bool = False
+) -> dict[str, float]:
+    """Anywhere within the bounds; where an angle without a scale is meant, near the motion; whole:
+    with all that only some joints have."""
     found = {}
     for s in kind.shapes:
-        if s.optional and rng.random() < 0.5:
+        if s.optional and not whole and rng.random() < 0.5:
             continue
         low, high = s.lower, s.upper
         if s.scale == "choice":
