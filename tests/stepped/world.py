@@ -119,9 +119,10 @@ class World:
         self._said_alive = math.inf
 
     def close(self) -> None:
-        """The pipe's two ends."""
+        """What goes with the processes that were killed."""
         self._pipe.close()
         self._theirs.close()
+        self.arm.backend._drop_port()
 
     def stall(self, who: str, seconds: float) -> None:
         """Control or arm stands still from now on."""
