@@ -89,9 +89,9 @@ class Client:
         """Rest, brakes on, power off."""
         return self._ask("POST", "/api/v1/robot/disable")
 
-    def stop(self) -> Document:
-        """Rest."""
-        return self._ask("POST", "/api/v1/robot/stop")
+    def stop(self, wait: float = 5.0) -> Document:
+        """Rest; waited for at most ``wait`` seconds."""
+        return self._ask("POST", "/api/v1/robot/stop", params={"wait": wait})
 
     def reset(self) -> Document:
         """Leave a fault."""

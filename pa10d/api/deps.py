@@ -10,13 +10,16 @@ from starlette.requests import HTTPConnection
 from pa10d.daemon.daemon import Daemon
 
 
-def the_daemon(connection: HTTPConnection) -> Daemon:
-    """The one daemon of this application."""
+async def the_daemon(connection: HTTPConnection) -> Daemon:
+    """The one daemon of this application.
+
+    async, as everything here: FastAPI gives plain functions to threads, which may all be busy.
+    """
     daemon: Daemon = connection.app.state.daemon
     return daemon
 
 
-def the_client(
+async def the_client(
     connection: HTTPConnection,
     x_client: Annotated[
         str | None,
@@ -28,9 +31,11 @@ def the_client(
     return x_client or f"anonymous@{host}"
 
 
-def the_commander(connection: HTTPConnection, client: Annotated[str, Depends(the_client)]) -> str:
+async def the_commander(
+    connection: HTTPConnection, client: Annotated[str, Depends(the_client)]
+) -> str:
     """A client that takes the lease by what it does; Held where another has it."""
-    daemon = the_daemon(connection)
+    daemon = await the_daemon(connection)
     before = daemon.lease.current()
     daemon.lease.take(client)
     if before != client:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from http import HTTPStatus
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -12,9 +13,10 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
+from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.lease import Held
 from pa10d.daemon.robot import CommandRefused
-from pa10d.errors import UserError
+from pa10d.errors import Busy, UserError
 
 MEDIA = "application/problem+json"
 KINDS = {
@@ -29,6 +31,9 @@ KINDS = {
     "token": (401, "A token is needed"),
     "scope": (403, "The token does not reach that far"),
     "origin": (403, "The request came from another site"),
+    "crowded": (429, "Too much is asked for at a time"),
+    "busy": (503, "Somebody else holds what is needed"),
+    "no-room": (507, "The data folder cannot be written"),
     "not-ready": (503, "The robot cannot be reached"),
     "internal": (500, "This is a bug of the daemon"),
 }
@@ -103,6 +108,24 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(Problem)
     async def _problem(request: Request, error: Problem) -> JSONResponse:
         return problem_response(error.kind, error.detail, request.url.path, **error.more)
+
+    @app.exception_handler(Crowded)
+    async def _crowded(request: Request, error: Crowded) -> JSONResponse:
+        response = problem_response("crowded", str(error), request.url.path)
+        response.headers["Retry-After"] = str(error.RETRY_AFTER)
+        return response
+
+    @app.exception_handler(Busy)
+    async def _busy(request: Request, error: Busy) -> JSONResponse:
+        return problem_response("busy", str(error), request.url.path)
+
+    @app.exception_handler(OSError)
+    async def _os_error(request: Request, error: OSError) -> JSONResponse:
+        log.error("%s %s", request.method, request.url.path, exc_info=error)
+        detail = (
+            f"{Path(error.filename).name if error.filename else 'data folder'}: {error.strerror}"
+        )
+        return problem_response("no-room", detail, request.url.path)
 
     @app.exception_handler(UserError)
     async def _user_error(request: Request, error: UserError) -> JSONResponse:

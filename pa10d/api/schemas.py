@@ -147,10 +147,20 @@ class Page(BaseModel):
     next: str | None = Field(None, description="Give it as 'cursor' to go on")
 
 
+class SetAside(BaseModel):
+    """Something in the data folder that cannot be used; it is left as it is."""
+
+    id: str
+    name: str = Field(description="As far as it can be made out")
+    place: str
+    reason: str
+
+
 class RunPage(Page):
     """Runs, newest first."""
 
     items: list[Run]
+    set_aside: list[SetAside] = []
 
 
 class JobPage(Page):
@@ -215,6 +225,7 @@ class ModelPage(Page):
     """Models, newest first."""
 
     items: list[Model]
+    set_aside: list[SetAside] = []
 
 
 class Fitted(BaseModel):

@@ -7,6 +7,7 @@ import contextlib
 import json
 import logging
 import os
+import resource
 import secrets
 import signal
 import socket
@@ -59,6 +60,8 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
             f"--host {settings.host}: other machines could command the arm; expected a loopback "
             "address, or tokens (--token-file, PA10D_TOKEN)"
         )
+    signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # all our processes inherit it; control stops
+    _open_files()
     logging.basicConfig(format="%(name)s: %(message)s", stream=sys.stderr)
     logging.getLogger("pa10d").setLevel(logging.INFO)
     with contextlib.ExitStack() as stack:
@@ -102,6 +105,13 @@ class _Server(uvicorn.Server):
         await asyncio.gather(self._daemon.close(), super().shutdown(sockets))
 
 
+def _open_files() -> None:
+    """As many connections as the system allows: whoever uses them up must not keep 'stop' out."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = hard if hard != resource.RLIM_INFINITY else 1 << 16
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, 1 << 16), hard))
+
+
 def _end_with_input() -> None:
     """Whoever started us has the other end, open for as long as they live."""
     while os.read(sys.stdin.fileno(), 4096):
@@ -115,7 +125,7 @@ def _listen(host: str, port: int) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
-        listener.listen(128)
+        listener.listen(1024)
     except OSError as error:
         listener.close()
         raise UserError(

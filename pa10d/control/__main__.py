@@ -38,6 +38,7 @@ def main() -> None:
     commands = Commands(arm, robot, servo_factory(profile, robot, backend.period))
     loop = Loop(arm, ring, commands, connection)
     signal.signal(signal.SIGTERM, lambda *_: loop.end("told to terminate"))
+    signal.signal(signal.SIGUSR1, lambda *_: loop.stop())
     notes = prepare() if backend.realtime else []
     loop.tell({"event": "ready", "notes": notes, "realtime": backend.realtime})
     loop.run()

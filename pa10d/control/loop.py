@@ -33,6 +33,7 @@ class Loop:
         self._clock = Clock(arm.backend.period)
         self._told: tuple[Any, ...] = ()
         self._ending = ""
+        self._stop = False
         self._heard = time.monotonic()
         self._settle = round(SETTLE / arm.backend.period)
         self._unsettled = 0  # cycles to go until simulated time stands still
@@ -44,6 +45,10 @@ class Loop:
     def end(self, why: str) -> None:
         """Stop along the limits, power off, leave."""
         self._ending = self._ending or why
+
+    def stop(self) -> None:
+        """Rest along the limits, from the next cycle on: for those whom no daemon hears."""
+        self._stop = True
 
     def run(self) -> None:
         """Returns once the arm is safe and the bus is left."""
@@ -95,6 +100,9 @@ class Loop:
             time.sleep(0.001)
 
     def _listen(self) -> None:
+        if self._stop:
+            self._stop = False
+            self._commands.carry_out({"do": "stop"})
         while (message := self._mailbox.take()) is not None:
             self._heard = time.monotonic()
             if message.get("do") == "alive":

@@ -10,11 +10,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pa10d.daemon.budget import of_a_job, of_an_answer
+from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs import Job, Jobs, Progress, Report
 from pa10d.daemon.lease import Lease
 from pa10d.daemon.notify import notify, watchdog_period
 from pa10d.daemon.robot import RobotProcess
+from pa10d.daemon.shelf import Shelf
 from pa10d.daemon.simulator import Simulator, wants_simulator
 from pa10d.daemon.telemetry import Telemetry
 from pa10d.daemon.workers import TaskFailed, Workers
@@ -26,6 +29,7 @@ from pa10d.store.models import ModelStore
 
 MOVING = ("experiment", "series", "improvement")  # kinds of jobs that move the arm
 END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
+BEFORE_JOBS = 5  # niceness of what a request waits for
 FOR_THE_ARM = 4.0  # s of it are kept for control, should jobs not end at once
 
 log = logging.getLogger("pa10d.daemon")
@@ -50,7 +54,10 @@ class Daemon:
         self.events = Events()
         self.runs, self.models = RunStore(data), ModelStore(data)
         self.jobs = Jobs(data / "jobs", self.events)
-        self.workers, self.viewer = Workers(), Workers(most=1, niceness=0)
+        self.shelf, self.changes = Shelf("look"), Shelf("change")  # what takes the lock is apart
+        self.workers = Workers(of_a_job())
+        self.desk = Workers(of_an_answer(), most=2, niceness=BEFORE_JOBS)
+        self.viewer = Workers(of_an_answer(), most=1, niceness=0)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
         self.runtime = runtime
@@ -73,6 +80,7 @@ class Daemon:
             loop.create_task(self._provide_bus()),
             loop.create_task(self.telemetry.run()),
             loop.create_task(self.workers.warm_up()),
+            loop.create_task(self.desk.warm_up()),
             loop.create_task(self._open_eyes()),
             loop.create_task(_feed_watchdog()),
         ]
@@ -99,8 +107,10 @@ class Daemon:
         for ended in await asyncio.gather(*self._tasks, return_exceptions=True):
             if isinstance(ended, Exception):
                 log.error("a task of the daemon had failed", exc_info=ended)
-        self.workers.close()
-        self.viewer.close()
+        for workers in (self.workers, self.desk, self.viewer):
+            workers.close()
+        self.shelf.close()
+        self.changes.close()
         if self.simulator is not None:
             await self.simulator.close()
 
@@ -111,7 +121,7 @@ class Daemon:
 
     async def _open_eyes(self) -> None:
         """Have the viewer's libraries loaded before somebody looks."""
-        with contextlib.suppress(TaskFailed):
+        with contextlib.suppress(TaskFailed, UserError, Crowded):
             await self.viewer.run("pa10d.services.plots:warm_up", lambda *_: None)
 
     def compute(
@@ -135,8 +145,9 @@ class Daemon:
         return await self.workers.run(call, progress, data=str(self.data), **arguments)
 
     async def answer(self, task: str, **arguments: Any) -> Any:
-        """The result of a short task, for a request that waits for it."""
-        return await self.compute_now(task, lambda *_: None, **arguments)
+        """The result of a short task, for a request that waits for it; jobs are not before it."""
+        call = f"pa10d.daemon.tasks:{task}"
+        return await self.desk.run(call, lambda *_: None, data=str(self.data), **arguments)
 
     async def look(self, plot: str, **arguments: Any) -> Any:
         """The result of a function of ``pa10d.services.plots``, from a process that waits for

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
+import logging
+import re
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -17,20 +19,34 @@ from pa10d.control.ring import Ring
 SECONDS = 5.0
 KEPT = 100
 
+log = logging.getLogger("pa10d.faults")
 
-def keep_fault(data: Path, fault: dict[str, Any], ring: Ring, joints: Sequence[str]) -> Path | None:
-    """Write DATA/faults/<time>-<kind>.npz: every field of the loop's records, and the fault."""
-    folder = data / "faults"
+
+def keep_fault(data: Path, fault: dict[str, Any], ring: Ring, joints: Sequence[str]) -> Thread:
+    """Write DATA/faults/<time>-<kind>.npz: every field of the loop's records, and the fault.
+
+    The rows are taken now; a thread writes them, for nobody waits for a disk at such a time.
+    """
     stop = int(fault.get("sequence") or ring.written) + 1
     rows, _ = ring.read(max(0, stop - round(SECONDS / ring.period)), stop)
-    fields = {name: ring.layout.get(rows, name) for name in (*SCALARS, *VECTORS)}
+    fields = {name: ring.layout.get(rows, name).copy() for name in (*SCALARS, *VECTORS)}
+    about = json.dumps({"fault": fault, "joints": list(joints)})
     stamp = time.strftime("%Y%m%d-%H%M%S", time.gmtime())
-    path = folder / f"{stamp}-{fault['kind']}.npz"
-    with contextlib.suppress(OSError):
-        folder.mkdir(exist_ok=True)
-        about = json.dumps({"fault": fault, "joints": list(joints)})
-        np.savez(path, about=np.array(about), **fields)  # type: ignore[arg-type]
-        for old in sorted(folder.glob("*.npz"))[:-KEPT]:
+    path = data / "faults" / f"{stamp}-{_plain(fault['kind'])}.npz"
+    thread = Thread(target=_write, args=(path, about, fields), daemon=True)
+    thread.start()
+    return thread
+
+
+def _write(path: Path, about: str, fields: dict[str, Any]) -> None:
+    try:
+        path.parent.mkdir(exist_ok=True)
+        np.savez(path, about=np.array(about), **fields)
+        for old in sorted(path.parent.glob("*.npz"))[:-KEPT]:
             old.unlink(missing_ok=True)
-        return path
-    return None
+    except OSError as error:
+        log.warning("%s: %s; the fault's records were not kept", path, error.strerror)
+
+
+def _plain(kind: str) -> str:
+    return re.sub(r"[^a-z0-9_]+", "_", kind.lower())

@@ -9,19 +9,24 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import importlib
 import inspect
 import json
 import logging
 import os
+import resource
 import signal
 import socket
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from pa10d.errors import UserError
 
+FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
+OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
 ALLOWED = ("pa10d.daemon.tasks", "pa10d.services.")
 
 Progress = Callable[[float, str], None]
@@ -32,11 +37,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="pa10d-worker")
     parser.add_argument("--pipe", type=int, required=True)
     parser.add_argument("--nice", type=int, required=True)
+    parser.add_argument("--memory", type=int, required=True, help="bytes it may take")
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="worker: %(message)s")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.nice(given.nice)
+    restrain(given.memory)
     connection = socket.socket(fileno=given.pipe)
     lines = connection.makefile("rb")
 
@@ -46,6 +53,14 @@ def main() -> None:
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         for line in lines:
             say(carry_out(json.loads(line), say))
+
+
+def restrain(memory: int) -> None:
+    """What asks for more is told no; where the machine runs out all the same, this process goes
+    before the daemon, the recorder and control."""
+    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text(str(FIRST_TO_GO))
 
 
 def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
@@ -62,6 +77,15 @@ def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> di
         return {"result": plain(function(**arguments))}
     except UserError as error:
         return {"error": str(error), "expected": True}
+    except MemoryError:
+        most = resource.getrlimit(resource.RLIMIT_DATA)[0] / 2**30
+        said = f"needs more than the {most:.3g} GiB of memory that one job may take"
+        return {"error": said, "expected": True, "spent": True}
+    except OSError as error:
+        if error.errno not in OF_THE_DISK:
+            logging.error("%s", traceback.format_exc())
+        what = f"{error.filename or 'data folder'}: {error.strerror}; nothing was stored"
+        return {"error": what, "expected": error.errno in OF_THE_DISK}
     except Exception as error:
         logging.error("%s", traceback.format_exc())
         return {"error": f"{type(error).__name__}: {error}", "expected": False}

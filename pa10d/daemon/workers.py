@@ -11,11 +11,15 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from pa10d.daemon.budget import Budget
 from pa10d.daemon.child import ENVIRONMENT
+from pa10d.daemon.crowded import Crowded
 from pa10d.errors import UserError
 
 NICENESS = 10  # of what computes for long
-LARGEST_ANSWER = 1 << 28  # bytes
+LARGEST_ANSWER = 8 << 20  # bytes: what is read in one go, while nothing else is done
+WAITING = 32  # tasks that wait for a process
+FRESH_AFTER = 100  # tasks after which a process gives its memory back by ending
 
 Progress = Callable[[float, str], None]
 
@@ -27,29 +31,48 @@ class TaskFailed(Exception):
 class Workers:
     """``run`` a service function in a process of its own; idle processes are kept for the next."""
 
-    def __init__(self, most: int | None = None, niceness: int = NICENESS) -> None:
-        self._niceness = niceness
+    def __init__(self, budget: Budget, most: int | None = None, niceness: int = NICENESS) -> None:
+        self._budget, self._niceness = budget, niceness
         self._most = asyncio.Semaphore(most or max(2, os.cpu_count() or 1))
         self._idle: list[Worker] = []
+        self._waiting = 0
         self._closed = False
 
     async def warm_up(self) -> None:
         """Have one ready before it is needed."""
-        self._idle.append(await Worker.start(self._niceness))
+        self._idle.append(await self._fresh())
 
     async def run(self, call: str, progress: Progress, **arguments: Any) -> Any:
-        """The function's result; UserError where the request was at fault."""
-        async with self._most:
-            worker = self._take_idle() or await Worker.start(self._niceness)
+        """The function's result; UserError where the request was at fault or took too much.
+
+        Crowded where too many wait already.
+        """
+        if self._waiting >= WAITING:
+            raise Crowded(f"{self._waiting} tasks wait for a process; try again")
+        self._waiting += 1
+        try:
+            await self._most.acquire()
+        finally:
+            self._waiting -= 1
+        try:
+            worker = self._take_idle() or await self._fresh()
             try:
-                answer = await worker.carry_out(call, arguments, progress)
-            except BaseException:
+                async with asyncio.timeout(self._budget.seconds) as limit:
+                    answer = await worker.carry_out(call, arguments, progress)
+            except BaseException as error:
                 worker.kill()
+                if isinstance(error, TimeoutError) and limit.expired():
+                    raise UserError(self._budget.time_is_over()) from error
                 raise
-            self._keep(worker)
+            self._keep(worker, answer)
+        finally:
+            self._most.release()
         if "error" in answer:
             raise (UserError if answer["expected"] else TaskFailed)(answer["error"])
         return answer["result"]
+
+    async def _fresh(self) -> Worker:
+        return await Worker.start(self._niceness, self._budget.memory)
 
     def pids(self) -> list[int]:
         """Of the idle ones."""
@@ -71,8 +94,9 @@ class Workers:
             worker.kill()
         return None
 
-    def _keep(self, worker: Worker) -> None:
-        if self._closed:
+    def _keep(self, worker: Worker, answer: dict[str, Any]) -> None:
+        worker.done += 1
+        if self._closed or answer.get("spent") or worker.done >= FRESH_AFTER:
             worker.kill()
         else:
             self._idle.append(worker)
@@ -88,14 +112,15 @@ class Worker:
         writer: asyncio.StreamWriter,
     ) -> None:
         self.process, self._reader, self._writer = process, reader, writer
+        self.done = 0  # tasks
 
     @staticmethod
-    async def start(niceness: int) -> Worker:
-        """A fresh one."""
+    async def start(niceness: int, memory: int) -> Worker:
+        """A fresh one that may take ``memory`` bytes."""
         ours, theirs = socket.socketpair()
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "pa10d.daemon.worker", "--pipe", str(theirs.fileno()),
-            "--nice", str(niceness),
+            "--nice", str(niceness), "--memory", str(memory),
             pass_fds=(theirs.fileno(),),
             stdin=asyncio.subprocess.DEVNULL,
             env={**os.environ, **ENVIRONMENT},
@@ -119,6 +144,8 @@ class Worker:
                 progress(message["progress"], message["message"])
         except ConnectionError:
             pass
+        except ValueError as error:
+            raise TaskFailed(f"the answer is longer than {LARGEST_ANSWER} bytes") from error
         code = await self.process.wait()
         how = f"by signal {-code}" if code < 0 else f"with status {code}"
         raise TaskFailed(f"the worker process was ended {how}")

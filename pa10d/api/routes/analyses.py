@@ -10,7 +10,7 @@ from fastapi.responses import FileResponse
 from pa10d.api.deps import TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
-from pa10d.api.routes.accepted import accepted
+from pa10d.api.routes.accepted import accepted, whole
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
 from pa10d.api.schemas import (
@@ -33,7 +33,7 @@ WRONG = responses("not-found", "refused")
 @router.post("/comparisons", response_model=Job, status_code=202, responses=WRONG)
 async def compare(daemon: TheDaemon, request: CompareRequest, response: Response) -> Any:
     """How large a model's error is on runs, and where; the result is that of ``pa10d compare``."""
-    _find_all(daemon, request.model, request.runs)
+    await _find_all(daemon, request.model, request.runs)
     return accepted(
         daemon.compute("compare", "compare", request.model_dump(), sheet=True), response
     )
@@ -48,9 +48,9 @@ async def list_comparisons(
 
 
 @router.get("/comparisons/{comparison}", response_model=JobWithResult, responses=WRONG)
-async def show_comparison(daemon: TheDaemon, comparison: str) -> dict[str, Any]:
+async def show_comparison(daemon: TheDaemon, comparison: str) -> Any:
     """One comparison, with its result once it is done."""
-    return _one(daemon, "compare", comparison).document()
+    return whole(daemon, _one(daemon, "compare", comparison))
 
 
 @router.get("/comparisons/{comparison}/sheet", response_model=Sheet, responses=WRONG)
@@ -61,13 +61,13 @@ async def comparison_sheet(
 ) -> FileResponse:
     """Its plots and words, of all joints together or of one."""
     part = "summary" if joint is None else f"joint-{joint}"
-    return _sheet(daemon, "compare", comparison, part)
+    return await _sheet(daemon, "compare", comparison, part)
 
 
 @router.post("/diagnoses", response_model=Job, status_code=202, responses=WRONG)
 async def diagnose(daemon: TheDaemon, request: DiagnoseRequest, response: Response) -> Any:
     """Which effect is missing; the result is that of ``pa10d diagnose``."""
-    _find_all(daemon, request.model, [*request.fit, *request.validate_])
+    await _find_all(daemon, request.model, [*request.fit, *request.validate_])
     job = daemon.compute("diagnose", "diagnose", request.model_dump(by_alias=True), sheet=True)
     return accepted(job, response)
 
@@ -81,21 +81,21 @@ async def list_diagnoses(
 
 
 @router.get("/diagnoses/{diagnosis}", response_model=JobWithResult, responses=WRONG)
-async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> dict[str, Any]:
+async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> Any:
     """One diagnosis, with its result once it is done."""
-    return _one(daemon, "diagnose", diagnosis).document()
+    return whole(daemon, _one(daemon, "diagnose", diagnosis))
 
 
 @router.get("/diagnoses/{diagnosis}/sheet", response_model=Sheet, responses=WRONG)
 async def diagnosis_sheet(daemon: TheDaemon, diagnosis: str) -> FileResponse:
     """Its plots and words: the verdict, a section per finding, and what is left."""
-    return _sheet(daemon, "diagnose", diagnosis, "summary")
+    return await _sheet(daemon, "diagnose", diagnosis, "summary")
 
 
-def _find_all(daemon: Daemon, model: str, runs: list[str]) -> None:
-    find_model(daemon, model)
+async def _find_all(daemon: Daemon, model: str, runs: list[str]) -> None:
+    await find_model(daemon, model)
     for run in runs:
-        find_run(daemon, run)
+        await find_run(daemon, run)
 
 
 def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> dict[str, Any]:
@@ -110,8 +110,8 @@ def _one(daemon: Daemon, kind: str, number: str) -> DaemonJob:
     return job
 
 
-def _sheet(daemon: Daemon, kind: str, number: str, part: str) -> FileResponse:
+async def _sheet(daemon: Daemon, kind: str, number: str, part: str) -> FileResponse:
     path = daemon.jobs.folder_of(_one(daemon, kind, number)) / f"{part}.json"
-    if not path.is_file():
+    if not await daemon.shelf(path.is_file):
         raise Problem("not-found", f"{kind} job {number}: it has no {part}; is it done?")
     return FileResponse(path, media_type="application/json")

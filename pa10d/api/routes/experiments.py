@@ -13,6 +13,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
+from pa10d.api.routes.runs import refuse_taken_run
 from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList, SeriesRequest
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.experiment import experiment_job
@@ -52,7 +53,7 @@ async def start(
     Takes a diagnosis' ``next_experiment`` as it stands. The job's result has ``runs`` (ids),
     ``checks``, ``analysis`` and ``recommendation``. The arm is left as it was found.
     """
-    asked = _checked(daemon, request)
+    asked = await _checked(daemon, request)
     require_ready(daemon)
     return accepted(experiment_job(daemon, asked), response)
 
@@ -67,7 +68,7 @@ async def start_series(
     daemon: TheDaemon, _client: Commander, request: SeriesRequest, response: Response
 ) -> Any:
     """Run several, one after the other; the job's result has all ``runs`` (ids)."""
-    asked = [_checked(daemon, one) for one in request.experiments]
+    asked = [await _checked(daemon, one) for one in request.experiments]
     require_ready(daemon)
     return accepted(series_job(daemon, asked), response)
 
@@ -78,11 +79,11 @@ async def start_series(
 async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
     """The pre-check alone, from where the arm stands: state, bus, drives, limits, torque,
     collisions, floor."""
-    asked = _checked(daemon, request)
+    asked = await _checked(daemon, request)
 
     async def work(report: Report) -> Any:
         folder = daemon.runtime / f"check-{report.job.id}"
-        folder.mkdir()
+        await daemon.shelf(folder.mkdir)
         try:
             where = {"profile": str(daemon.profile.path), "folder": str(folder)}
             plan = await daemon.workers.run(
@@ -103,19 +104,18 @@ async def check(daemon: TheDaemon, request: ExperimentRequest, response: Respons
     return accepted(daemon.jobs.start("check", asked, work), response)
 
 
-def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
+async def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
     _known(request.kind)
     asked = request.model_dump()
     if request.model is not None:
-        asked["model"] = find_model(daemon, request.model).id
+        asked["model"] = (await find_model(daemon, request.model)).id
         asked["controller"] = request.controller or "computed_torque"
     elif request.controller == "computed_torque":
         asked["model"] = daemon.robot.model
     if asked["controller"] == "computed_torque" and asked["model"] is None:
         raise Problem("refused", "computed_torque: expected 'model', the name of a model")
-    taken = request.name is not None and not request.replace
-    if taken and any(info.name == request.name for info in daemon.runs.all()):
-        raise Problem("conflict", f"there is a run {request.name!r} already; or replace: true")
+    if not request.replace:
+        await refuse_taken_run(daemon, request.name, "; or replace: true")
     return asked
 
 

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query
 from pa10d.api.deps import TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.accepted import whole
 from pa10d.api.schemas import Job, JobPage, JobStatus, JobWithResult
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs import Job as DaemonJob
@@ -34,9 +35,9 @@ async def list_jobs(
 
 
 @router.get("/{job}", response_model=JobWithResult, responses=responses("not-found"))
-async def show_job(daemon: TheDaemon, job: str) -> dict[str, Any]:
+async def show_job(daemon: TheDaemon, job: str) -> Any:
     """How far it is, and its result once it is over."""
-    return find_job(daemon, job).document()
+    return whole(daemon, find_job(daemon, job))
 
 
 @router.post("/{job}/cancel", response_model=Job, responses=responses("not-found"))

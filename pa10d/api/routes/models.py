@@ -29,6 +29,7 @@ from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
 from pa10d.export.endings import ENDINGS, Format
+from pa10d.store.entries import SetAside
 from pa10d.store.models import ModelInfo
 
 router = APIRouter(tags=["models"])
@@ -58,8 +59,9 @@ async def list_models(
     cursor: Annotated[str | None, Query(max_length=100)] = None,
 ) -> dict[str, Any]:
     """Models, newest first."""
-    found = [vars(info) for info in reversed(daemon.models.all())]
-    return page_of(found, limit, cursor)
+    infos, aside = await daemon.shelf(_look, daemon)
+    found = [vars(info) for info in reversed(infos)]
+    return page_of(found, limit, cursor) | {"set_aside": [other.document() for other in aside]}
 
 
 @router.post(
@@ -67,7 +69,7 @@ async def list_models(
 )
 async def identify(daemon: TheDaemon, request: IdentifyRequest, response: Response) -> Any:
     """Fit the textbook model to runs; the job's result is that of ``pa10d identify``."""
-    _check(daemon, request.runs, request.name, request.replace)
+    await _check(daemon, request.runs, request.name, request.replace)
     job = daemon.compute(
         "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
     )
@@ -77,13 +79,14 @@ async def identify(daemon: TheDaemon, request: IdentifyRequest, response: Respon
 @router.get("/models/{model}", response_model=ModelDetails, responses=responses("not-found"))
 async def show_model(daemon: TheDaemon, model: str) -> Any:
     """One model with its parameters."""
-    return await daemon.answer("model_document", model=find_model(daemon, model).id)
+    return await daemon.answer("model_document", model=(await find_model(daemon, model)).id)
 
 
 @router.get("/models/{model}/history", response_model=History, responses=responses("not-found"))
 async def show_history(daemon: TheDaemon, model: str) -> Any:
     """What it was made from, step by step, all judged on the same runs in one band."""
-    return await daemon.answer("model_history", model=find_model(daemon, model).id)
+    info = await find_model(daemon, model)
+    return await daemon.answer("model_history", model=info.id)
 
 
 @router.get(
@@ -99,7 +102,7 @@ async def export_model(
 ) -> PlainTextResponse:
     """The model for other programs, on bodies that can exist unless the free fit is asked for;
     the text says which, and what it cannot carry."""
-    info = find_model(daemon, model)
+    info = await find_model(daemon, model)
     found = await daemon.answer("model_text", model=info.id, format=format, parameters=parameters)
     headers = {
         "Content-Disposition": f'attachment; filename="{info.id}.{ENDINGS[format]}"',
@@ -111,7 +114,8 @@ async def export_model(
 @router.get("/models/{model}/effects", response_model=EffectList, responses=responses("not-found"))
 async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
     """What the library says of the effects at work in a model."""
-    ids = {label.split(" ")[0] for label in find_model(daemon, model).effects}
+    info = await find_model(daemon, model)
+    ids = {label.split(" ")[0] for label in info.effects}
     known = all_effects() | {SmoothMap.id: effect(SmoothMap.id)}
     return {"items": [_about(e) for name, e in known.items() if name in ids]}
 
@@ -124,8 +128,8 @@ async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
 )
 async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, response: Response) -> Any:
     """A new version with the effect fitted in; the old one stays."""
-    info = find_model(daemon, model)
-    _check(daemon, request.fit, request.name, request.replace)
+    info = await find_model(daemon, model)
+    await _check(daemon, request.fit, request.name, request.replace)
     if request.effect not in {*all_effects(), SmoothMap.id}:
         raise Problem("not-found", f"no effect {request.effect!r} in the library")
     return accepted(daemon.compute("add", "add", {"model": info.id, **_dump(request)}), response)
@@ -144,8 +148,8 @@ async def improve(
 
     With ``experiments`` the arm is moved to settle doubts: the client must be able to command it.
     """
-    info = find_model(daemon, model)
-    _check(daemon, [*request.fit, *request.validate_], request.name, request.replace)
+    info = await find_model(daemon, model)
+    await _check(daemon, [*request.fit, *request.validate_], request.name, request.replace)
     asked = {"model": info.id, **_dump(request)}
     if asked.pop("experiments"):
         daemon.lease.take(client)
@@ -154,10 +158,14 @@ async def improve(
     return accepted(daemon.compute("improve", "improve", asked), response)
 
 
-def find_model(daemon: Daemon, wanted: str) -> ModelInfo:
+def _look(daemon: Daemon) -> tuple[list[ModelInfo], list[SetAside]]:
+    return daemon.models.all(), daemon.models.set_aside()
+
+
+async def find_model(daemon: Daemon, wanted: str) -> ModelInfo:
     """The model, or a problem."""
     try:
-        return daemon.models.find(wanted)
+        return await daemon.shelf(daemon.models.find, wanted)
     except UserError as error:
         raise Problem("not-found", str(error)) from error
 
@@ -166,9 +174,9 @@ def _dump(request: Any) -> dict[str, Any]:
     return dict(request.model_dump(by_alias=True))
 
 
-def _check(daemon: Daemon, runs: list[str], name: str, replace: bool) -> None:
+async def _check(daemon: Daemon, runs: list[str], name: str, replace: bool) -> None:
     """Say at once what a worker would say later."""
     for run in runs:
-        find_run(daemon, run)
-    if not replace and any(info.name == name for info in daemon.models.all()):
+        await find_run(daemon, run)
+    if not replace and any(i.name == name for i in await daemon.shelf(daemon.models.all)):
         raise Problem("conflict", f"there is a model {name!r} already; or give replace: true")

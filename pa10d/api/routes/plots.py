@@ -23,7 +23,9 @@ Edge = Annotated[float, Query(description="of 'variable', its unit")]
 @router.get("/run", response_model=Plot, responses=WRONG)
 async def run_plot(daemon: TheDaemon, run: Text, begin: Second = None, end: Second = None) -> Any:
     """Positions and torques of a recording."""
-    return await daemon.look("run_plot", run=find_run(daemon, run).id, span=_span(begin, end))
+    return await daemon.look(
+        "run_plot", run=(await find_run(daemon, run)).id, span=_span(begin, end)
+    )
 
 
 @router.get("/torque", response_model=TorquePlot, responses=WRONG)
@@ -45,8 +47,8 @@ async def torque_plot(
     is then a stretch of time that shows it well.
     """
     return await daemon.look(
-        "torque_over", model=find_model(daemon, model).id, run=find_run(daemon, run).id,
-        joint=joint, raw=raw, span=_span(begin, end),
+        "torque_over", model=(await find_model(daemon, model)).id,
+        run=(await find_run(daemon, run)).id, joint=joint, raw=raw, span=_span(begin, end),
         place=None if variable is None else (variable, low, high),
     )  # fmt: skip
 
@@ -54,16 +56,17 @@ async def torque_plot(
 @router.get("/staircase", response_model=StaircasePlot, responses=WRONG)
 async def staircase_plot(daemon: TheDaemon, model: Text, runs: Runs) -> Any:
     """The error of a model and of every version it was made from, on the same runs."""
-    found = [find_run(daemon, run).id for run in runs]
-    return await daemon.look("staircase_of", model=find_model(daemon, model).id, runs=found)
+    found = [(await find_run(daemon, run)).id for run in runs]
+    return await daemon.look("staircase_of", model=(await find_model(daemon, model)).id, runs=found)
 
 
 @router.get("/versus", response_model=VersusPlot, responses=WRONG)
 async def versus_plot(daemon: TheDaemon, one: Text, other: Text, runs: Runs) -> Any:
     """Two models side by side on the same runs."""
     return await daemon.look(
-        "versus", one=find_model(daemon, one).id, other=find_model(daemon, other).id,
-        runs=[find_run(daemon, run).id for run in runs],
+        "versus", one=(await find_model(daemon, one)).id,
+        other=(await find_model(daemon, other)).id,
+        runs=[(await find_run(daemon, run)).id for run in runs],
     )  # fmt: skip
 
 

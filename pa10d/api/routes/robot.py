@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 
 from backends.cia402 import state_of
 from pa10d.api.deps import Client, Commander, TheDaemon
@@ -40,10 +40,17 @@ async def disable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
 
 
 @router.post("/stop", response_model=RobotState)
-async def stop(daemon: TheDaemon) -> dict[str, Any]:
-    """Bring the arm to rest along its limits. Everybody may, always; nothing needs to be held."""
+async def stop(
+    daemon: TheDaemon,
+    wait: Annotated[float, Query(ge=0, le=30, description="s to wait for the arm's rest")] = 0.0,
+) -> dict[str, Any]:
+    """Bring the arm to rest along its limits. Everybody may, always; nothing needs to be held.
+
+    Answers once control has been told; ``wait`` for those who want to see the arm at rest.
+    """
     daemon.stop()
-    await daemon.robot.until("holding", "inactive", "fault", "offline", timeout=5.0)
+    if wait > 0:
+        await daemon.robot.until("holding", "inactive", "fault", "offline", timeout=wait)
     return describe(daemon)
 
 
@@ -83,7 +90,7 @@ async def controller(
 ) -> dict[str, Any]:
     """Choose the control law; computed torque needs a model, whose effects go along in every
     experiment from now on."""
-    model = None if request.model is None else find_model(daemon, request.model).id
+    model = None if request.model is None else (await find_model(daemon, request.model)).id
     await daemon.use_controller(request.controller, model)
     return describe(daemon)
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import tempfile
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -17,11 +20,14 @@ from pa10d.api.schemas import Run, RunChange, RunPage
 from pa10d.daemon.daemon import Daemon
 from pa10d.errors import UserError
 from pa10d.store import RunInfo
+from pa10d.store.entries import SetAside
 
 router = APIRouter(prefix="/runs", tags=["runs"])
 Format = Literal["csv", "mcap", "parquet", "mat"]
 STATUS = Literal["started", "success", "stopped", "aborted", "failed"]
 Text = Annotated[str | None, Query(max_length=100)]
+UPLOADS = "uploads"  # within the data folder
+PIECE = 1 << 20  # bytes that are written in one go
 UPLOAD_BODY = {
     "requestBody": {
         "required": True,
@@ -52,31 +58,32 @@ async def list_runs(
             and (tag is None or tag in info.tags)
         )
 
-    found = [info.document() for info in reversed(daemon.runs.all()) if wanted(info)]
-    return page_of(found, limit, cursor)
+    infos, aside = await daemon.shelf(_look, daemon)
+    found = [info.document() for info in reversed(infos) if wanted(info)]
+    return page_of(found, limit, cursor) | {"set_aside": [other.document() for other in aside]}
 
 
 @router.get("/{run}", response_model=Run, responses=responses("not-found"))
 async def show_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
     """By exact name, id, or unique start of an id."""
-    return find_run(daemon, run).document()
+    return (await find_run(daemon, run)).document()
 
 
 @router.patch("/{run}", response_model=Run, responses=responses("not-found", "conflict", "refused"))
 async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str, Any]:
     """Give it another name or other tags."""
-    info = find_run(daemon, run)
-    taken = any(o.name == change.name and o.id != info.id for o in daemon.runs.all())
-    if change.name is not None and taken:
-        raise Problem("conflict", f"there is a run {change.name!r} already")
+    info = await find_run(daemon, run)
+    if change.name not in (None, info.name):
+        await refuse_taken_run(daemon, change.name)
     tags = None if change.tags is None else tuple(change.tags)
-    return daemon.runs.change(info.id, name=change.name, tags=tags).document()
+    changed = await daemon.changes(daemon.runs.change, info.id, name=change.name, tags=tags)
+    return changed.document()
 
 
 @router.delete("/{run}", response_model=Run, responses=responses("not-found", "refused"))
 async def delete_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
     """Remove it and its measurements."""
-    info = daemon.runs.delete(find_run(daemon, run).id)
+    info = await daemon.changes(daemon.runs.delete, (await find_run(daemon, run)).id)
     daemon.events.publish("run", {"id": info.id, "name": info.name, "status": "deleted"})
     return info.document()
 
@@ -100,15 +107,12 @@ async def import_run(
 
     ``map`` reads a column as a field: ``map=torque_1=tau1``.
     """
-    if name is not None and not replace and any(i.name == name for i in daemon.runs.all()):
-        raise Problem("conflict", f"there is a run {name!r} already; or give replace=true")
-    folder = daemon.data / "uploads"
-    folder.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder) as place:
-        path = Path(place) / _harmless(filename)
-        with path.open("wb") as file:
-            async for part in request.stream():
-                file.write(part)
+    if not replace:
+        await refuse_taken_run(daemon, name, "; or give replace=true")
+    plain = _harmless(filename)
+    async with _place(daemon) as place:
+        path = Path(place) / plain
+        await _take(request, path, daemon)
         info = await daemon.answer(
             "import_file",
             file=str(path),
@@ -128,19 +132,40 @@ async def import_run(
 )
 async def export_run(daemon: TheDaemon, run: str, format: Format) -> FileResponse:
     """The run as a file."""
-    info = find_run(daemon, run)
-    folder = daemon.data / "uploads"
-    folder.mkdir(exist_ok=True)
-    place = tempfile.TemporaryDirectory(dir=folder)
-    path = Path(place.name) / f"export.{format}"
-    try:
+    info = await find_run(daemon, run)
+    async with contextlib.AsyncExitStack() as stack:
+        path = Path(await stack.enter_async_context(_place(daemon))) / f"export.{format}"
         await daemon.answer("export_file", run=info.id, format=format, file=str(path))
-    except BaseException:
-        place.cleanup()
-        raise
-    return FileResponse(
-        path, filename=f"{info.name}.{format}", background=BackgroundTask(place.cleanup)
-    )
+        sent = BackgroundTask(stack.pop_all().aclose)
+    return FileResponse(path, filename=f"{info.name}.{format}", background=sent)
+
+
+@contextlib.asynccontextmanager
+async def _place(daemon: Daemon) -> AsyncIterator[str]:
+    """A folder of one's own for the time of a request."""
+    place = await daemon.shelf(_make_place, daemon.data / UPLOADS)
+    try:
+        yield place.name
+    finally:
+        await asyncio.to_thread(place.cleanup)
+
+
+def _make_place(folder: Path) -> tempfile.TemporaryDirectory[str]:
+    folder.mkdir(exist_ok=True)
+    return tempfile.TemporaryDirectory(dir=folder, ignore_cleanup_errors=True)
+
+
+async def _take(request: Request, path: Path, daemon: Daemon) -> None:
+    """The body into a file, a piece at a time."""
+    with await daemon.shelf(path.open, "wb") as file:
+        waiting = bytearray()
+        async for part in request.stream():
+            waiting += part
+            if len(waiting) >= PIECE:
+                await daemon.shelf(file.write, bytes(waiting))
+                waiting.clear()
+        await daemon.shelf(file.write, bytes(waiting))
+        await daemon.shelf(file.flush)
 
 
 def _harmless(filename: str) -> str:
@@ -151,9 +176,20 @@ def _harmless(filename: str) -> str:
     return plain
 
 
-def find_run(daemon: Daemon, wanted: str) -> RunInfo:
+def _look(daemon: Daemon) -> tuple[list[RunInfo], list[SetAside]]:
+    return daemon.runs.all(), daemon.runs.set_aside()
+
+
+async def find_run(daemon: Daemon, wanted: str) -> RunInfo:
     """The run, or a problem."""
     try:
-        return daemon.runs.find(wanted)
+        return await daemon.shelf(daemon.runs.find, wanted)
     except UserError as error:
         raise Problem("not-found", str(error)) from error
+
+
+async def refuse_taken_run(daemon: Daemon, name: str | None, way_out: str = "") -> None:
+    """Say at once what the store would say later."""
+    infos = () if name is None else await daemon.shelf(daemon.runs.all)
+    if any(info.name == name for info in infos):
+        raise Problem("conflict", f"there is a run {name!r} already{way_out}")

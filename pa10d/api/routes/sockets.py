@@ -22,7 +22,7 @@ async def events(
     await socket.accept()
     async with _until_gone(socket):
         async for event in daemon.events.listen(since):
-            await socket.send_json(event)
+            await socket.send_text(event)
 
 
 @router.websocket("/telemetry")
