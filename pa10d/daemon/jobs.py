@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
@@ -41,7 +41,7 @@ class Job:
     kept: its document, with the result, is on disk, and the result no longer in memory.
     """
 
-    __pydantic_config__ = ConfigDict(strict=True)
+    __pydantic_config__ = ConfigDict(strict=True, arbitrary_types_allowed=True)
 
     id: Id
     kind: str
@@ -54,7 +54,7 @@ class Job:
     error: str | None = None
     started: str | None = None
     finished: str | None = None
-    task: SkipValidation[asyncio.Task[None] | None] = field(default=None, repr=False)
+    task: asyncio.Task[None] | None = field(default=None, repr=False)
     told: float = field(default=0.0, repr=False)
     kept: bool = field(default=False, repr=False)
 

@@ -1,0 +1,151 @@
+"""What a job may take: memory, time, places in the queue; what it leaves behind when it is over."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+
+from pa10d.daemon.budget import Budget
+from pa10d.daemon.crowded import Crowded
+from pa10d.daemon.events import Events
+from pa10d.daemon.jobs import Jobs
+from pa10d.daemon.workers import Workers
+from pa10d.errors import UserError
+
+PLENTY = Budget(4 << 30, 120.0)
+GREEDY = """
+import json
+from pa10d.daemon import worker
+worker.ALLOWED = ("numpy",)
+worker.restrain(700 << 20)
+print(json.dumps(worker.carry_out({"call": "numpy:ones", "arguments": {"shape": 1 << 28}}, print)))
+"""
+
+
+async def _closed(workers):
+    """All processes gone, and seen to be."""
+    workers.close()
+    while psutil.Process().children():
+        await asyncio.sleep(0.02)
+
+
+def test_a_job_that_wants_more_memory_than_it_may_take_is_told_so():
+    said = subprocess.run(
+        [sys.executable, "-c", GREEDY], capture_output=True, text=True, check=True
+    ).stdout
+    answer = json.loads(said)
+    assert "more than the 0.684 GiB of memory that one job may take" in answer["error"]
+    assert answer["expected"]
+    assert answer["spent"]  # such a process is not used again
+
+
+def test_a_job_that_takes_too_long_ends():
+    async def main():
+        workers = Workers(Budget(PLENTY.memory, 0.05))
+        with pytest.raises(UserError, match=r"ended after 0\.05 s"):
+            await workers.run("pa10d.services.plots:warm_up", lambda *_: None)
+        assert workers.pids() == []
+        await _closed(workers)
+
+    asyncio.run(main())
+
+
+def test_workers_are_the_first_to_go_when_memory_runs_out():
+    async def main():
+        workers = Workers(PLENTY, most=1)
+        with pytest.raises(UserError, match="not a service"):
+            await workers.run("os:getpid", lambda *_: None)
+        (pid,) = workers.pids()
+        assert int(Path(f"/proc/{pid}/oom_score_adj").read_text()) == 600
+        await _closed(workers)
+
+    asyncio.run(main())
+
+
+def test_tasks_that_wait_for_a_process_are_counted(monkeypatch):
+    monkeypatch.setattr("pa10d.daemon.workers.WAITING", 1)
+
+    async def main():
+        workers = Workers(PLENTY, most=1)
+        first, second = (
+            asyncio.create_task(workers.run("os:getpid", lambda *_: None)) for _ in range(2)
+        )
+        await asyncio.sleep(0)
+        with pytest.raises(Crowded, match="1 tasks wait"):
+            await workers.run("os:getpid", lambda *_: None)
+        for task in (first, second):
+            with pytest.raises(UserError):
+                await task
+        await _closed(workers)
+
+    asyncio.run(main())
+
+
+async def _answer(report):
+    return {"large": list(range(1000))}
+
+
+def test_a_job_that_is_over_leaves_memory_and_its_result_stays(tmp_path, monkeypatch):
+    monkeypatch.setattr("pa10d.daemon.jobs.KEPT", 5)
+
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        for _ in range(12):
+            job = jobs.start("x", {"a": 1}, _answer)
+            await job.task
+        assert len(jobs.all()) == 5
+        assert len(list((tmp_path / "jobs").glob("*.json"))) == 5
+        assert all(job.result is None and job.task is None for job in jobs.all())
+        kept = json.loads(jobs.file_of(job).read_text())
+        assert kept["result"]["large"][-1] == 999
+        again = Jobs(tmp_path / "jobs", Events())
+        assert [job.id for job in again.all()] == [job.id for job in jobs.all()]
+
+    asyncio.run(main())
+
+
+def test_a_job_whose_result_finds_no_room_keeps_it_in_memory_and_says_so(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        monkeypatch.setattr("pa10d.daemon.jobs.write_json", full)
+        job = jobs.start("x", {}, _answer)
+        await job.task
+        assert job.status == "succeeded"
+        assert "No space left" in job.message
+        assert job.document()["result"]["large"][-1] == 999
+
+    asyncio.run(main())
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"id": "../../x"}, {"id": "other"}, {"status": "running"}, {"request": 3}, {"progress": 1e9},
+     {"kind": None}, {"created": 5}],
+)  # fmt: skip
+def test_a_job_file_that_is_none_is_passed_over(tmp_path, changes):
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        job = jobs.start("x", {}, _answer)
+        await job.task
+        path = jobs.file_of(job)
+        path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+        assert Jobs(tmp_path / "jobs", Events()).all() == []
+
+    asyncio.run(main())
+
+
+def test_events_are_kept_within_bounds(monkeypatch):
+    monkeypatch.setattr("pa10d.daemon.events.LARGEST", 10_000)
+    events = Events()
+    for _ in range(50):
+        events.publish("job", {"request": "x" * 1000})
+    assert 5 <= len(events.since(0)) <= 10
