@@ -12,6 +12,10 @@ Array = NDArray[np.float64]
 STILL_SHARE = 0.01  # of the 99 % quantile of speed: slower is standing or creeping
 RESTING = 0.08  # s: a stop that long is a rest, a shorter one a reversal
 REACH = 0.8  # periods of the cut-off over which the filter remembers a standstill
+NARROWER = ((REACH, 0.5), (0.5, 0.1), (0.0, 0.0))
+"""Periods of the cut-off that are cut around a reversal, and the share of the joint's motion that
+has to remain; the first that leaves as much is taken. The filter's main lobe ends after half a
+period, and what rings beyond it is at most a seventh of its peak (a ninth beyond 0.8)."""
 
 
 def fast_speed(dq: Array) -> Array:
@@ -25,28 +29,71 @@ def standstill(
     lowpass: Lowpass,
     fast: Array | None = None,
     longer_than: float = 0.0,
-    reach: float = REACH,
+    wider: float = 1.0,
 ) -> NDArray[np.bool_]:
     """(M, n): True where joint i stands, or stood so near that the filter still sees it.
 
     A joint stands while its speed is below STILL_SHARE of its fast speed. Creeping counts, and so
     does the instant of a reversal: a real joint sticks there, for how long nobody measured, and
-    friction is anything between ±Fs meanwhile. ``longer_than`` s leaves out shorter stops;
-    ``reach``: periods of the cut-off.
+    friction is anything between ±Fs meanwhile. A joint that turns round so often that this would
+    leave little of its motion is cut less far around its reversals (see ``NARROWER``), and around
+    its rests as far as any other.
+
+    longer_than: s, shorter stops are left out; wider: factor on how far the cuts reach.
     """
-    samples, n = dq.shape
-    samples_near = int(reach / lowpass.cutoff * rate)
+    samples = len(dq)
     shortest = max(1, int(longer_than * rate))
-    out = np.zeros((lowpass.kept, n), dtype=bool)
+    out = np.zeros((lowpass.kept, dq.shape[1]), dtype=bool)
+    for j, found in enumerate(stops(dq, rate, fast)):
+        long = found[:, 1] - found[:, 0] >= int(RESTING * rate)
+        turns = found[~long & (found[:, 1] - found[:, 0] >= shortest)]
+        periods = rate / lowpass.cutoff
+        resting = near(found[long], samples, int(REACH * periods))
+        left = samples - int(resting.sum())
+        for reach, enough in NARROWER:
+            cut = resting | near(turns, samples, int(reach * periods))
+            if samples - int(cut.sum()) >= enough * left:
+                break
+        if wider > 1.0:
+            cut = near(found[long], samples, int(wider * REACH * periods))
+            cut |= near(turns, samples, int(wider * reach * periods))
+        out[:, j] = cut[:: lowpass.factor]
+    return out
+
+
+def share_left(
+    dq: Array, rate: float, cutoff: float, edge: float, fast: Array | None = None
+) -> tuple[Array, Array]:
+    """((n,), (n,)): samples of each joint's motion, and how many of them a filter of ``cutoff`` Hz
+    leaves to be judged: not within ``edge`` s of the ends, nor near a rest or reversal."""
+    samples, periods = len(dq), rate / cutoff
+    ends = int(np.ceil(edge * rate))
+    inside = np.zeros(samples, dtype=bool)
+    inside[ends : max(ends, samples - ends)] = True
+    moves, left = np.zeros(dq.shape[1]), np.zeros(dq.shape[1])
+    for j, found in enumerate(stops(dq, rate, fast)):
+        long = found[:, 1] - found[:, 0] >= int(RESTING * rate)
+        cut = near(found, samples, int(REACH * periods))
+        moves[j] = samples - int(near(found[long], samples, 0).sum())
+        left[j] = int((inside & ~cut).sum())
+    return moves, left
+
+
+def stops(dq: Array, rate: float, fast: Array | None = None) -> list[NDArray[np.int64]]:
+    """Per joint (k, 2): samples at which it begins to stand, or turns round, and moves again."""
     limits = np.maximum(STILL_SHARE * (fast_speed(dq) if fast is None else fast), 1e-9)
+    out = []
     for j, limit in enumerate(limits):
         slow = np.abs(dq[:, j]) < limit
         slow[1:] |= np.diff(np.sign(dq[:, j])) != 0
         edges = np.flatnonzero(np.diff(np.concatenate([[0], slow.astype(np.int8), [0]])))
-        near = np.zeros(samples + 1)
-        for start, stop in edges.reshape(-1, 2):
-            if stop - start >= shortest:
-                near[max(0, start - samples_near)] += 1
-                near[min(samples, stop + samples_near)] -= 1
-        out[:, j] = np.cumsum(near)[: samples : lowpass.factor] > 0
+        out.append(edges.reshape(-1, 2))
     return out
+
+
+def near(stops: NDArray[np.int64], samples: int, reach: int) -> NDArray[np.bool_]:
+    """(samples,) within ``reach`` samples of the stretches ``stops`` (k, 2), begin and end."""
+    change = np.zeros(samples + 1, dtype=np.int64)
+    np.add.at(change, np.maximum(0, stops[:, 0] - reach), 1)
+    np.add.at(change, np.minimum(samples, stops[:, 1] + reach), -1)
+    return np.asarray(np.cumsum(change)[:samples] > 0)

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from pa10d.diagnose.partial import solve
 from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
-from pa10d.standstill import REACH, standstill
+from pa10d.standstill import standstill
 
 Array = NDArray[np.float64]
 
 WIDER = 2.0  # times the usual distance from a standstill
+BLIND = 10.0  # times the variance: so few samples lie far from reversals that they tell nothing
 
 
 def moved_by_reversals(state: State, index: int, slopes: PerJoint, variance: Array) -> Array:
@@ -45,21 +46,30 @@ def moved_by_reversals(state: State, index: int, slopes: PerJoint, variance: Arr
     to_term = scipy.linalg.block_diag(state.fit.to_beta[place], np.eye(width))
     there, here = (to_term @ solve(g, s) for g, s in zip(grams[::-1], sides[::-1], strict=True))
     spread = [np.diag(to_term @ _inverse(g) @ to_term.T) for g in grams]
-    lost = variance * np.maximum(spread[1] / np.maximum(spread[0], 1e-300) - 1.0, 0.0)
-    return np.asarray(np.maximum((there - here) ** 2 - lost, 0.0))
+    times = spread[1] / np.maximum(spread[0], 1e-300)
+    lost = variance * np.maximum(times - 1.0, 0.0)
+    tells = (times < BLIND) & (_rank(grams[1]) == _rank(grams[0]))
+    return np.asarray(np.where(tells, np.maximum((there - here) ** 2 - lost, 0.0), 0.0))
 
 
 def _far_from_standstill(state: State) -> dict[int, NDArray[np.bool_]]:
     """joint -> (m_j,) of the training side's rows: which lie far from any standstill."""
     side = state.train
     near = [
-        standstill(run.context.dq, run.lowpass.rate, run.lowpass, reach=WIDER * REACH)
+        standstill(run.context.dq, run.lowpass.rate, run.lowpass, wider=WIDER)
         for run in side.runs
     ]
     return {
         j: np.concatenate([~n[k[:, j], j] for n, k in zip(near, side.keep, strict=True)])
         for j in range(side.n)
     }
+
+
+def _rank(gram: Array) -> int:
+    """Directions that are not lost in rounding, as ``solve`` and ``_inverse`` count them."""
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    values = np.linalg.eigvalsh(gram / np.outer(scale, scale))
+    return int(np.sum(values > 1e-8 * values[-1]))
 
 
 def _inverse(gram: Array) -> Array:

@@ -14,9 +14,12 @@ from pa10d.errors import UserError
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 
+Array = NDArray[np.float64]
+
 BLOCKS = 6  # alternate blocks of time of a run that must serve both sides
 GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
-ROWS_PER_UNKNOWN = 5  # least number of equations (filtered samples × joints) per coefficient
+PER_UNKNOWN = 2.0  # independent samples, least number
+FEWEST = 12  # independent samples of a joint that is judged: its variance is known to 40 %
 
 
 def two_sides(
@@ -59,13 +62,43 @@ def two_sides(
                 f"diagnose: joint {still} never moves in the data {what}, expected all joints to; "
                 "use other runs or a profile with fewer joints"
             )
-        seconds = sum(float(run.keep.mean(axis=1).sum()) / run.rate for run in side)
-        if seconds * model.robot.n * side[0].rate < ROWS_PER_UNKNOWN * len(model.covariance):
-            raise UserError(
-                f"diagnose: {seconds:.2g} s of motion in the data {what}, too little for the "
-                f"{len(model.covariance)} unknowns of {model.name}; expected longer runs"
-            )
+    _enough_to_fit(model, train)
+    _enough_to_judge(held)
     return Side(train), Side(held), words
+
+
+def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
+    """Refuse data with so few independent samples that what the unknowns of the model are off by
+    moves its torque by more than half of the noise's power."""
+    needed, found = PER_UNKNOWN * len(model.covariance), float(np.sum(_independent(train)))
+    if found < needed:
+        seconds = sum(float(run.keep.mean(axis=1).sum()) / run.rate for run in train)
+        raise UserError(
+            f"diagnose: {seconds:.2g} s of motion in the data to fit, too little for the "
+            f"{len(model.covariance)} unknowns of {model.name}; expected {needed / found:.1f} "
+            "times as much"
+        )
+
+
+def _enough_to_judge(held: Sequence[RunEquation]) -> None:
+    """Refuse data that has too few independent samples of a joint to know its noise by: nothing
+    is fitted to them, so the number of unknowns does not matter."""
+    found = _independent(held)
+    few = np.flatnonzero(found < FEWEST)
+    if len(few):
+        j = int(few[0])
+        raise UserError(
+            f"diagnose: {found[j]:.0f} independent samples of joint {j + 1} in motion in the data "
+            f"to judge by, expected at least {FEWEST}: a longer run of another motion, or a wider "
+            "band (--cutoff)"
+        )
+
+
+def _independent(runs: Sequence[RunEquation]) -> Array:
+    """(n,) samples that a band of the cut-off can hold in the time that counts: two a period."""
+    return np.asarray(
+        np.sum([2.0 * r.lowpass.cutoff / r.rate * r.keep.sum(axis=0) for r in runs], axis=0)
+    )
 
 
 def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:

@@ -7,7 +7,9 @@ joint the frequency at which the coherence of measured and modelled torque falls
 (as much noise as signal). The cut-off is MARGIN times the joints' median, because the filter
 should not bend what is still signal; but no higher than where the encoder's noise, integrated
 over the band, reaches a quarter of the torque sensor's, no higher than a twentieth of the sampling
-rate, and no higher than any model is judged.
+rate, and no higher than any model is judged. Within the first two it is wide enough to leave half
+of the motion: a narrow filter remembers ends, rests and reversals for long, and short runs of fast
+joints have little else (see ``pa10d.band``).
 """
 
 from __future__ import annotations
@@ -20,8 +22,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.band import wide_enough
 from pa10d.equation import prepare
-from pa10d.judgement.band import HIGHEST_HZ
+from pa10d.judgement.band import HIGHEST_HZ, SHORT_MOTION
 from pa10d.model import TorqueModel
 from pa10d.recording import Recording
 
@@ -39,7 +42,7 @@ FEWEST_PERIODS = 16.0  # of the cut-off in the shortest run, half of which the e
 @dataclass(frozen=True)
 class Cutoff:
     """hertz: the choice; signal (n,) Hz where each joint's torque falls to the noise; encoder (n,)
-    Hz beyond which its encoder would add too much; limited_by: which of the two decided."""
+    Hz beyond which its encoder would add too much; limited_by: what decided."""
 
     hertz: float
     signal: Array
@@ -54,7 +57,8 @@ def probe_cutoff(recordings: Sequence[Recording]) -> float:
 
 def choose_cutoff(model: TorqueModel, recordings: Sequence[Recording]) -> Cutoff:
     """From a model that was fitted with a wide band."""
-    highest = min(SHARE * min(r.rate for r in recordings), HIGHEST_HZ)
+    coarse = SHARE * min(r.rate for r in recordings)
+    highest = min(coarse, HIGHEST_HZ)
     spectra = [_Spectra(model, r) for r in recordings]
     widest = PROBE_SHARE * min(r.rate for r in recordings)
     signal = np.array([_falls(spectra, j, widest) for j in range(model.robot.n)])
@@ -62,11 +66,14 @@ def choose_cutoff(model: TorqueModel, recordings: Sequence[Recording]) -> Cutoff
     wanted, allowed = MARGIN * float(np.median(signal)), float(np.median(encoder))
     shortest = min(r.duration for r in recordings)
     lowest = min(FEWEST_PERIODS / shortest, highest)
-    chosen = float(np.clip(min(wanted, allowed), lowest, highest))
+    found = float(np.clip(min(wanted, allowed), lowest, highest))
+    chosen = wide_enough(recordings, found, min(allowed, coarse))
     digits = 1 - int(np.floor(np.log10(chosen)))
     reason = "torque falls to the noise" if wanted <= allowed else "encoder noise"
     if min(wanted, allowed) > highest:
         reason = "band of the motion" if highest == HIGHEST_HZ else "sampling rate"
+    if chosen > found:
+        reason = SHORT_MOTION
     return Cutoff(round(chosen, digits), signal, encoder, reason)
 
 

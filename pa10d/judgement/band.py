@@ -15,11 +15,16 @@ HIGHEST_HZ = 12.0
 """Mechanical effects act within the band of the motion; above it a residual holds what reversals
 and timing leave behind, which looks like any effect that is sharp."""
 
+SHORT_MOTION = "short motion"
+"""Why a cut-off is wider than it would be: the filter's memory of ends, rests and reversals would
+have taken more than half of the motion."""
+
 
 def band(model: TorqueModel) -> float:
-    """Hz of the low-pass on both sides: the model's own, at most HIGHEST_HZ unless a user chose."""
+    """Hz of the low-pass on both sides: the model's own, at most HIGHEST_HZ unless a user or the
+    motion asked for more."""
     chosen = model.notes.get("cutoff", {})
-    if isinstance(chosen, dict) and chosen.get("chosen_by") == "user":
+    if isinstance(chosen, dict) and chosen.get("chosen_by") in ("user", SHORT_MOTION):
         return model.cutoff
     return min(model.cutoff, HIGHEST_HZ)
 
