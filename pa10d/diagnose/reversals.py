@@ -56,8 +56,7 @@ def _far_from_standstill(state: State) -> dict[int, NDArray[np.bool_]]:
     """joint -> (m_j,) of the training side's rows: which lie far from any standstill."""
     side = state.train
     near = [
-        standstill(run.context.dq, run.lowpass.rate, run.lowpass, wider=WIDER)
-        for run in side.runs
+        standstill(run.context.dq, run.lowpass.rate, run.lowpass, wider=WIDER) for run in side.runs
     ]
     return {
         j: np.concatenate([~n[k[:, j], j] for n, k in zip(near, side.keep, strict=True)])

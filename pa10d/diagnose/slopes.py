@@ -23,7 +23,9 @@ def with_slopes(side: Side, term: Term) -> PerJoint:
     for s in free_shapes(term.effect, term.shape):
         value = term.shape[s.name]
         step = STEP * max(abs(value), 1e-3 * (s.upper - s.lower))
-        ends = [float(np.clip(value + d, s.lower, s.upper)) for d in (-step, step)]
+        ends = [value - step, value + step]
+        if s.lower <= value <= s.upper:  # else an angle of a joint that turns on and on
+            ends = [float(np.clip(end, s.lower, s.upper)) for end in ends]
         shapes += [{**term.shape, s.name: end} for end in ends]
         widths.append(ends[1] - ends[0])
     out = {}

@@ -44,10 +44,11 @@ def robot() -> Robot:
 
 
 def motion(seed: int, seconds: float):
-    """t (N,), q, q̇, q̈ (N, 6): six sines of 0.2 to 2 Hz per joint, 2 to 3 rad/s fast."""
+    """t (N,), q, q̇, q̈ (N, 6): six sines of 2 to 5 Hz per joint, 2 to 3 rad/s fast, so that a
+    joint turns round every 0.14 s."""
     rng = np.random.default_rng(seed)
     t = np.arange(round(seconds * RATE)) / RATE
-    w = 2 * np.pi * rng.uniform(0.2, 2.0, (6, 6))
+    w = 2 * np.pi * rng.uniform(2.0, 5.0, (6, 6))
     a = rng.uniform(0.5, 1.0, (6, 6)) / w
     angle = w[None] * t[:, None, None] + rng.uniform(0, 2 * np.pi, (6, 6))
     return (

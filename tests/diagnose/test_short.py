@@ -1,0 +1,91 @@
+"""Seconds of data are answered: bands and cuts follow the motion, not the other way round."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from six_fast import Extra, robot, two_runs
+from small_machines import machine, servo
+
+from pa10d.diagnose.band import HIGHEST_HZ, in_band
+from pa10d.diagnose.procedure import diagnose
+from pa10d.dynamics import robot_from_urdf
+from pa10d.errors import UserError
+from pa10d.identify import identify
+from pa10d.recording import Recording
+
+WRIST, ELBOW = np.eye(6)[4], np.eye(6)[3]
+
+
+def spring(q, dq, ddq, rigid):
+    return 1.5 * (q - 0.2) * WRIST
+
+
+def bump(q, dq, ddq, rigid):
+    return 1.2 * np.exp(-((np.abs(dq) / 0.4) ** 2)) * np.tanh(dq / 0.005) * ELBOW
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [(None, []), (spring, [("spring", (4,))]), (bump, [("stribeck", (3,))])],
+    ids=["nothing", "spring", "stribeck"],
+)
+def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
+    fit, judge = two_runs(1, extra)
+    found = diagnose(identify([fit], robot(), name="m0"), [fit], [judge])
+    assert [(f.term.effect_id, f.term.joints) for f in found.findings] == named
+    assert not found.unexplained
+    after = found.findings[-1].rms_after if named else found.rms
+    assert np.all(after < 1.5 * found.noise_floor)
+    if extra is spring:
+        k = found.findings[0].parameters["k"]
+        assert abs(k.value - 1.5) < 3.0 * k.std_error
+        assert k.std_error < 0.15
+
+
+def test_joints_that_turn_round_often_ask_for_a_wider_band():
+    fit, judge = two_runs(1)
+    model = identify([fit], robot(), name="m0")
+    assert model.cutoff == 25.0
+    assert HIGHEST_HZ < in_band(model, [fit, judge]).cutoff <= model.cutoff
+    slow = Recording("slow", 8.0 * fit.t, fit.q, fit.tau)
+    assert in_band(model, [slow]).cutoff == HIGHEST_HZ
+
+
+def test_what_is_too_short_is_said_with_how_much_is_missing():
+    fit, judge = two_runs(1)
+    model = identify([fit], robot(), name="m0")
+    with pytest.raises(UserError, match=r"for the 52 unknowns of m0; expected"):
+        diagnose(model, [fit.part(0, 400, "fit")], [judge])
+    with pytest.raises(UserError, match=r"independent samples of joint . in motion in the data to"):
+        diagnose(model, [fit], [judge.part(0, 300, "judge")])
+
+
+def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
+    """Runs of six seconds of one joint that moves for 0.4 s at a time."""
+    robot, runs = servo("sin_sin")
+    judged = servo("sin_time_square")[1]
+    model = identify(runs, robot, name="m0")
+    assert model.notes["cutoff"]["chosen_by"] == "short motion"
+    found = diagnose(model, runs, judged)
+    assert [f.term.effect_id for f in found.findings] == ["load_friction"]
+    assert found.findings[0].rms_after < 0.4 * found.rms
+
+
+@pytest.mark.parametrize("name", ["on.csv", "off.csv"])
+def test_a_motor_that_turns_on_and_on_is_diagnosed(name):
+    robot, runs = machine("laas_motor", [name])
+    model = identify(runs, robot, name="m0")
+    assert diagnose(model, runs).verdict in ("missing", "unknown", "none")
+
+
+def test_half_of_a_second_is_refused_in_one_line():
+    urdf = (
+        '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="revolute">'
+        '<parent link="a"/><child link="b"/><axis xyz="0 1 0"/>'
+        '<limit lower="-3" upper="3" effort="9" velocity="9"/></joint></robot>'
+    )
+    t = np.arange(60) / 100.0
+    q = np.sin(9.0 * t)[:, None]
+    with pytest.raises(UserError, match=r"too short|too few"):
+        identify([Recording("blink", t, q, q)], robot_from_urdf(urdf), name="m0")
