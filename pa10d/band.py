@@ -22,9 +22,7 @@ STEP = 1.15  # by which a band is widened at a time
 LONGEST = 40_000  # samples of a run that are looked at
 
 
-def wide_enough(
-    recordings: Sequence[Recording], lowest: float, highest: float
-) -> float:
+def wide_enough(recordings: Sequence[Recording], lowest: float, highest: float) -> float:
     """Hz between ``lowest`` and ``highest``: the narrowest band in which half of the motion (of
     the joints' median) is left."""
     if highest <= lowest:

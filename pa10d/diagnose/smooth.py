@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.band import in_band
 from pa10d.diagnose.errors_of import LONGEST_SECONDS, doubt_of
 from pa10d.diagnose.evidence import Evidence, judge
 from pa10d.diagnose.fit import Fit

@@ -43,12 +43,12 @@ def robot() -> Robot:
     return robot_from_urdf("".join([*parts, "</robot>"]))
 
 
-def motion(seed: int, seconds: float):
+def motion(seed: int, seconds: float, pace: float = 1.0):
     """t (N,), q, q̇, q̈ (N, 6): six sines of 2 to 5 Hz per joint, 2 to 3 rad/s fast, so that a
     joint turns round every 0.14 s."""
     rng = np.random.default_rng(seed)
     t = np.arange(round(seconds * RATE)) / RATE
-    w = 2 * np.pi * rng.uniform(2.0, 5.0, (6, 6))
+    w = 2 * np.pi * pace * rng.uniform(2.0, 5.0, (6, 6))
     a = rng.uniform(0.5, 1.0, (6, 6)) / w
     angle = w[None] * t[:, None, None] + rng.uniform(0, 2 * np.pi, (6, 6))
     return (
@@ -62,9 +62,11 @@ def motion(seed: int, seconds: float):
 Extra = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-def recording(name: str, seed: int, seconds: float, extra: Extra | None = None) -> Recording:
-    """One run; extra(q, q̇, q̈, rigid) -> (N, 6) N·m beside the textbook."""
-    t, q, dq, ddq = motion(seed, seconds)
+def recording(
+    name: str, seed: int, seconds: float, extra: Extra | None = None, pace: float = 1.0
+) -> Recording:
+    """One run; extra(q, q̇, q̈, rigid) -> (N, 6) N·m beside the textbook; pace: of its sines."""
+    t, q, dq, ddq = motion(seed, seconds, pace)
     rng = np.random.default_rng([seed, 1])
     rigid = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)
     sign = np.column_stack([smooth_sign(v, 0.005) for v in dq.T])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from six_fast import Extra, robot, two_runs
+from six_fast import Extra, recording, robot, two_runs
 from small_machines import machine, servo
 
-from pa10d.diagnose.band import HIGHEST_HZ, in_band
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_urdf
 from pa10d.errors import UserError
 from pa10d.identify import identify
+from pa10d.judgement.band import HIGHEST_HZ, SHORT_MOTION, band
 from pa10d.recording import Recording
 
 WRIST, ELBOW = np.eye(6)[4], np.eye(6)[3]
@@ -44,12 +44,12 @@ def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
 
 
 def test_joints_that_turn_round_often_ask_for_a_wider_band():
-    fit, judge = two_runs(1)
+    fit, _ = two_runs(1)
     model = identify([fit], robot(), name="m0")
-    assert model.cutoff == 25.0
-    assert HIGHEST_HZ < in_band(model, [fit, judge]).cutoff <= model.cutoff
-    slow = Recording("slow", 8.0 * fit.t, fit.q, fit.tau)
-    assert in_band(model, [slow]).cutoff == HIGHEST_HZ
+    assert model.notes["cutoff"]["chosen_by"] == SHORT_MOTION
+    assert HIGHEST_HZ < band(model) == model.cutoff <= 25.0
+    slow = recording("slow", 1, 24.0, pace=0.2)
+    assert identify([slow], robot(), name="m0").cutoff == HIGHEST_HZ
 
 
 def test_what_is_too_short_is_said_with_how_much_is_missing():
@@ -66,7 +66,7 @@ def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     robot, runs = servo("sin_sin")
     judged = servo("sin_time_square")[1]
     model = identify(runs, robot, name="m0")
-    assert model.notes["cutoff"]["chosen_by"] == "short motion"
+    assert model.notes["cutoff"]["chosen_by"] == SHORT_MOTION
     found = diagnose(model, runs, judged)
     assert [f.term.effect_id for f in found.findings] == ["load_friction"]
     assert found.findings[0].rms_after < 0.4 * found.rms
