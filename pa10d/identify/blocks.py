@@ -25,6 +25,7 @@ from pa10d.identify.layout import Layout
 from pa10d.identify.piece import Piece
 from pa10d.motion import velocity_source
 from pa10d.recording import Recording
+from pa10d.signals import Lowpass
 from pa10d.standstill import fast_speed
 
 Array = NDArray[np.float64]
@@ -108,6 +109,11 @@ class Pieces:
         """Decimated samples per second of the first run; all runs of a fit share one cut-off."""
         rate = self.recordings[0].rate
         return rate / decimation(rate, self.cutoff)
+
+    @property
+    def lowpass(self) -> Lowpass:
+        """Of the first piece; all share one cut-off."""
+        return self._piece(0).equation.lowpass
 
     def some(self) -> Iterator[Piece]:
         """An even selection, enough for questions that do not need all of an hour."""

@@ -50,6 +50,15 @@ def flat_top(gamma: Array, length: int) -> Array:
     return gamma * np.clip(2.0 - lags / max(length, 1), 0.0, 1.0)
 
 
+def spectrum_of(gamma: Array, frequency: Array) -> Array:
+    """Two-sided density per sample at ``frequency`` (F,) cycles per sample, γ tapered by a Hann
+    window (Blackman and Tukey 1958)."""
+    lags = np.arange(1, len(gamma))
+    taper = 0.5 * (1.0 + np.cos(np.pi * lags / len(gamma)))
+    turned = np.cos(2.0 * np.pi * np.outer(frequency, lags))
+    return np.asarray(gamma[0] + 2.0 * turned @ (gamma[1:] * taper))
+
+
 def coloured_gram(columns: Array, gamma: Array) -> Array:
     """Σ_t Σ_s x_t·γ(|t-s|)·x_sᵀ (k, k) for columns (M, k) that are zero where nothing counts."""
     lags = len(gamma) - 1

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.identify.lacking import weight_of
 from pa10d.identify.rows import Rows
 from pa10d.identify.solution import Solution
 from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
@@ -49,11 +50,13 @@ def covariance(
     keeps: Sequence[NDArray[np.bool_]],
     degrees: Array,
     rate: float,
+    lack: Array,
 ) -> Uncertainty:
     """Sandwich covariance of a weighted solution.
 
     stretches: yields the rows again, in the order of ``residuals`` [(M, n) N·m] and ``keeps``
     degrees: (n,) unknowns that each joint's equation had to pay for; rate: decimated, Hz
+    lack: (n,) (N·m)² of each residual that is the model's own (see ``lacking``)
     """
     n, size = len(indices), len(solution.beta)
     longest = int(np.clip(LONGEST * rate, 4, max(4, max(len(r) for r in residuals) // 4)))
@@ -68,6 +71,8 @@ def covariance(
         tapered.append(flat_top(gamma, reach)[: 2 * reach + 1] * paid / solution.sigma[j] ** 4)
         length[j] = reach / rate
     samples = sum(len(r) for r in residuals)
+    own = weight_of(lack, np.sum([k.sum(axis=0) for k in keeps], axis=0)) / solution.sigma**4
+    missing = np.zeros((size, size))
     block = max(1, min(int(max(BLOCK, 2 * length.max()) * rate), samples // FEWEST_BLOCKS))
     meat, blockwise, blocks = np.zeros((size, size)), np.zeros((size, size)), 0
     for rows, residual in zip(stretches(), residuals, strict=True):
@@ -76,6 +81,7 @@ def covariance(
         for j, index in enumerate(indices):
             columns = np.where(rows.keep[:, j, None], rows.columns[j], 0.0)
             meat[np.ix_(index, index)] += coloured_gram(columns, tapered[j])
+            missing[np.ix_(index, index)] += own[j] * (columns.T @ columns)
             weighted = columns * (residual[:, j, None] / solution.sigma[j] ** 2)
             scores[:, index] += np.add.reduceat(weighted, starts, axis=0)
         blockwise += scores.T @ scores
@@ -85,7 +91,8 @@ def covariance(
     rough = np.diag(inverse @ blockwise @ inverse) * blocks / max(blocks - 1, 1)
     ratio = np.sqrt(rough / np.maximum(np.diag(smooth), 1e-300))
     inflation = np.where(ratio > 1.0 + 2.0 / np.sqrt(2.0 * blocks), ratio, 1.0)
-    return Uncertainty(smooth * np.outer(inflation, inflation), length, inflation)
+    whole = smooth * np.outer(inflation, inflation) + inverse @ missing @ inverse
+    return Uncertainty(whole, length, inflation)
 
 
 def _spread(gamma: Array, reach: int) -> float:

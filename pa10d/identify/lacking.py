@@ -1,0 +1,108 @@
+"""How much of a residual is the model's own: what motion predicts of it, noise does not.
+
+What a model lacks is a function of the motion. It comes again whenever the joint is in the same
+state, so however long a recording is, it holds no more independent values of that function than
+there are states to tell apart. A standard error from the residual's spectrum alone counts every
+minute as new evidence, and on real arms it is several times too small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.spectrum import autocovariance, spectrum_of
+from pa10d.signals import Lowpass
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+LOOKS = 12.0  # independent values of what a model lacks, per joint: a smooth function of angle (in
+# quarters of its range), direction and slow or fast has about as many
+BLOCK = 4.0  # s: stretches that take turns as the two halves of the data
+SURE = 2.0  # standard errors by which the two halves must agree
+LONGEST = 2.0  # s over which a residual may be correlated
+UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as the noise's
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Residual (M, n) N·m with the samples that count (M, n), and the motion behind it (M, n)."""
+
+    residual: Array
+    keep: NDArray[np.bool_]
+    q: Array
+    dq: Array
+
+
+def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:
+    """(n,) (N·m)²: mean square of each joint's residual that is not white noise, 0 where two halves
+    of the data do not agree on how it depends on the motion."""
+    n = stretches[0].residual.shape[1]
+    rate = lowpass.rate / lowpass.factor
+    out = np.zeros(n)
+    for j in range(n):
+        if not _comes_again(stretches, j, rate):
+            continue
+        own = [(s.residual[:, j], s.keep[:, j]) for s in stretches]
+        longest = int(min(LONGEST * rate, min(len(r) for r, _ in own) // 4))
+        gamma, count = autocovariance(own, max(longest, 4))
+        f = np.linspace(0.0, 0.5 * rate, 512)
+        gain = lowpass.gain(f)
+        upper = (f > UPPER[0] * lowpass.cutoff) & (f < UPPER[1] * lowpass.cutoff)
+        level = float(
+            np.median(np.maximum(spectrum_of(gamma, f / rate), 0.0)[upper] / gain[upper] ** 2)
+        )
+        white = level * float(np.mean(gain**2))
+        independent = max(2.0 * lowpass.cutoff * count / rate, 2.0)
+        out[j] = max(float(gamma[0]) - white * (1.0 + SURE * np.sqrt(2.0 / independent)), 0.0)
+    return out
+
+
+def weight_of(lack: Array, samples: Array) -> Array:
+    """(n,) (N·m)²: variance that each of ``samples`` (n,) would have were they independent, for the
+    same doubt as LOOKS values of what is lacking leave."""
+    return np.asarray(lack * np.maximum(samples / LOOKS, 1.0))
+
+
+def _comes_again(stretches: Sequence[Stretch], joint: int, rate: float) -> bool:
+    """Do both halves of the data show the same mean residual in the same states?"""
+    halves = np.concatenate(
+        [
+            (np.arange(len(s.keep)) // max(1, int(BLOCK * rate)) + k) % 2
+            for k, s in enumerate(stretches)
+        ]
+    )
+    keep = np.concatenate([s.keep[:, joint] for s in stretches])
+    residual = np.concatenate([s.residual[:, joint] for s in stretches])[keep]
+    first = halves[keep] == 0
+    for labels in _states(stretches, joint):
+        seen = labels[keep]
+        size = int(seen.max(initial=0)) + 1
+        count = [np.bincount(seen[h], minlength=size) for h in (first, ~first)]
+        both = (count[0] > 0) & (count[1] > 0)
+        if both.sum() < 4:
+            continue
+        means = [
+            np.bincount(seen[h], residual[h], size)[both] / c[both]
+            for h, c in zip((first, ~first), count, strict=True)
+        ]
+        parts = np.minimum(*count)[both] * means[0] * means[1]
+        if parts.sum() > SURE * np.sqrt(np.sum(parts**2)):
+            return True
+    return False
+
+
+def _states(stretches: Sequence[Stretch], joint: int) -> Iterator[Labels]:
+    """Cells of a joint's own motion, then of its angle and each other joint's."""
+    q, dq = (np.concatenate([getattr(s, x) for s in stretches]) for x in ("q", "dq"))
+    quarter = [np.searchsorted(np.quantile(a, (0.25, 0.5, 0.75)), a).astype(np.int64) for a in q.T]
+    speed = np.abs(dq[:, joint])
+    fast = (speed > np.median(speed)).astype(np.int64)
+    yield 4 * quarter[joint] + 2 * (dq[:, joint] > 0) + fast
+    for other in range(q.shape[1]):
+        if other != joint:
+            yield 4 * quarter[joint] + quarter[other]
