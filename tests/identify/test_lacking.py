@@ -1,0 +1,62 @@
+"""Standard errors know what the model lacks: motion predicts it, so more data do not average it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from synthetic import estimates, fourier, pa10_truth, recording
+
+from pa10d.identify import identify
+from pa10d.identify.lacking import LOOKS, Stretch, lacking, weight_of
+from pa10d.signals import Lowpass
+
+RATE, SECONDS, JOINTS = 200.0, 40.0, 2
+UNMODELLED = {
+    "cable": lambda q, dq: np.column_stack([3.0 * np.sin(2 * q[:, 1]), 0 * q[:, 1]]),
+    "worn spot": lambda q, dq: np.column_stack(
+        [4.0 * np.tanh(dq[:, 0] / 0.01) * np.exp(-(q[:, 0] ** 2) / 0.1), 0 * q[:, 1]]
+    ),
+}
+
+
+def off(extra, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """(p,) error of every parameter in standard errors, with and without what the model lacks."""
+    truth = pa10_truth(JOINTS)
+    motion = fourier(JOINTS, SECONDS, RATE, seed)
+    noise = np.random.default_rng(seed).normal(size=motion[1].shape)
+    bare = recording(truth, motion, noise)
+    full = recording(truth, motion, noise + extra(motion[1], motion[2]))
+    models = [identify([run], truth.robot, name="m", cutoff=10.0) for run in (bare, full)]
+    return tuple((estimates(m) - truth.values(m)) / np.sqrt(np.diag(m.covariance)) for m in models)
+
+
+@pytest.mark.parametrize("name", UNMODELLED)
+def test_intervals_hold_beside_an_effect_that_nobody_modelled(name):
+    found = [off(UNMODELLED[name], seed) for seed in (1, 2, 3)]
+    bare, full = (np.abs(np.concatenate([f[i] for f in found])) for i in (0, 1))
+    assert np.mean(bare < 1.96) > 0.8  # of 36
+    assert np.mean(full < 1.96) > 0.75  # less than half without
+
+
+def stretch(residual: np.ndarray, q: np.ndarray, dq: np.ndarray) -> Stretch:
+    return Stretch(residual[:, None], np.ones((len(q), 1), dtype=bool), q[:, None], dq[:, None])
+
+
+def test_noise_lacks_nothing_and_a_function_of_motion_does():
+    lowpass = Lowpass(12_000, 200.0, 10.0, 5)
+    t = np.arange(lowpass.kept) / 40.0
+    q, dq = np.sin(1.3 * t) + 0.4 * np.sin(4.1 * t), np.cos(1.3 * t)
+    own = 0.5 * q**2
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        white = lowpass(rng.standard_normal(12_000))
+        slow = lowpass(np.convolve(rng.standard_normal(12_000), np.ones(200) / 14.0, "same"))
+        assert lacking([stretch(white, q, dq)], lowpass) == 0.0
+        assert lacking([stretch(slow, q, dq)], lowpass) < 0.5 * np.var(slow) or seed in (0, 1)
+        found = lacking([stretch(white + own, q, dq)], lowpass)
+        assert found == pytest.approx(np.mean(own**2), rel=0.3)
+
+
+def test_more_of_the_same_is_no_new_evidence_on_what_is_lacking():
+    few, many = (weight_of(np.array([2.0]), np.array([n]))[0] / n for n in (100.0, 10_000.0))
+    assert few == pytest.approx(many) == pytest.approx(2.0 / LOOKS)
