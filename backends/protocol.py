@@ -4,13 +4,16 @@ One cycle is ``read`` (starts the cycle: SYNC, then the measured state) and ``wr
 the next one). Everything is joint side, SI units, in the profile's joint order; what a device
 calls counts or per mille stays behind this protocol.
 
+No loop hides behind it. ``begin_enable``, ``begin_disable`` and ``begin_reset`` return at once; the
+cycles that follow carry them out, one step in each, while their caller watches the arm and listens
+to commands as in any other cycle. ``switching`` tells whether one is still under way.
+
 A fault is raised once, by the call that noticed it. The calls after it go on with the axes that
 still answer, so that the arm can be stopped in order; ``reset`` makes a clean start possible.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -45,11 +48,11 @@ class Feedback:
     temperature: Array | None = None  # (n,) °C, NaN until first heard; None: not measured
 
 
-Hold = Callable[[Feedback], Array]
-
-
 class Backend(Protocol):
-    """Life: open → (enable → read/write … → disable)* → close. Any call may raise BackendFault."""
+    """Life: open → (begin_enable → cycles … → begin_disable → cycles)* → close.
+
+    Any call may raise BackendFault. A later ``begin_…`` takes the place of one that is under way.
+    """
 
     n: int
     period: float  # s
@@ -63,14 +66,23 @@ class Backend(Protocol):
     def open(self) -> None:
         """Connect, configure and verify; the arm stays unpowered."""
 
-    def enable(self, hold: Hold | None = None) -> None:
-        """Power all axes in parallel and release the brakes; blocks and runs the cycles it needs.
+    @property
+    def switching(self) -> bool:
+        """As of the last ``read``: whether what was begun last is not carried out yet.
 
-        ``hold`` gives the torques to meet the load with while the brakes open; default zero.
+        It ends by itself: a device that does not obey in time is a fault of kind ``timeout`` that
+        ``read`` raises.
+        """
+        ...
+
+    def begin_enable(self) -> None:
+        """Power all axes in parallel, then release all brakes together, in the next cycles.
+
+        The torques that are written meanwhile meet the load as the brakes open.
         """
 
     def read(self) -> Feedback:
-        """Start a cycle and return its measurement."""
+        """Start a cycle and return its measurement; go one step on with what was begun."""
         ...
 
     def write(self, torque: Array) -> None:
@@ -79,11 +91,18 @@ class Backend(Protocol):
     def quick_stop(self) -> None:
         """Ask every axis for its quick stop; the following reads carry it out."""
 
-    def disable(self) -> None:
-        """Brakes on, then power off; blocks and runs the cycles it needs."""
+    def begin_disable(self) -> None:
+        """Brakes on, then power off, in the next cycles; an axis that is silent is left aside.
 
-    def reset(self) -> None:
-        """Acknowledge faults on every axis; the arm is unpowered afterwards."""
+        The torques that are written meanwhile hold the load until the brakes do.
+        """
+
+    def begin_reset(self) -> None:
+        """Acknowledge faults on every axis; the arm is unpowered, now and afterwards.
+
+        A device that has forgotten its configuration gets it here, as in ``open``: this one call
+        may take seconds. Cycles, of which the torques are zero, do the rest.
+        """
 
     def close(self) -> None:
         """Leave the bus as it was found."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from backends.cia402 import STATUS_BITS, State
 from backends.faults import fault
-from backends.protocol import Array, Feedback, Hold
+from backends.protocol import Array, Feedback
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.recording import Recording
@@ -24,6 +24,8 @@ KEY = "simulation.options.recording"
 
 class ReplayBackend:
     """``read`` gives the next sample; after the last one a fault of kind ``ended``."""
+
+    switching = False  # a recording is enabled at once
 
     def __init__(self, recording: Recording, realtime: bool = False) -> None:
         self.recording, self.realtime = recording, realtime
@@ -41,7 +43,7 @@ class ReplayBackend:
     def open(self) -> None:
         self._next, self._state = 0, State.DISABLED
 
-    def enable(self, hold: Hold | None = None) -> None:
+    def begin_enable(self) -> None:
         self._state = State.ENABLED
 
     def read(self) -> Feedback:
@@ -65,10 +67,10 @@ class ReplayBackend:
     def quick_stop(self) -> None:
         self._state = State.DISABLED
 
-    def disable(self) -> None:
+    def begin_disable(self) -> None:
         self._state = State.DISABLED
 
-    def reset(self) -> None:
+    def begin_reset(self) -> None:
         self._next, self._state = 0, State.DISABLED
 
     def close(self) -> None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from pa10d.profile import Profile, load_profile
 
@@ -73,7 +74,7 @@ def run(profile_name: str = "pa10-sim", cycles: int = 5000) -> dict[str, object]
         arm.open()
         try:
             control = PdController(profile, arm.period)
-            arm.enable(control.torque)
+            by_hand.enable(arm, control.torque)
             exchange = np.empty(cycles)
             started = time.perf_counter()
             for k in range(cycles):

@@ -10,6 +10,7 @@ import numpy as np
 from backends import vendors
 from backends.bus_budget import BusBudget, require_fit
 from backends.bus_lock import BusLock
+from backends.by_hand import pacer
 from backends.canopen_cia402 import other_masters, sequence
 from backends.canopen_cia402.bring_up import BootWatch, bring_up, let_go
 from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
@@ -23,7 +24,7 @@ from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
 from backends.faults import fault
 from backends.ports import Port, drain, open_port
-from backends.protocol import Array, BackendFault, Feedback, Hold
+from backends.protocol import Array, BackendFault, Feedback
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 
@@ -33,6 +34,8 @@ LISTEN, LISTEN_TO_SIMULATION = 0.25, 0.05  # s, before the first frame of our ow
 
 class CanopenBackend:
     """Backend for CiA 402 drives in cyclic synchronous torque mode; see backends/protocol.py."""
+
+    _sequence: sequence.Sequence | None  # what was begun and is not carried out yet
 
     def __init__(self, profile: Profile, port: Callable[[], Port] | None = None) -> None:
         """``port`` opens the bus; default: as the profile's ``can`` says."""
@@ -90,15 +93,23 @@ class CanopenBackend:
             self._drop_port()
             raise
 
-    def enable(self, hold: Hold | None = None) -> None:
+    @property
+    def switching(self) -> bool:
+        return self._sequence is not None
+
+    def begin_enable(self) -> None:
         if latched := self.latched():
             raise latched[0]  # only reset forgets a fault
-        sequence.enable(self, hold)
-        self._powered = True
+        self._begin(sequence.Enable(self))
 
     def read(self) -> Feedback:
         self._connected().beating = True  # from now on the drives watch us
         feedback = self.cycle()
+        under_way = self._sequence
+        if under_way is not None:
+            self._continue(under_way, feedback)
+        if under_way is not None and not under_way.judged:
+            return feedback
         if (new := self._watch.check(self._exchange, self._powered)) is not None:
             raise new
         return feedback
@@ -108,15 +119,14 @@ class CanopenBackend:
         self._connected().send(self._exchange.pack(self._words, self._per_mille))
 
     def quick_stop(self) -> None:
-        self._powered = False
+        self._powered, self._sequence = False, None
         self.command([Control.QUICK_STOP] * self.n)
 
-    def disable(self) -> None:
-        self._powered = False
-        sequence.disable(self)
+    def begin_disable(self) -> None:
+        self._begin(sequence.Disable(self))
 
-    def reset(self) -> None:
-        self._powered = False
+    def begin_reset(self) -> None:
+        self._powered, self._sequence = False, None
         kinds = {axis: found.kind for axis, found in self._watch.faults.items()}
         if self._cycle is None or None in kinds:
             self.close()
@@ -128,15 +138,14 @@ class CanopenBackend:
                 self.reports[axis] = report
                 self._exchange.expect(axis)
         self._watch.clear()
-        sequence.acknowledge(self)
-        self._watch.clear()
+        self._begin(sequence.Acknowledge(self))
 
     def close(self) -> None:
         if self._port is None:
             return
         try:
             if self._cycle and any(word & 0x6F in (0x27, 0x07) for word in self.statuses()):
-                self.disable()
+                self._brake_at_last()
             with self._network.listening():
                 let_go(self._network, self._nodes)
         except (OSError, BackendFault):
@@ -178,6 +187,26 @@ class CanopenBackend:
 
     # --- inside ---
 
+    def _begin(self, what: sequence.Sequence) -> None:
+        self._powered, self._sequence = False, what
+
+    def _continue(self, under_way: sequence.Sequence, feedback: Feedback) -> None:
+        """One step on; a sequence that fails is over."""
+        self._sequence = None
+        if under_way.step(feedback):
+            self._sequence = under_way
+        elif isinstance(under_way, sequence.Enable):
+            self._powered = True
+        elif isinstance(under_way, sequence.Acknowledge):
+            self._watch.clear()
+
+    def _brake_at_last(self) -> None:
+        """Nobody commands any more: brakes on, with the torques as they are until those hold."""
+        disable, pace = sequence.Disable(self), pacer(self)
+        while disable.step(self.cycle()):
+            self.command([Control(word) for word in self._words])
+            pace()
+
     def _forget(self) -> None:
         self._watch = Watch(
             nodes=[drive.node for drive in self.drives],
@@ -188,6 +217,7 @@ class CanopenBackend:
         )
         self._words, self._per_mille = [int(Control.DISABLE_VOLTAGE)] * self.n, [0] * self.n
         self._powered = False
+        self._sequence = None
 
     def _connected(self) -> BusCycle:
         if self._cycle is None:

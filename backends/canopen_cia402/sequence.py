@@ -2,71 +2,116 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.by_hand import pacer
 from backends.cia402 import TOWARDS_DISABLED, TOWARDS_ENABLED, Control, State, state_of
 from backends.faults import fault
-from backends.protocol import Array, Feedback, Hold
+from backends.protocol import Array, Feedback
 
 if TYPE_CHECKING:
     from backends.canopen_cia402.backend import CanopenBackend
 
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
 OFF = (State.DISABLED, State.FAULT)
-PATIENCE = 5.0  # s, on the backend's clock, for any of these sequences
+PATIENCE = 5.0  # s, on the backend's clock, for any step of these sequences
 
 # faults after which the drive still has our configuration; after all others it is set up anew
 STILL_CONFIGURED = ("drive_fault", "left_enabled", "encoder_jump", "repeated_pdo", "timeout")
 
+States = list[State | None]
 
-def enable(arm: CanopenBackend, hold: Hold | None) -> None:
+
+class Sequence(ABC):
+    """``step`` after each cycle's answers; the words it leaves go out with the next torques."""
+
+    judged = True  # whether new faults are told while it is under way
+    complaint: str
+
+    def __init__(self, arm: CanopenBackend) -> None:
+        self.arm = arm
+        self._started: float | None = None
+
+    @abstractmethod
+    def reached(self, states: States) -> list[bool]:
+        """Which axes are where they shall be."""
+
+    @abstractmethod
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
+        """One step on for every axis."""
+
+    def step(self, feedback: Feedback) -> bool:
+        """Whether it is still under way; BackendFault where an axis does not obey in time."""
+        states = [state_of(int(word)) for word in feedback.status]
+        reached = self.reached(states)
+        if all(reached):
+            return self.next_stage()
+        if self._started is None:
+            self._started = feedback.time
+        if feedback.time - self._started > PATIENCE:
+            axis = reached.index(False)
+            shown = states[axis] or f"statusword 0x{int(feedback.status[axis]):04X}"
+            raise fault("timeout", f"{self.complaint} in {PATIENCE:g} s, it is '{shown}'", axis)
+        self.arm.set_words(self.words(feedback, states))
+        return True
+
+    def next_stage(self) -> bool:
+        """Every axis is there; whether there is more to do."""
+        return False
+
+
+class Enable(Sequence):
     """Every axis to SWITCHED ON, then all brakes in the same cycle."""
-    torques = hold or (lambda feedback: np.zeros(arm.n))
 
-    def step(feedback: Feedback, states: list[State | None], last: bool) -> None:
+    _goal = State.SWITCHED_ON
+
+    @property
+    def complaint(self) -> str:  # type: ignore[override]
+        return f"does not reach '{self._goal}'"
+
+    def reached(self, states: States) -> list[bool]:
+        return [s in (self._goal, State.ENABLED) for s in states]
+
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
         words = [TOWARDS_ENABLED.get(s) if s else None for s in states]
-        if not last:
+        if self._goal is not State.ENABLED:
             words = [Control.SWITCH_ON if w is Control.ENABLE else w for w in words]
-        arm.set_words([w if w is not None else Control.DISABLE_VOLTAGE for w in words])
-        arm.write(torques(feedback))
+        return [w if w is not None else Control.DISABLE_VOLTAGE for w in words]
 
-    for goal, last in ((State.SWITCHED_ON, False), (State.ENABLED, True)):
-        reached = (goal, State.ENABLED)
-        _run(
-            arm,
-            lambda feedback, states, last=last: step(feedback, states, last),  # type: ignore[misc]
-            lambda states, reached=reached: [s in reached for s in states],  # type: ignore[misc]
-            f"does not reach '{goal}'",
-        )
+    def next_stage(self) -> bool:
+        if self._goal is State.ENABLED:
+            return False
+        self._goal, self._started = State.ENABLED, None
+        self.arm.set_words([Control.ENABLE] * self.arm.n)
+        return True
 
 
-def disable(arm: CanopenBackend) -> None:
+class Disable(Sequence):
     """Brakes on while the drives still hold, then power off; silent axes are left aside.
 
     An axis in its quick stop is left to finish it: power off would drop it into its brake.
     """
-    standing = Standing(arm.n)
 
-    def step(feedback: Feedback, states: list[State | None]) -> None:
-        stands = standing.after(feedback.q)
+    complaint = "does not switch off"
+
+    def __init__(self, arm: CanopenBackend) -> None:
+        super().__init__(arm)
+        self._standing = Standing(arm.n)
+
+    def reached(self, states: States) -> list[bool]:
+        return [s in OFF or self.arm.silent(k) for k, s in enumerate(states)]
+
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
+        stands = self._standing.after(feedback.q)
         words = [TOWARDS_DISABLED.get(s) if s else None for s in states]
         for axis, state in enumerate(states):
             if state is State.QUICK_STOP and not stands[axis]:
                 words[axis] = Control.QUICK_STOP
-        arm.command([Control.DISABLE_VOLTAGE if w is None else w for w in words])
-
-    _run(
-        arm,
-        step,
-        lambda states: [s in OFF or arm.silent(k) for k, s in enumerate(states)],
-        "does not switch off",
-        judge=False,
-    )
+        return [Control.DISABLE_VOLTAGE if w is None else w for w in words]
 
 
 class Standing:
@@ -83,31 +128,32 @@ class Standing:
         return self._still >= STILL_CYCLES
 
 
-def acknowledge(arm: CanopenBackend) -> None:
+class Acknowledge(Sequence):
     """Fault reset on every axis that asks for it, and all axes unpowered."""
-    raised = [False] * arm.n
 
-    def step(feedback: Feedback, states: list[State | None]) -> None:
+    judged = False
+    complaint = "does not leave its fault: the cause persists"
+
+    def __init__(self, arm: CanopenBackend) -> None:
+        super().__init__(arm)
+        self._raised = [False] * arm.n
+
+    def reached(self, states: States) -> list[bool]:
+        return [s is State.DISABLED for s in states]
+
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
         words = []
         for axis, state in enumerate(states):
             # the reset is a rising edge: now high, now low, until the drive takes it
-            raised[axis] = state is State.FAULT and not raised[axis]
+            self._raised[axis] = state is State.FAULT and not self._raised[axis]
             towards = TOWARDS_DISABLED.get(state) if state else None
-            words.append(Control.FAULT_RESET if raised[axis] else towards or Control(0))
-        arm.command(words)
-
-    _run(
-        arm,
-        step,
-        lambda states: [s is State.DISABLED for s in states],
-        "does not leave its fault: the cause persists",
-        judge=False,
-    )
+            words.append(Control.FAULT_RESET if self._raised[axis] else towards or Control(0))
+        return words
 
 
 def prove(arm: CanopenBackend, cycles: int) -> None:
     """A few cycles without power: do PDOs flow from everybody?"""
-    pace = _pacer(arm)
+    pace = pacer(arm)
     for _ in range(cycles + arm.profile.safety.stale_cycles):
         pace()
         feedback = arm.cycle()
@@ -116,44 +162,3 @@ def prove(arm: CanopenBackend, cycles: int) -> None:
             return
     for axis in np.flatnonzero(feedback.age):
         raise fault("no_answer", "sends no TPDO on SYNC although configured to", int(axis))
-
-
-def _run(
-    arm: CanopenBackend,
-    step: Callable[[Feedback, list[State | None]], None],
-    done: Callable[[list[State | None]], list[bool]],
-    complaint: str,
-    judge: bool = True,
-) -> None:
-    """Cycles until every axis is done; ``judge``: any fault ends the sequence."""
-    pace = _pacer(arm)
-    started: float | None = None
-    while True:
-        pace()
-        feedback = arm.read() if judge else arm.cycle()
-        states = [state_of(int(word)) for word in feedback.status]
-        reached = done(states)
-        if all(reached):
-            return
-        started = feedback.time if started is None else started
-        if feedback.time - started > PATIENCE:
-            axis = reached.index(False)
-            shown = states[axis] or f"statusword 0x{int(feedback.status[axis]):04X}"
-            raise fault("timeout", f"{complaint} in {PATIENCE:g} s, it is '{shown}'", axis)
-        step(feedback, states)
-
-
-def _pacer(arm: CanopenBackend) -> Callable[[], None]:
-    """Waits for the next cycle where time is real."""
-    due = time.monotonic()
-
-    def pace() -> None:
-        nonlocal due
-        if not arm.realtime:
-            return
-        left = due - time.monotonic()
-        if left > 0:
-            time.sleep(left)
-        due = max(due + arm.period, time.monotonic() - arm.period)
-
-    return pace

@@ -7,7 +7,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
-State = Literal["offline", "inactive", "holding", "running", "stopping", "fault"]
+State = Literal[
+    "offline", "inactive", "enabling", "holding", "running", "stopping", "disabling", "fault",
+    "resetting",
+]  # fmt: skip
 Name = Annotated[str, Field(min_length=1, max_length=100, examples=["monday-cold"])]
 Joint = Annotated[int, Field(ge=1, le=64)]
 

@@ -2,6 +2,7 @@
 
 Knows the backend by its protocol only. Every torque passes ``TorqueExit``; a fault is latched and
 ends at rest, brakes on, power off. Whatever throws becomes a fault and a stop along the limits.
+Brakes open and close in ordinary cycles: watched, recorded, and open to commands.
 """
 
 from __future__ import annotations
@@ -13,13 +14,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.protocol import Backend, Feedback
+from backends.protocol import Backend
 from pa10d.control.faults import Fault, Violation, fault_from
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import Motion
-from pa10d.control.states import POWERED, ArmState, Refused, require
+from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Progress, Stop
 from pa10d.control.torque_path import TorquePath
 from pa10d.errors import UserError
@@ -28,6 +29,8 @@ Array = NDArray[np.float64]
 State = ArmState
 
 START_TOLERANCE = 2e-3  # rad between where the arm is held and where a motion begins
+PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
+STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 
 log = logging.getLogger("pa10d.control")
 
@@ -50,7 +53,10 @@ class Arm:
         self.motion: Motion | None = None
         self._gravity = gravity
         self._stop: Stop | None = None
-        self.maybe_powered = False  # the drives were told to switch off and have not obeyed yet
+        self._open_since = 0.0  # s, when the last brake opened
+        self._switch_by = 0.0  # s, until when the drives may switch
+        self._asked_off = False  # the backend took in that it shall switch off
+        self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
     def recording(self) -> bool:
@@ -71,11 +77,13 @@ class Arm:
                 self.backend.close()
             raise Refused("connect", self.state, (State.OFFLINE,), why) from error
         self.path.forget()
+        self._asked_off = False
         self.state = State.INACTIVE
 
     def disconnect(self) -> None:
         """Any unpowered state → offline."""
-        require("disconnect", self.state, State.OFFLINE, State.INACTIVE, State.FAULT)
+        states = (State.OFFLINE, State.INACTIVE, State.FAULT, State.RESETTING)
+        require("disconnect", self.state, *states)
         with contextlib.suppress(Exception):
             self.backend.close()
         self.state = State.OFFLINE
@@ -83,22 +91,22 @@ class Arm:
         self.journal.publish(self)
 
     def enable(self) -> None:
-        """inactive → holding at the measured position."""
-        if self.state == State.HOLDING:
+        """inactive → enabling → holding at the measured position."""
+        if self.state in (State.ENABLING, State.HOLDING):
             return
         require("enable", self.state, State.INACTIVE)
         self._require_inside()
         self.path.power_up(self._gravity(self.path.q))
-        self.state = State.HOLDING
+        self._open_since = self.path.time
+        self._switch(State.ENABLING)
         try:
-            self.backend.enable(self._hold_while_opening)
+            self.backend.begin_enable()
         except Exception as error:
-            self._latch(self._as_fault(error))
-            self._power_off()
+            self._on_fault(error)
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
-        if self.state == State.HOLDING:
+        if self.state in (State.ENABLING, State.HOLDING):
             self._power_off()
         elif self.state == State.RUNNING:
             self._begin_stop(State.INACTIVE)
@@ -109,23 +117,22 @@ class Arm:
         """For everyone, always: from any motion to rest along the limits, then held."""
         if self.state == State.RUNNING:
             self._begin_stop(State.HOLDING)
+        elif self.state == State.ENABLING:
+            self._power_off()
 
     def reset(self) -> None:
-        """fault → inactive, unpowered; nothing else leaves a fault."""
-        if self.state in (State.INACTIVE, State.OFFLINE):
+        """fault → resetting → inactive, unpowered; nothing else leaves a fault.
+
+        From inactive, too: drives that somebody else has left in fault are not heard of before.
+        """
+        if self.state in (State.RESETTING, State.OFFLINE):
             return
-        require("reset", self.state, State.FAULT)
+        require("reset", self.state, State.FAULT, State.INACTIVE)
+        self._switch(State.RESETTING)
         try:
-            self.backend.reset()
+            self.backend.begin_reset()
         except Exception as error:
-            self.fault = None
-            self._latch(self._as_fault(error))
-            why = self._as_fault(error).sentence
-            raise Refused("reset", self.state, (State.FAULT,), why) from error
-        self.path.forget()
-        self._clear_fault()
-        self.maybe_powered = False
-        self.state = State.INACTIVE
+            self._on_fault(error)
 
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque."""
@@ -160,13 +167,10 @@ class Arm:
             return
         try:
             self.path.measure(self.backend.read())
-            if self.state in POWERED:
-                self._act()
+            self._act()
         except Exception as error:
             self._on_fault(error)
             self._go_on_blindly()
-        if self.maybe_powered:
-            self._switch_off()
         self.journal.publish(self)
 
     def _act(self) -> None:
@@ -174,10 +178,40 @@ class Arm:
             self._follow()
         elif self._stop is not None:
             self._stop_further(self._stop)
-        if self.state not in POWERED or (self._stop and self._stop.by_drives):
+        elif self.state in SWITCHING or self.maybe_powered:
+            self._switch_further()
+        if self.state == State.ENABLING:
+            self.path.watch_standing()
+        elif self.state in POWERED:
+            self.path.watch(stopping_for_fault=self.fault is not None)
+        if self.state in POWERED:
+            self.backend.write(self.path.torque(self.state))
+        elif self.state == State.RESETTING or self.maybe_powered:
+            self.backend.write(np.zeros_like(self.path.sent))
+
+    def _switch_further(self) -> None:
+        """What the drives were asked for: is it done?"""
+        if self.state != State.RESETTING and self.state != State.ENABLING and not self._asked_off:
+            self._ask_off()
             return
-        self.path.watch(stopping_for_fault=self.fault is not None)
-        self.backend.write(self.path.torque(self.state))
+        under_way = self.backend.switching
+        if under_way and self.state in SWITCHING and self.path.time > self._switch_by:
+            raise Violation("switching", f"the drives have not switched within {PATIENCE:g} s")
+        if self.state == State.ENABLING:
+            if under_way:
+                self._open_since = self.path.time
+            elif self.path.time - self._open_since >= STANDS:
+                self._hold()
+        elif under_way:
+            return
+        elif self.state == State.RESETTING:
+            self.path.forget()
+            self._clear_fault()
+            self.maybe_powered = False
+            self.state = State.INACTIVE
+        else:
+            self.maybe_powered = False
+            self._rest_unpowered()
 
     def _follow(self) -> None:
         if self.motion is None or self.motion.finished:
@@ -201,13 +235,8 @@ class Arm:
         self.path.time += self.backend.period
         if self._stop is not None and self._stop.by_drives and self._stop.overtime:
             self._power_off()
-
-    def _hold_while_opening(self, feedback: Feedback) -> Array:
-        """What the backend asks for in every cycle in which the brakes open."""
-        self.path.measure(feedback)
-        sent = self.path.torque(self.state)
-        self.journal.publish(self)
-        return sent
+        elif self.state == State.DISABLING and self.path.time > self._switch_by:
+            self._give_up()
 
     # -- ways to rest -----------------------------------------------------------------------
 
@@ -224,34 +253,66 @@ class Arm:
     def _on_fault(self, error: Exception) -> None:
         """A first fault stops along the limits; one during that stop asks the drives to."""
         fault, again = self._as_fault(error), self.fault is not None
+        if self.state == State.RESETTING:
+            self.fault = None  # what is there now counts, not what was to be acknowledged
         self._latch(fault)
         if fault.dead_axis is not None:
             self.path.live[fault.dead_axis] = False
-        if self.state not in POWERED:
+        if self.state == State.DISABLING:
+            self._brake_on(fault)
+        elif self.state not in POWERED:
             self.state = State.FAULT
-        elif again or fault.whole_bus or not self.path.live.any():
-            if not (self._stop and self._stop.by_drives):
-                self._begin_stop(State.FAULT, by_drives=True)
-                with contextlib.suppress(Exception):
-                    self.backend.quick_stop()
+            self._asked_off = False  # whoever shall be off is told again
+        elif again or fault.runs_away or fault.whole_bus or not self.path.live.any():
+            self._leave_it_to_the_drives()
+        elif self.state == State.ENABLING:
+            self.path.stand()
+            self._power_off()
         else:
             self.path.fall_back()
             self._begin_stop(State.FAULT)
 
+    def _leave_it_to_the_drives(self) -> None:
+        """No torque of ours any more; their own quick stop brakes."""
+        self.path.let_go()
+        if self._stop is not None and self._stop.by_drives:
+            return
+        self._begin_stop(State.FAULT, by_drives=True)
+        with contextlib.suppress(Exception):
+            self.backend.quick_stop()
+
+    def _brake_on(self, fault: Fault) -> None:
+        """A fault while brakes close: they go on closing, without torque where that is wrong."""
+        if fault.dead_axis is None or not self.path.live.any():
+            self.path.let_go()
+        if fault.whole_bus or fault.kind in ("timeout", "switching"):
+            self._give_up()
+
+    def _give_up(self) -> None:
+        """The drives do not switch off: no torque any more, and they are told in every cycle."""
+        self.path.let_go()
+        self._rest_unpowered()
+        self.maybe_powered, self._asked_off = True, False
+
     def _power_off(self) -> None:
         """Brakes on, power off: the end of every stop but one that is held."""
-        self._switch_off()
-        self.path.power_down()
         self.motion, self._stop = None, None
+        self._switch(State.DISABLING)
+        self._ask_off()
+
+    def _switch(self, state: ArmState) -> None:
+        self.state, self._switch_by = state, self.path.time + PATIENCE
+
+    def _rest_unpowered(self) -> None:
+        self.path.power_down()
         self.state = State.FAULT if self.fault else State.INACTIVE
 
-    def _switch_off(self) -> None:
-        """A drive that could not be told is told again, in every cycle until it obeys."""
-        self.maybe_powered = True
+    def _ask_off(self) -> None:
         try:
-            self.backend.disable()
-            self.maybe_powered = False
+            self.backend.begin_disable()
+            self._asked_off = True
         except Exception as error:
+            self._asked_off = False  # in the next cycle again
             self._latch(self._as_fault(error))
             with contextlib.suppress(Exception):
                 self.backend.quick_stop()

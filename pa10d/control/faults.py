@@ -13,8 +13,10 @@ REMEDIES = {
     "position_limit": "look at the plan and at what pushes the arm; move it back inside by hand",
     "velocity_limit": "look at the plan's speeds, the gains and the drive's sign and gear ratio",
     "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
+    "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload",
     "stale": "check cabling, termination and bus load; the axis stopped answering",
     "controller": "report it with the recorded run; the arm was stopped by the joint servo",
+    "switching": "look at supply, safe-torque-off and brakes: the drives did not do as asked",
     "stop": "look at brakes and drives before the next motion: the arm did not stop as asked",
     "daemon_gone": "look at the daemon's log; systemd starts it again",
 }
@@ -42,6 +44,11 @@ class Fault:
     def whole_bus(self) -> bool:
         """Whether no axis can be stopped by the loop."""
         return self.device and self.axis is None
+
+    @property
+    def runs_away(self) -> bool:
+        """Whether the torque itself is what moves an axis that shall stand."""
+        return self.kind == "not_held"
 
     @property
     def sentence(self) -> str:

@@ -12,7 +12,7 @@ from pa10d.control.clock import Clock
 from pa10d.control.commands import Commands
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
-from pa10d.control.states import POWERED, ArmState
+from pa10d.control.states import POWERED, SWITCHING, ArmState
 
 IDLE = 0.05  # s between looks at the pipe while offline
 SILENCE = 5.0  # s without a word from the daemon: it hangs
@@ -80,7 +80,7 @@ class Loop:
 
     def _calm(self) -> bool:
         arm = self._arm
-        moving = arm.state in (ArmState.RUNNING, ArmState.STOPPING)
+        moving = arm.state in (ArmState.RUNNING, ArmState.STOPPING) or arm.state in SWITCHING
         return not (arm.backend.realtime or moving or arm.maybe_powered)
 
     def _wait(self) -> None:

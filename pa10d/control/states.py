@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class ArmState(IntEnum):
-    """offline → inactive (reads only) → holding → running → stopping → fault."""
+    """offline → inactive (reads only) → enabling → holding → running → stopping → disabling."""
 
     OFFLINE = 0
     INACTIVE = 1
@@ -14,6 +14,9 @@ class ArmState(IntEnum):
     RUNNING = 3
     STOPPING = 4
     FAULT = 5
+    ENABLING = 6
+    DISABLING = 7
+    RESETTING = 8
 
     @property
     def label(self) -> str:
@@ -21,8 +24,13 @@ class ArmState(IntEnum):
         return self.name.lower()
 
 
-POWERED = frozenset({ArmState.HOLDING, ArmState.RUNNING, ArmState.STOPPING})
-"""The only states in which a torque other than zero may leave."""
+POWERED = frozenset(
+    {ArmState.ENABLING, ArmState.HOLDING, ArmState.RUNNING, ArmState.STOPPING, ArmState.DISABLING}
+)
+"""The only states in which a torque other than zero may leave; the envelope is watched in each."""
+
+SWITCHING = frozenset({ArmState.ENABLING, ArmState.DISABLING, ArmState.RESETTING})
+"""Passed through: they end by themselves, in another state or a fault."""
 
 REMEDIES = {
     ArmState.OFFLINE: "connect the robot: check bus and drives, then ask for 'connect'",
@@ -31,6 +39,9 @@ REMEDIES = {
     ArmState.RUNNING: "wait for the motion to end, or stop it",
     ArmState.STOPPING: "wait until the arm is at rest",
     ArmState.FAULT: "remove the cause, then reset",
+    ArmState.ENABLING: "wait until the arm is held, or stop it",
+    ArmState.DISABLING: "wait until the brakes are on and the power is off",
+    ArmState.RESETTING: "wait until the drives have acknowledged",
 }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,8 @@ from pa10d.control.states import POWERED, ArmState
 
 Array = NDArray[np.float64]
 
+STANDING = 0.25  # of the velocity limit: an arm that shall stand and is faster runs away
+
 
 class TorqueExit:
     """Finite, allowed by the state, inside the envelope, within limits, limited in its rate."""
@@ -21,12 +25,21 @@ class TorqueExit:
         self.sent = np.zeros_like(limits.torque)
         self._step = limits.torque_rate * period
         self._envelope = Envelope(limits, period)
+        self._standing = Envelope(replace(limits, velocity=STANDING * limits.velocity), period)
 
     def watch(
-        self, q: Array, dq: Array, age: NDArray[np.int64], wanted_q: Array, live: NDArray[np.bool_]
+        self,
+        q: Array,
+        dq: Array,
+        age: NDArray[np.int64],
+        wanted_q: Array,
+        live: NDArray[np.bool_],
+        standing: bool = False,
     ) -> None:
-        """Raise Violation where a live axis has left the envelope of the motion."""
-        self._envelope.watch(q, dq, age, wanted_q, live)
+        """Raise Violation where a live axis has left the envelope of the motion, or of ``standing``
+        where nothing may move by itself."""
+        envelope = self._standing if standing else self._envelope
+        envelope.watch(q, dq, age, wanted_q, live)
 
     def send(self, wanted: Array, state: ArmState, live: NDArray[np.bool_]) -> Array:
         """(n,) N·m that may go to the drives; zero for axes that are not live."""

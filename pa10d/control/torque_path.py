@@ -31,6 +31,7 @@ class TorquePath:
         self.exit = TorqueExit(limits, period)
         self.reference = Reference(n)
         self.live = np.ones(n, dtype=bool)
+        self.limp = False  # no torque for any axis until the next power-up
         self.time = 0.0
         self.measured_q, self.tau = np.zeros(n), np.zeros(n)
         self.status, self.age = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
@@ -59,8 +60,22 @@ class TorquePath:
         self.temperature = feedback.temperature
         self._speed.update(feedback.q, feedback.age, feedback.time)
 
+    def watch_standing(self) -> None:
+        """While brakes open nothing may move but what gravity does until the servo has it."""
+        if self.limp:
+            return
+        try:
+            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
+        except Violation as violation:
+            if violation.kind == "stale":
+                raise
+            cause = f"{violation.cause} while the arm is being enabled"
+            raise Violation("not_held", cause, violation.axis) from violation
+
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
+        if self.limp:
+            return
         if not stopping_for_fault:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
             return
@@ -73,6 +88,8 @@ class TorquePath:
 
     def torque(self, state: ArmState) -> Array:
         """What may be sent in this cycle."""
+        if self.limp:
+            return self.sent
         wanted = self.controller.torque(self.reference, self.q, self.dq)
         sent = self.exit.send(wanted, state, self.live)
         self.controller.applied(wanted, sent)
@@ -80,9 +97,15 @@ class TorquePath:
 
     def power_up(self, gravity: Array) -> None:
         """Hold where the arm is, beginning with the torque that gravity is thought to need."""
+        self.limp = False
         self.exit.restart()
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)
+
+    def let_go(self) -> None:
+        """Zero torque from now on, whatever the controller asks for."""
+        self.limp = True
+        self.exit.restart()
 
     def power_down(self) -> None:
         """The drives are off."""
@@ -101,7 +124,12 @@ class TorquePath:
         self.reference.dq[:] = np.where(self.live, np.clip(self.dq, -speed, speed), 0.0)
         self.use(self._make_servo())
 
+    def stand(self) -> None:
+        """Plain joint servo that holds the arm where it is."""
+        self.reference.rest(self.q.copy())
+        self.use(self._make_servo())
+
     def forget(self) -> None:
         """After a reset: every axis is live, and was at rest until now."""
-        self.live[:] = True
+        self.live[:], self.limp = True, False
         self._speed.restart()

@@ -113,7 +113,7 @@ class Experiment:
     async def _power_up(self, prepared: dict[str, Any]) -> dict[str, Any]:
         if self._robot.state == "inactive":
             self._report(CHECKED, "enabling the arm")
-            await self._robot.command("enable", timeout=30.0)
+            await self._robot.enable()
         state = await self._robot.until("holding", "fault", timeout=5.0)
         if state != "holding":
             raise UserError(f"the arm is {state}, expected holding{self._why()}")
@@ -226,7 +226,7 @@ class Experiment:
             await robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
         if power_off and robot.moving:  # one that still stops powers off once it rests
             with contextlib.suppress(CommandRefused):
-                await robot.command("disable", timeout=30.0)
+                await robot.disable()
 
     def _why(self) -> str:
         fault = self._robot.fault

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from backends.cia402 import remarks
 from pa10d.control.ring import Ring
-from pa10d.control.states import ArmState
+from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.daemon.child import Child
 from pa10d.daemon.events import Events
 from pa10d.daemon.fault_files import keep_fault
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 CANOPEN = "canopen_cia402"  # the backend that cannot do without drives
 RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
+SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
@@ -123,7 +124,7 @@ class RobotProcess:
     @property
     def moving(self) -> bool:
         """Whether torque is on."""
-        return self.state in ("holding", "running", "stopping")
+        return self.state in _POWERED
 
     @property
     def braking_time(self) -> float:
@@ -196,6 +197,19 @@ class RobotProcess:
             raise CommandRefused(answer)
         return answer
 
+    async def enable(self) -> None:
+        """Until the arm is held, or in fault, or somebody has stopped that."""
+        await self._switch("enable")
+
+    async def disable(self) -> None:
+        """Until the arm is unpowered, or in fault."""
+        await self.command("disable")
+        await self.until("inactive", "fault", "offline", timeout=SWITCHED + self.braking_time)
+
+    async def _switch(self, do: str) -> None:
+        await self.command(do, timeout=SWITCHED)
+        await self.until(*_SETTLED, timeout=SWITCHED)
+
     async def reset(self) -> None:
         """Leave a fault, also the one that control's own death was."""
         if self._gone is not None:
@@ -203,7 +217,9 @@ class RobotProcess:
             self._announce()
             await self._connect()
             return
-        await self.command("reset", timeout=30.0)
+        await self._switch("reset")
+        if self.state == "fault":
+            raise CommandRefused(self._still_in_fault())
 
     async def use(self, controller: Message, model: str | None = None) -> None:
         """``{"name": "pid"}`` or ``{"name": "computed_torque", "model": {live model}}``; model: the
@@ -358,6 +374,17 @@ class RobotProcess:
 
         asyncio.get_running_loop().create_task(wake())
 
+    def _still_in_fault(self) -> Message:
+        fault = self.fault or {}
+        return {
+            "ok": False,
+            "command": "reset",
+            "state": self.state,
+            "needed": [ArmState.FAULT.label],
+            "detail": f"reset: {fault.get('sentence', 'the fault persists')}",
+            "remedy": fault.get("remedy", "remove the cause, then reset"),
+        }
+
     def _no_control(self, do: str) -> Message:
         return {
             "ok": False,
@@ -378,6 +405,10 @@ def _remarks(axes: list[dict[str, Any]]) -> list[str]:
         for axis in axes
         for remark in remarks(axis["status_word"])
     ]
+
+
+_POWERED = frozenset(state.label for state in POWERED)
+_SETTLED = tuple(state.label for state in ArmState if state not in SWITCHING)
 
 
 def _finite(value: float) -> float | None:

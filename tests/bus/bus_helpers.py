@@ -17,6 +17,7 @@ import numpy as np
 import yaml
 from canopen import Network, RemoteNode
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.eds import OWN_EDS
 from backends.frames import frame
@@ -171,7 +172,7 @@ def running(profile: Profile) -> Iterator[tuple[CanopenBackend, Driver, Meddler]
         try:
             with promptly():
                 driver = Driver(arm)
-                arm.enable(driver.hold)
+                by_hand.enable(arm, driver.hold)
                 driver.run(0.3)
                 yield arm, driver, Meddler(profile, bus)
         finally:

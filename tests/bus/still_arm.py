@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.protocol import Array, Feedback, Hold
+from backends.protocol import Array, Feedback
 from pa10d.profile import Profile
 
 
 class StillArm:
+    switching = False  # whatever is begun is done at once
+
     def __init__(self, profile: Profile) -> None:
         self.n = len(profile.drives or [])
         self.period, self.realtime = 1.0 / profile.control.rate, False
@@ -18,7 +20,7 @@ class StillArm:
     def open(self) -> None:
         self._time = 0.0
 
-    def enable(self, hold: Hold | None = None) -> None: ...
+    def begin_enable(self) -> None: ...
 
     def read(self) -> Feedback:
         self._time += self.period
@@ -29,9 +31,9 @@ class StillArm:
 
     def quick_stop(self) -> None: ...
 
-    def disable(self) -> None: ...
+    def begin_disable(self) -> None: ...
 
-    def reset(self) -> None: ...
+    def begin_reset(self) -> None: ...
 
     def close(self) -> None: ...
 

@@ -7,6 +7,7 @@ from contextlib import suppress
 
 from bus_helpers import Driver
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from pa10d.profile import load_profile
 
@@ -15,7 +16,7 @@ with suppress(PermissionError):
 arm = CanopenBackend(load_profile(sys.argv[1]))
 arm.open()
 driver = Driver(arm)
-arm.enable(driver.hold)
+by_hand.enable(arm, driver.hold)
 driver.run(0.3)
 print("moving", flush=True)
 started = time.monotonic()

@@ -29,6 +29,7 @@ from bus_helpers import (
     virtual_arm,
 )
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.canopen_cia402.exchange import AxisInput
 from backends.canopen_cia402.watch import Watch
@@ -157,8 +158,8 @@ def test_a_rebooted_drive_is_configured_anew_by_reset(profile: Profile) -> None:
             kinds.append(next_fault(driver).kind)
         assert kinds[-1] == "rebooted"
         assert_stops(arm, driver)
-        arm.reset()
-        arm.enable(driver.hold)
+        by_hand.reset(arm)
+        by_hand.enable(arm, driver.hold)
         assert {state_of(int(s)) for s in driver.run(0.3).status} == {State.ENABLED}
 
 
@@ -259,7 +260,7 @@ def test_a_full_queue(tmp_path: Path) -> None:
         arm.open()
         try:
             driver = Driver(arm)
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             driver.run(0.2)
             process.send_signal(signal.SIGSTOP)
             with pytest.raises(OSError, match="queue is full"):
@@ -268,8 +269,8 @@ def test_a_full_queue(tmp_path: Path) -> None:
             assert found.kind == "queue_full"
             assert "errno 105" in found.cause
             process.send_signal(signal.SIGCONT)
-            arm.reset()
-            arm.enable(driver.hold)
+            by_hand.reset(arm)
+            by_hand.enable(arm, driver.hold)
             driver.run(0.2)
         finally:
             arm.close()
@@ -351,9 +352,9 @@ def the_next_control_takes_over(profile: Profile) -> None:
         with pytest.raises(BackendFault, match="reports a fault, 0x8") as caught:
             arm.read()
         assert caught.value.kind == "drive_fault"
-        arm.reset()
+        by_hand.reset(arm)
         driver = Driver(arm)
-        arm.enable(driver.hold)
+        by_hand.enable(arm, driver.hold)
         assert driver.run(0.2).age.max() == 0
     finally:
         arm.close()

@@ -11,6 +11,7 @@ import pytest
 from bus_helpers import Driver, Meddler, make_profile, patient_eds, promptly, virtual_arm
 from canopen.profiles.p402 import BaseNode402
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.eds import OWN_EDS
@@ -42,7 +43,7 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
             assert [r.node for r in arm.reports] == list(range(10, 17))
             driver = Driver(arm)
             assert states(arm.read().status) == {State.DISABLED}
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             assert states(driver.run(0.2).status) == {State.ENABLED}
             most = 0.0
             for _ in range(100):
@@ -61,22 +62,22 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
                 arm.read()
             assert np.abs(arm.read().q - rest).max() < 1e-3, "brakes hold"
 
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             driver.run(0.2)
             Meddler(profile, bus).inject(3, Injection.FAULT, 0x2310)
             with pytest.raises(BackendFault, match=r"joint 4.*overcurrent") as caught:
                 driver.run(3.0)
             assert caught.value.axis == 3
             with pytest.raises(BackendFault, match="overcurrent"):
-                arm.enable()  # a fault stays until it is reset
-            arm.disable()
+                by_hand.enable(arm)  # a fault stays until it is reset
+            by_hand.disable(arm)
             assert states(arm.statuses()[:3]) == {State.DISABLED}
-            arm.reset()
+            by_hand.reset(arm)
             assert states(arm.read().status) == {State.DISABLED}
 
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             driver.run(0.2)
-            arm.disable()
+            by_hand.disable(arm)
             assert states(arm.statuses()) == {State.DISABLED}
         finally:
             arm.close()
@@ -204,7 +205,7 @@ def test_all_brakes_open_in_the_same_cycle_and_meet_the_load(tmp_path: Path) -> 
                 seen.append([state_of(int(s)) is State.ENABLED for s in feedback.status])
                 return 60.0 * np.sin(feedback.q) - 200.0 * feedback.q
 
-            arm.enable(hold)
+            by_hand.enable(arm, hold)
             enabled = [sum(row) for row in seen] + [
                 sum(state_of(s) is State.ENABLED for s in arm.statuses())
             ]

@@ -9,6 +9,7 @@ import pytest
 from bus_helpers import Driver, make_profile, virtual_arm
 from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
@@ -107,10 +108,10 @@ def test_a_virtual_drive_with_a_real_dictionary_lives(
         try:
             assert any(line.startswith("joint 2: no ") for line in arm.warnings)
             driver = Driver(arm, amplitude=0.1)
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             assert {state_of(int(s)) for s in driver.run(0.5).status} == {State.ENABLED}
             assert driver.reach > 0.01
-            arm.disable()
+            by_hand.disable(arm)
             assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
         finally:
             arm.close()

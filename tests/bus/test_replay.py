@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from bus_helpers import make_profile
 
+from backends import by_hand
 from backends.protocol import Backend, BackendFault
 from backends.registry import open_backend
 from backends.replay import ReplayBackend
@@ -34,7 +35,7 @@ def test_one_line_in_the_profile_swaps_the_backend(tmp_path: Path) -> None:
     arm = replay(tmp_path, recording=path.name)
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     arm.open()
-    arm.enable()
+    by_hand.enable(arm)
     assert arm.n == 3
     assert arm.period == pytest.approx(0.005)
     for row in table:
@@ -48,7 +49,7 @@ def test_one_line_in_the_profile_swaps_the_backend(tmp_path: Path) -> None:
     with pytest.raises(BackendFault, match=r"over after 0\.995 s") as caught:
         arm.read()
     assert caught.value.kind == "ended"
-    arm.reset()
+    by_hand.reset(arm)
     assert np.allclose(arm.read().q, table[0, 1:4])
     arm.close()
 

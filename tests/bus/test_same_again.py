@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from bus_helpers import Driver, make_profile, virtual_arm
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from pa10d.profile import Profile
 
@@ -19,7 +20,7 @@ def record(profile: Profile, cycles: int = 400) -> tuple[bytes, ...]:
         arm.open()
         try:
             driver = Driver(arm)
-            arm.enable(driver.hold)
+            by_hand.enable(arm, driver.hold)
             for _ in range(cycles):
                 f = driver.step()
                 assert f.temperature is not None

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from bus_helpers import Driver, inject_by_canopen, make_profile, patient_eds, virtual_arm
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.protocol import BackendFault
@@ -56,22 +57,22 @@ def arm(profile: Profile) -> Iterator[CanopenBackend]:
 
 def test_the_whole_life(arm: CanopenBackend, profile: Profile) -> None:
     driver = Driver(arm, frequency=0.2)
-    arm.enable(driver.hold)
+    by_hand.enable(arm, driver.hold)
     feedback = driver.run(4.0)
     assert {state_of(int(s)) for s in feedback.status} == {State.ENABLED}
     assert np.ptp(feedback.q) < 0.05, "seven equal axes move alike"
     assert driver.reach > 0.05, "it swings; where it is at the end depends on the clock"
     arm.quick_stop()
     driver.until(lambda f: {state_of(int(s)) for s in f.status} == {State.DISABLED})
-    arm.enable(driver.hold)
+    by_hand.enable(arm, driver.hold)
     inject_by_canopen(profile, 3, Injection.FAULT, 0x2310)
     with pytest.raises(BackendFault, match=r"joint 4.*overcurrent"):
         driver.run(4.0)
-    arm.disable()
-    arm.reset()
-    arm.enable(driver.hold)
+    by_hand.disable(arm)
+    by_hand.reset(arm)
+    by_hand.enable(arm, driver.hold)
     driver.run(0.5)
-    arm.disable()
+    by_hand.disable(arm)
     assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
 
 
@@ -83,7 +84,7 @@ def ip(*arguments: str) -> None:
 def test_the_interface_goes_away_in_mid_cycle_and_comes_back(arm: CanopenBackend) -> None:
     for leave, errno in ((["set", "vcan0", "down"], 100), (["del", "vcan0"], 19)):
         driver = Driver(arm, frequency=0.2)
-        arm.enable(driver.hold)
+        by_hand.enable(arm, driver.hold)
         driver.run(0.5)
         ip(*leave)
         errors = []
@@ -98,7 +99,7 @@ def test_the_interface_goes_away_in_mid_cycle_and_comes_back(arm: CanopenBackend
         ip("set", "vcan0", "up")
         reset(arm)
     driver = Driver(arm, frequency=0.2)
-    arm.enable(driver.hold)
+    by_hand.enable(arm, driver.hold)
     assert {state_of(int(s)) for s in driver.run(0.5).status} == {State.ENABLED}
 
 
@@ -106,7 +107,7 @@ def reset(arm: CanopenBackend) -> None:
     """The drives look for the bus as well; give them time."""
     for attempt in range(5):
         try:
-            return arm.reset()
+            return by_hand.reset(arm)
         except BackendFault:
             if attempt == 4:
                 raise

@@ -12,6 +12,7 @@ from bus_helpers import Driver, make_profile, running, second_master, virtual_ar
 from canopen import RemoteNode
 from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
@@ -40,7 +41,7 @@ def test_what_an_earlier_master_left_is_cleared(profile: Profile) -> None:
     arm.open()
     try:
         driver = Driver(arm)
-        arm.enable(driver.hold)
+        by_hand.enable(arm, driver.hold)
         assert np.abs(driver.run(1.0).tau).max() < 40.0, "600 ‰ of 100 N·m nobody asked for"
     finally:
         arm.close()
@@ -91,8 +92,8 @@ def test_a_changed_mode_is_seen_while_it_moves(profile: Profile, shown: str) -> 
         assert f"`{kind}`" in (Path(__file__).parents[2] / "docs" / "faults.md").read_text()
         arm.quick_stop()
         driver.run_on(1.0)
-        arm.reset()  # the mode is chosen anew
-        arm.enable(driver.hold)
+        by_hand.reset(arm)  # the mode is chosen anew
+        by_hand.enable(arm, driver.hold)
         driver.run(0.3)
 
 

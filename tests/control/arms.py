@@ -47,8 +47,7 @@ def holding_arm(n: int = 2) -> tuple[Arm, FakeBackend]:
     arm.connect()
     cycles(arm, 3)
     arm.enable()
-    cycles(arm, 3)
-    assert arm.state == ArmState.HOLDING
+    until(arm, ArmState.HOLDING)
     return arm, backend
 
 

@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from backends.protocol import BackendFault, Feedback, Hold
+from backends.protocol import BackendFault, Feedback
+
+SWITCH = 4  # cycles in which brakes open or close
+PATIENCE = 1.0  # s for drives that never say that they are enabled
 
 
 class FakeBackend:
@@ -18,7 +21,7 @@ class FakeBackend:
         self.plant, self.period, self.n = plant, period, plant.n
         self.warnings: list[str] = []
         self.powered = self.opened = False
-        self.quick = False
+        self.quick, self.braked = False, True
         self.time = 0.0
         self.torque = np.zeros(self.n)
         self.written: list[np.ndarray] = []  # every torque since the last clear
@@ -26,6 +29,9 @@ class FakeBackend:
         self.fail: dict[str, list[BackendFault]] = {}
         self.unplugged = False  # every call fails
         self.frozen = np.zeros(self.n, dtype=bool)  # axes that do not answer
+        self.stuck = np.zeros(self.n, dtype=bool)  # axes that never say that they are enabled
+        self.inverted = np.zeros(self.n, dtype=bool)  # axes whose torque has the wrong sign
+        self._doing, self._left = "", 0  # what was begun, and cycles to go
         self._age = np.zeros(self.n, dtype=np.int64)
         self._q = plant.measure()[0]
 
@@ -36,38 +42,61 @@ class FakeBackend:
     def close(self) -> None:
         self.calls.append("close")
         self.opened = self.powered = False
+        self.braked, self._left = True, 0
 
-    def enable(self, hold: Hold | None = None) -> None:
+    @property
+    def switching(self) -> bool:
+        return self._left > 0
+
+    def begin_enable(self) -> None:
         self._enter("enable")
-        self.powered = True
-        for _ in range(3):
-            feedback = self._cycle()
-            self.torque = np.zeros(self.n) if hold is None else np.array(hold(feedback))
-            self.written.append(self.torque)
+        self._doing, self._left = "enable", SWITCH
+        self._until = self.time + PATIENCE
 
     def read(self) -> Feedback:
         self._enter("read")
-        return self._cycle()
+        feedback = self._cycle()
+        if self._left > 0:
+            self._switch()
+        return feedback
 
     def write(self, torque: np.ndarray) -> None:
         self._enter("write")
-        assert self.powered, "torque written to unpowered drives"
+        assert self.powered or not np.any(torque), "torque written to unpowered drives"
         self.torque = np.array(torque)
         self.written.append(self.torque)
 
     def quick_stop(self) -> None:
         self._enter("quick_stop")
-        self.quick = True
+        self.quick, self._left = True, 0
 
-    def disable(self) -> None:
+    def begin_disable(self) -> None:
         self._enter("disable")
-        self.powered = self.quick = False
-        self._cycle()
+        self._doing, self._left = "disable", SWITCH
 
-    def reset(self) -> None:
+    def begin_reset(self) -> None:
         self._enter("reset")
         self.powered = self.quick = False
+        self.braked = True
         self.frozen[:] = False
+        self._doing, self._left = "reset", SWITCH
+
+    def _switch(self) -> None:
+        """One step on with what was begun; enabling powers first and opens the brakes then."""
+        if self._doing == "enable":
+            self.powered = True
+            self.braked = self._left > 1
+            if self.stuck.any() and self._left == 1:
+                axis = int(np.argmax(self.stuck))
+                if self.time > self._until:
+                    self._left = 0
+                    raise BackendFault("never says that it is enabled", axis, kind="timeout")
+                return
+        else:
+            self.braked = True
+        self._left -= 1
+        if self._left == 0 and self._doing == "disable":
+            self.powered = self.quick = False
 
     def _enter(self, call: str) -> None:
         self.calls.append(call)
@@ -79,8 +108,11 @@ class FakeBackend:
 
     def _cycle(self) -> Feedback:
         self.time += self.period
-        if self.powered and not self.quick:
-            self.plant.step(self.torque, self.period)
+        if self.powered and not self.quick and not self.braked:
+            at = self.plant.measure()[0]
+            self.plant.step(np.where(self.inverted, -self.torque, self.torque), self.period)
+            if self.stuck.any():  # flywheels alone have a speed that can be taken away
+                self.plant.q[self.stuck], self.plant.dq[self.stuck] = at[self.stuck], 0.0
         else:
             self.plant.reset(self.plant.measure()[0])  # brakes, or the drives' own stop
         q, tau = self.plant.measure()

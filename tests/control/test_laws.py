@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from arms import PERIOD, limits
+from arms import PERIOD, limits, until
 from fake_backend import FakeBackend
 
 from backends.virtual.plant import build
@@ -272,6 +272,7 @@ def test_computed_torque_tracks_better_than_pid_with_the_same_gains(profile, rob
         for _ in range(3):
             arm.cycle()
         arm.enable()
+        until(arm, ArmState.HOLDING)
         if name == "computed_torque":
             arm.use(ComputedTorque(robot, live, servo_factory(profile, robot, PERIOD)()))
         for _ in range(200):
@@ -303,6 +304,7 @@ def test_simulated_time_gives_the_same_numbers_every_time(profile, robot):
         for _ in range(3):
             arm.cycle()
         arm.enable()
+        until(arm, ArmState.HOLDING)
         arm.run(sine(arm.path.reference.q, 1.0))
         for _ in range(600):
             arm.cycle()

@@ -19,7 +19,7 @@ from hypothesis.stateful import (
 )
 
 from backends.protocol import BackendFault
-from pa10d.control.states import POWERED, ArmState, Refused
+from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused
 
 FAULTS = st.builds(lambda axis: BackendFault("injected", axis=axis), st.sampled_from([None, 0, 1]))
 CALLS = st.sampled_from(["read", "read", "write", "enable", "disable", "reset", "quick_stop"])
@@ -88,7 +88,15 @@ class Commander(RuleBasedStateMachine):
     def wait(self):
         """Until the motion or the stop under way is over."""
         for _ in range(REST):
-            if self.arm.state not in (ArmState.RUNNING, ArmState.STOPPING):
+            if self.arm.state not in {ArmState.RUNNING, ArmState.STOPPING} | SWITCHING:
+                return
+            self.cycle(1)
+        raise AssertionError(f"{self.arm.state} for ever")
+
+    def settle(self):
+        """Until the drives have switched, as far as they do."""
+        for _ in range(REST):
+            if self.arm.state not in SWITCHING:
                 return
             self.cycle(1)
         raise AssertionError(f"{self.arm.state} for ever")
@@ -103,8 +111,9 @@ class Commander(RuleBasedStateMachine):
         if self.arm.state == ArmState.OFFLINE:
             self.ask(self.arm.connect)
         self.cycle(2)
+        self.settle()
         self.ask(self.arm.enable)
-        self.cycle(5)
+        self.settle()
 
     @rule(amplitude=st.sampled_from([0.1, 0.3, 1.0, 1.5, 4.0]), cycles=st.integers(0, 60))
     def go(self, amplitude, cycles):
@@ -213,7 +222,7 @@ class Commander(RuleBasedStateMachine):
         if self.arm.fault is not None:
             self.wait()
         if self.arm.state in (ArmState.FAULT, ArmState.INACTIVE):
-            self.arm.cycle()
+            self.cycle(20)
             assert not self.backend.powered
 
 

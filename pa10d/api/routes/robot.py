@@ -26,16 +26,14 @@ async def look(daemon: TheDaemon) -> dict[str, Any]:
 @router.post("/enable", response_model=RobotState, responses=COMMAND)
 async def enable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     """Power on, release the brakes, hold the arm where it is."""
-    await daemon.robot.command("enable", timeout=30.0)
-    await daemon.robot.until("holding", "fault", timeout=5.0)
+    await daemon.robot.enable()
     return describe(daemon)
 
 
 @router.post("/disable", response_model=RobotState, responses=COMMAND)
 async def disable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     """Bring the arm to rest, brakes on, power off."""
-    await daemon.robot.command("disable", timeout=30.0)
-    await daemon.robot.until("inactive", "fault", "offline", timeout=10.0)
+    await daemon.robot.disable()
     return describe(daemon)
 
 

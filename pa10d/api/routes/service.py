@@ -10,9 +10,10 @@ from fastapi.responses import PlainTextResponse
 from pa10d import __version__
 from pa10d.api.deps import TheDaemon
 from pa10d.api.schemas import Health
+from pa10d.control.states import ArmState
 
 router = APIRouter(tags=["service"])
-STATES = ("offline", "inactive", "holding", "running", "stopping", "fault")
+STATES = tuple(state.label for state in ArmState)
 
 
 @router.get("/healthz", response_model=Health)
