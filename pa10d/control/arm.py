@@ -66,7 +66,7 @@ class Arm:
     # -- commands ---------------------------------------------------------------------------
 
     def connect(self) -> None:
-        """offline → inactive."""
+        """offline → inactive, with a first look at where the arm stands."""
         require("connect", self.state, State.OFFLINE)
         try:
             self.backend.open()
@@ -79,6 +79,7 @@ class Arm:
         self.path.forget()
         self._asked_off = False
         self.state = State.INACTIVE
+        self.cycle()
 
     def disconnect(self) -> None:
         """Any unpowered state → offline."""

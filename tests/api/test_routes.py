@@ -205,7 +205,7 @@ def test_events_tell_what_happened_before(arm):
     for event in arm.events(since=0):
         if event["kind"] == "robot":
             states.append(event["data"]["state"])
-            if states[-2:] == ["holding", "inactive"]:
+            if states[-3:] == ["holding", "disabling", "inactive"]:
                 break
     assert "inactive" in states
 

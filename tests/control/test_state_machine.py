@@ -261,7 +261,7 @@ def assert_thorough(seen, steps):
         floor = 0 if state == ArmState.OFFLINE else steps // 10
         assert seen[f"cycle {state.label}"] >= floor, (state, seen)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
-        assert seen[f"done {command}"] > steps // 500, (command, seen)
+        assert seen[f"done {command}"] >= max(3, steps // 500), (command, seen)
     for kind in (
         "device",
         "interface_down",
@@ -275,7 +275,7 @@ def assert_thorough(seen, steps):
 
 
 def test_no_sequence_gives_torque_where_none_may_be():
-    assert_thorough(explore(250, derandomize=True), 10_000)
+    assert_thorough(explore(60, derandomize=True), 2_500)
 
 
 @pytest.mark.long

@@ -201,3 +201,13 @@ def test_drives_that_others_left_in_fault_are_reset_from_inactive():
     arm.reset()
     until(arm, INACTIVE)
     assert "reset" in backend.calls
+
+
+def test_an_arm_that_is_enabled_at_once_is_held_where_it_stands():
+    """Not where nobody has looked yet."""
+    arm, backend = flywheel_arm()
+    backend.plant.reset(np.array([0.7, -0.4]))
+    arm.connect()
+    arm.enable()
+    until(arm, HOLDING)
+    np.testing.assert_allclose(arm.path.reference.q, [0.7, -0.4], atol=1e-6)
