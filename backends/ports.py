@@ -85,7 +85,7 @@ class MessagePort:
     def send(self, packet: bytes) -> None:
         for can_id, data in frames(packet):
             try:
-                self._bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
+                self._bus.send(_message_of(can_id, data))
             except can.CanError as error:
                 raise _as_os_error(error) from error
 
@@ -118,6 +118,15 @@ def open_port(settings: Can, where: str) -> Port:
             f"be opened: {error}; expected an interface that python-can knows and that is up"
         ) from error
     return SocketcanPort(bus) if settings.interface == "socketcan" else MessagePort(bus)
+
+
+def _message_of(can_id: int, data: bytes) -> can.Message:
+    return can.Message(
+        arbitration_id=can_id & ~(EXTENDED | REMOTE),
+        data=data,
+        is_extended_id=bool(can_id & EXTENDED),
+        is_remote_frame=bool(can_id & REMOTE),
+    )
 
 
 def _frame_of(message: can.Message) -> bytes:

@@ -55,6 +55,12 @@ class Limits(_Strict):
     torque: list[Positive] | None = None  # N·m at the joint side
 
 
+Risk = Literal["unwatched", "unknown_reaction"]
+"""What a drive may lack and a profile may take upon itself: ``unwatched``, it does not notice that
+the control PC died (no 0x1016 and no node guarding); ``unknown_reaction``, what it does then cannot
+be chosen (no 0x6007)."""
+
+
 class Drive(_Strict):
     """One CiA 402 amplifier and how its numbers become joint-side SI units."""
 
@@ -69,6 +75,7 @@ class Drive(_Strict):
     vendor_id: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:1
     product_code: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:2
     heartbeat_ms: Annotated[int, Field(strict=True, ge=10, le=60000)] = 100
+    accepted_risks: list[Risk] = []  # without them a drive that has one is not powered
 
 
 class Can(_Strict):

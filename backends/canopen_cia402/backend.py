@@ -137,6 +137,7 @@ class CanopenBackend:
             for axis, report in self._configure(lost).items():
                 self.reports[axis] = report
                 self._exchange.expect(axis)
+            self._know_life_signs()
         self._watch.clear()
         self._begin(sequence.Acknowledge(self))
 
@@ -280,10 +281,17 @@ class CanopenBackend:
         )
         pace = Pace(self.realtime, self.period, self._heartbeat)
         self._cycle = BusCycle(self._port, self._exchange, self._watch, self._poll, pace)
+        self._know_life_signs()
         sequence.prove(self, TRIAL_CYCLES)
         self._watch.clear()
         for axis, report in enumerate(self.reports):
             self._watch.remember(axis, report.error)
+
+    def _know_life_signs(self) -> None:
+        """Who is asked, and who tells by itself, that it lives."""
+        self._connected().guarded = [report.node for report in self.reports if report.guarded]
+        for axis, report in enumerate(self.reports):
+            self._watch.listen_for(axis, report.heard)
 
     def _other(self, can_id: int, data: bytes) -> None:
         if 0x580 < can_id <= 0x5FF:

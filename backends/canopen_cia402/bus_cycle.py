@@ -10,7 +10,7 @@ from backends.canopen_cia402.exchange import SYNC_FRAME, Exchange
 from backends.canopen_cia402.poll import Poll
 from backends.canopen_cia402.watch import Watch
 from backends.faults import fault
-from backends.frames import frame
+from backends.frames import REMOTE, frame
 from backends.ports import Port, drain
 from backends.protocol import BackendFault
 
@@ -55,6 +55,7 @@ class BusCycle:
         self._port, self._exchange, self._watch = port, exchange, watch
         self._poll, self._pace = poll, pace
         self.beating = False
+        self.guarded: list[int] = []  # nodes that are asked, as they watch no heartbeat
         self.sent_at = 0.0  # s, time of the last SYNC
         self.next_heartbeat = 0.0  # s
         self._deferred = b""  # frames that go out with the next SYNC
@@ -88,7 +89,11 @@ class BusCycle:
         """While some drives are configured, the others go on watching us."""
         if self._pace.realtime and self.beating and time.monotonic() >= self.next_heartbeat:
             self.next_heartbeat = time.monotonic() + self._pace.heartbeat
-            self._port.send(HEARTBEAT)
+            self._port.send(self._life_signs())
+
+    def _life_signs(self) -> bytes:
+        """Our heartbeat, and questions to the nodes that wait for those instead."""
+        return HEARTBEAT + b"".join(frame(REMOTE | (0x700 + node)) for node in self.guarded)
 
     def _sync(self) -> None:
         pace = self._pace
@@ -96,7 +101,7 @@ class BusCycle:
         packet = self._deferred + self._poll.question(now) + SYNC_FRAME
         if self.beating and now >= self.next_heartbeat:
             self.next_heartbeat = now + pace.heartbeat - 0.5 * pace.period
-            packet += HEARTBEAT
+            packet += self._life_signs()
         self._port.send(packet)
         self._deferred, self.sent_at = b"", now
 

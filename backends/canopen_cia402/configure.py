@@ -10,13 +10,14 @@ import canopen
 
 from backends import cia402, vendors
 from backends.canopen_cia402.layout import Layout
+from backends.canopen_cia402.lifeline import be_watched
 from backends.canopen_cia402.mapping import map_pdos
 from backends.canopen_cia402.objects import ESSENTIAL, WANTED, declared, lack
 from backends.canopen_cia402.remote import Remote, SetupError
 from backends.canopen_cia402.takeover import clear_offsets, contradictions, own_sync, untold
 from backends.limits import AxisLimits
 from backends.scaling import Scaling
-from pa10d.profile import Drive
+from pa10d.profile import Drive, Risk
 
 MODE_TAKES = 0.5  # s at most until 0x6061 shows the mode
 DRIVE_SPEED = 1.5
@@ -53,6 +54,9 @@ class DriveReport:
     feedback: Layout
     error: int  # 0x603F when we came
     shows_mode: bool = True  # by 0x6061
+    heard: bool = True  # it tells that it lives, by heartbeats or when it is asked
+    guarded: bool = False  # it is asked by remote frames, as it watches no heartbeat
+    risks: dict[Risk, str] = field(default_factory=dict)  # what nobody may overlook; in lacks too
     lacks: list[str] = field(default_factory=list)
 
     @property
@@ -68,7 +72,9 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     """Check and set up one drive by SDO; SetupError names every reason to refuse it."""
     remote = Remote(node)
     _require_usable(remote, wish)
-    lacks = [lack(index) for index in WANTED if not declared(node, index)]
+    lifeline = be_watched(remote, wish.master, wish.silence_ms, wish.drive.heartbeat_ms)
+    lacks = [*lifeline.lacks]
+    lacks += [lack(index) for index in WANTED if not declared(node, index)]
     lacks += untold(remote)
     lacks += _set_up(remote, wish)
     command, feedback = map_pdos(remote)
@@ -84,6 +90,9 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         feedback=feedback,
         error=remote.read(0x603F) or 0,
         shows_mode=remote.read(0x6061) is not None,
+        heard=lifeline.heard,
+        guarded=lifeline.guarded,
+        risks=lifeline.risks,
         lacks=list(dict.fromkeys(lacks)),
     )
 
@@ -164,11 +173,8 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
     """(index, sub-index, value) of what makes the drive safe and synchronous."""
     limits, scaling = wish.limits, wish.scaling
     settings = [
-        (0x1016, 1, wish.master << 16 | wish.silence_ms),
-        (0x1017, 0, wish.drive.heartbeat_ms),
         (0x1006, 0, round(wish.period * 1e6)),
         (0x1029, 1, 0),
-        (0x6007, 0, cia402.Reaction.FAULT),
         (0x605A, 0, cia402.QuickStop.QUICK_STOP),
         (0x605C, 0, 1),
         (0x605E, 0, cia402.FaultReaction.QUICK_STOP),

@@ -15,14 +15,6 @@ ESSENTIAL = {
 
 # index -> (name, what its absence means)
 WANTED = {
-    0x1016: (
-        "Consumer heartbeat time",
-        "the drive does not notice when the control PC dies and keeps its last torque",
-    ),
-    0x1017: (
-        "Producer heartbeat time",
-        "a drive that hangs shows only by missing PDOs",
-    ),
     0x1006: (
         "Communication cycle period",
         "the drive does not notice when SYNC stays away",
@@ -30,10 +22,6 @@ WANTED = {
     0x1029: (
         "Error behaviour",
         "whether the drive leaves OPERATIONAL after a communication error is up to its maker",
-    ),
-    0x6007: (
-        "Abort connection option code",
-        "what the drive does when communication is lost cannot be chosen: ask its maker",
     ),
     0x605A: (
         "Quick stop option code",
@@ -71,6 +59,22 @@ WANTED = {
     ),
 }
 
+# the drive notices that the control PC died, and stops: see lifeline.py
+LIFELINE = {
+    0x1016: (
+        "Consumer heartbeat time",
+        "the drive does not notice when the control PC dies and keeps its last torque",
+    ),
+    0x1017: (
+        "Producer heartbeat time",
+        "a drive that hangs shows only by missing PDOs",
+    ),
+    0x6007: (
+        "Abort connection option code",
+        "what the drive does when communication is lost cannot be chosen: ask its maker",
+    ),
+}
+
 # what is compared with the profile where the drive tells it
 COMPARED = {
     0x6076: (
@@ -94,5 +98,5 @@ def declared(node: canopen.RemoteNode, index: int) -> bool:
 
 def lack(index: int) -> str:
     """One line about a lacking object."""
-    name, meaning = (WANTED | COMPARED)[index]
+    name, meaning = (LIFELINE | WANTED | COMPARED)[index]
     return f"no {name} (0x{index:04X}): {meaning}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from backends import cia402
 from backends.canopen_cia402.exchange import AxisInput, Exchange
 from backends.faults import describe_code, fault
@@ -38,6 +40,7 @@ class Watch:
         self._new: list[BackendFault] = []
         self._stale_cycles, self._period = stale_cycles, period
         self._axis_of = {node: k for k, node in enumerate(nodes)}
+        self._beats = heartbeat
         self._silence = [SILENCE * period for period in heartbeat]
         self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
         self._heard = [0.0] * len(nodes)  # s, when each node's last heartbeat came
@@ -59,6 +62,10 @@ class Watch:
             self._codes.pop(axis, None)
         self._now = now
         self._heard = [now] * len(self._heard)
+
+    def listen_for(self, axis: int, heard: bool) -> None:
+        """Whether this drive tells that it lives."""
+        self._silence[axis] = SILENCE * self._beats[axis] if heard else inf
 
     def remember(self, axis: int, code: int) -> None:
         """The error code that a drive had before we came."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
+import re
 import shutil
 import tempfile
 import time
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from backends.bus_budget import profile_budget
+from backends.canopen_cia402.lifeline import not_accepted
 from backends.protocol import Backend
 from backends.registry import open_backend
 from pa10d.control.build import build_arm
@@ -35,6 +37,7 @@ SMALL_DISK = 2.0  # GB; an hour of a seven-axis run takes about one
 SLOW_DISK = 0.1  # s for a small synchronous write
 LATE = 0.25  # of a period that the latest cycle in a hundred may be late
 SANE_YEAR = 2025
+JOINT = re.compile(r"joint (\d+): ")
 
 
 def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[Check]:
@@ -119,9 +122,9 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
         try:
             arm.connect()
         except Refused as refusal:
-            return [Check("error", "drives", str(refusal).removeprefix("connect: "))]
+            return _refused(str(refusal).removeprefix("connect: "))
         stack.callback(arm.disconnect)
-        found = _who_answers(backend)
+        found = _who_answers(profile, backend)
         with _real_time():
             late = _late(profile, seconds, arm.cycle)
         if arm.fault is not None:
@@ -129,11 +132,29 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
         return [*found, _judged("loop with the drives", late, profile)]
 
 
-def _who_answers(backend: Backend) -> list[Check]:
+def _refused(why: str) -> list[Check]:
+    """One line for each joint that has a reason."""
+    return [
+        Check("error", "drives", line, int(named[1]) if (named := JOINT.match(line)) else None)
+        for line in why.splitlines()
+    ]
+
+
+def _who_answers(profile: Profile, backend: Backend) -> list[Check]:
     """Identity of every drive; what it lacks, or that it lacks nothing."""
     reports = getattr(backend, "reports", ())
     found = [Check("ok", "drives", report.identity) for report in reports]
-    found += [Check("warning", "safety", warning) for warning in backend.warnings]
+    risks = [
+        (f"joint {k + 1}: ", not_accepted(drive, report.risks))
+        for k, (drive, report) in enumerate(zip(profile.drives or [], reports, strict=False))
+    ]
+    errors = [joint + risk for joint, open_risks in risks for risk in open_risks]
+    found += [Check("error", "safety", error) for error in errors]
+    found += [
+        Check("warning", "safety", warning)
+        for warning in backend.warnings
+        if not any(error.startswith(warning) for error in errors)
+    ]
     for report in reports:
         if not report.lacks:
             text = f"node {report.node}: has every safety object, and took every setting"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -33,9 +34,11 @@ _number = count()
 
 
 def make_profile(folder: Path, axes: int = 3, **changes: Any) -> Profile:
-    """A profile of pendulums on a virtual bus of its own; ``drive`` changes every drive."""
+    """A profile of pendulums on a virtual bus of its own; ``drive`` changes every drive,
+    ``each`` the drives of its keys."""
     drive = {"counts_per_rev": 819200, "gear_ratio": 50, "rated_torque": 2.0}
     drive |= changes.pop("drive", {})
+    each = changes.pop("each", {})
     document: dict[str, Any] = {
         "urdf": str(URDF),
         "joints": JOINTS[:axes],
@@ -45,7 +48,7 @@ def make_profile(folder: Path, axes: int = 3, **changes: Any) -> Profile:
             "acceleration": [20.0] * axes,
             "torque": [100.0] * axes,
         },
-        "drives": [{"node": 10 + k, **drive} for k in range(axes)],
+        "drives": [{"node": 10 + k, **drive, **each.get(k, {})} for k in range(axes)],
         "can": {"interface": "virtualbus", "channel": f"t{os.getpid()}-{next(_number)}"},
         "control": {"rate": 200.0},
         "simulation": {"plant": "pendulums:build", "clock": "simulated"},
@@ -66,6 +69,17 @@ def patient_eds(folder: Path, milliseconds: int = 1000) -> str:
         text[:at] + text[at:].replace("DefaultValue=200", f"DefaultValue={milliseconds}", 1)
     )
     return str(path)
+
+
+def own_eds_without(folder: Path, *indices: int) -> Path:
+    """Our drive, but one that lacks these objects."""
+    text = OWN_EDS.read_text()
+    for index in indices:
+        text = re.sub(rf"(?ms)^\[{index:X}(sub\d+)?\]$.*?(?=^\[|\Z)", "", text)
+        text = re.sub(rf"(?m)^\d+=0x{index:X}\n", "", text)
+    path = folder / f"without-{'-'.join(f'{index:X}' for index in indices)}.eds"
+    path.write_text(text)
+    return path
 
 
 @contextmanager

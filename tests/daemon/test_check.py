@@ -88,24 +88,59 @@ def test_nobody_on_the_bus_is_no_go(tmp_path):
     assert "joint 1" in sentence
 
 
-def test_what_a_drive_lacks_is_a_warning_by_name(tmp_path):
-    eds = tmp_path / "poor.eds"
-    path = profile_with(tmp_path, control=CALM)
-    text = patient_eds(tmp_path).read_text(encoding="utf-8")
-    at = text.index("[6007]")
+def lacking(folder, index, **drive):
+    """A profile whose third drive has no such object; ``drive`` changes that drive."""
+    eds = folder / "poor.eds"
+    path = profile_with(folder, control=CALM)
+    text = patient_eds(folder).read_text(encoding="utf-8")
+    at = text.index(f"[{index:X}]")
     end = text.index("[", at + 1)
-    lines = [line for line in (text[:at] + text[end:]).splitlines() if not line.endswith("=0x6007")]
-    eds.write_text("\n".join(lines), encoding="utf-8")
+    while text[end:].startswith(f"[{index:X}sub"):
+        end = text.index("[", end + 1)
+    lines = (text[:at] + text[end:]).splitlines()
+    kept = [line for line in lines if not line.endswith(f"=0x{index:X}")]
+    eds.write_text("\n".join(kept), encoding="utf-8")
     profile = yaml.safe_load(path.read_text())
-    profile["drives"][2]["eds"] = str(eds)
+    profile["drives"][2] |= {"eds": str(eds), **drive}
     path.write_text(yaml.safe_dump(profile))
-    status, go, found = check(path, tmp_path)
+    return path
+
+
+def test_what_a_drive_lacks_is_a_warning_by_name(tmp_path):
+    status, go, found = check(lacking(tmp_path, 0x605E), tmp_path)
     assert (status, go) == (0, True), "a warning is for a person to weigh"
     warned = [sentence for level, sentence in found["safety"] if level == "warning"]
     assert len(warned) == 1
     assert "joint 3" in warned[0]
-    assert "0x6007" in warned[0]
+    assert "0x605E" in warned[0]
     assert len([1 for level, _ in found["safety"] if level == "ok"]) == 6
+
+
+def test_a_drive_that_may_keep_its_torque_is_no_go_until_the_profile_accepts_that(tmp_path):
+    status, go, found = check(lacking(tmp_path, 0x6007), tmp_path)
+    assert (status, go) == (1, False)
+    [sentence] = [text for level, text in found["safety"] if level == "error"]
+    assert sentence.startswith("joint 3: no Abort connection option code (0x6007)")
+    assert sentence.endswith("accepted_risks: [unknown_reaction]")
+    assert not [text for level, text in found["safety"] if level == "warning"], "said once"
+    path = lacking(tmp_path, 0x6007, accepted_risks=["unknown_reaction"])
+    status, go, found = check(path, tmp_path)
+    assert (status, go) == (0, True)
+    assert [level for level, text in found["safety"] if "0x6007" in text] == ["warning"]
+
+
+def test_every_refused_drive_has_a_line(tmp_path):
+    path = profile_with(tmp_path, control=CALM)
+    profile = yaml.safe_load(path.read_text())
+    for k in (1, 4):
+        profile["drives"][k]["vendor_id"] = 0xFB
+    path.write_text(yaml.safe_dump(profile))
+    status, go, found = check(path, tmp_path)
+    assert (status, go) == (1, False)
+    assert [(level, text[:17]) for level, text in found["drives"]] == [
+        ("error", "joint 2: node 2: "),
+        ("error", "joint 5: node 5: "),
+    ]
 
 
 def test_a_full_disk_is_a_warning(tmp_path, monkeypatch):

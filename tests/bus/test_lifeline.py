@@ -1,0 +1,96 @@
+"""A drive stops its axis when the control PC dies, or the profile says that it knows better."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from bus_helpers import make_profile, own_eds_without, running, virtual_arm
+
+from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.lifeline import not_accepted
+from backends.frames import REMOTE, frame, frames
+from backends.virtualbus import VirtualBus
+from pa10d.errors import UserError
+
+
+def heard(bus: VirtualBus) -> list[tuple[int, bytes]]:
+    """Everything that came and was not looked at yet."""
+    found = []
+    while packet := bus.receive_packet(0.02):
+        found += list(frames(packet))
+    return found
+
+
+def missing_us(bus: VirtualBus, axes: int) -> list[int]:
+    """Nodes that report a missed master while SYNC alone goes on; they then answer no more."""
+    found: set[int] = set()
+    for _ in range(400):
+        bus.send_packet(frame(0x80))
+        packet = bus.receive_packet(0.1)
+        found |= {k - 0x80 for k, data in frames(packet) if 0x80 < k < 0x100 and data[0] == 0x30}
+        if len(found) == axes:
+            break
+    return sorted(found)
+
+
+@pytest.mark.parametrize("lacking", [(), (0x1016,)])
+def test_every_drive_notices_our_death_by_heartbeats_or_by_guarding(
+    tmp_path: Path, lacking: tuple[int, ...]
+) -> None:
+    poor = {"eds": str(own_eds_without(tmp_path, *lacking))}
+    profile = make_profile(tmp_path, 2, each={1: poor})
+    with virtual_arm(profile), running(profile) as (arm, driver, other):
+        assert [r.guarded for r in arm.reports] == [False, bool(lacking)]
+        assert arm.warnings == []
+        heard(other.bus)
+        driver.run(1.0)
+        asked = {can_id for can_id, _ in heard(other.bus) if can_id & REMOTE}
+        assert asked == ({REMOTE | 0x70B} if lacking else set())
+        assert missing_us(other.bus, 2) == [10, 11]
+
+
+@pytest.mark.parametrize(
+    ("lacking", "risks"),
+    [
+        ((0x6007,), {"unknown_reaction": "no Abort connection option code (0x6007)"}),
+        (
+            (0x1016, 0x100D),
+            {"unwatched": "no Consumer heartbeat time (0x1016): the drive does not"},
+        ),
+    ],
+)
+def test_what_nobody_may_overlook(
+    tmp_path: Path, lacking: tuple[int, ...], risks: dict[str, str]
+) -> None:
+    profile = make_profile(tmp_path, 1, drive={"eds": str(own_eds_without(tmp_path, *lacking))})
+    with virtual_arm(profile):
+        arm = CanopenBackend(profile)
+        arm.open()
+        arm.close()
+    [report] = arm.reports
+    assert report.risks.keys() == risks.keys()
+    for name, text in risks.items():
+        assert report.risks[name].startswith(text)  # type: ignore[index]
+        assert f"joint 1: {report.risks[name]}" in arm.warnings  # type: ignore[index]
+    assert profile.drives is not None
+    drive = profile.drives[0]
+    assert len(not_accepted(drive, report.risks)) == 1
+    assert (
+        not_accepted(drive.model_copy(update={"accepted_risks": list(risks)}), report.risks) == []
+    )
+
+
+def test_a_drive_without_heartbeat_is_not_said_to_have_lost_it(tmp_path: Path) -> None:
+    profile = make_profile(tmp_path, 1, drive={"eds": str(own_eds_without(tmp_path, 0x1017))})
+    with virtual_arm(profile), running(profile) as (arm, driver, _):
+        assert "joint 1: no Producer heartbeat time (0x1017)" in arm.warnings[0]
+        driver.run(2.0)
+
+
+def test_accepted_risks_are_typed(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"accepted_risks.*'unwatched' or 'unknown_reaction'"):
+        make_profile(tmp_path, 1, drive={"accepted_risks": ["whatever"]})
+    made = make_profile(tmp_path, 1, drive={"accepted_risks": ["unwatched"]})
+    assert made.drives is not None
+    assert made.drives[0].accepted_risks == ["unwatched"]
