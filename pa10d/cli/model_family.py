@@ -34,7 +34,9 @@ def add_commands(commands: Commands) -> None:
         "--parameters", choices=("feasible", "free"), default="feasible",
         help="feasible: bodies that can exist (default); free: the unconstrained fit",
     )  # fmt: skip
-    parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf, .py …")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf, .py, .h, .json"
+    )
     replace_option(parser, "an existing file")
 
 

@@ -25,7 +25,7 @@ LIGHTEST = 0.02  # of the inertia that a joint moves: the least that a link is t
 
 def link_load(context: Context, joint: int, rotor: float) -> Array:
     """(N,) N·m that the gear passes on to the link."""
-    return np.asarray(context.load[:, joint] - rotor * context.ddq[:, joint])
+    return np.asanyarray(context.load[:, joint] - rotor * context.ddq[:, joint])
 
 
 def link_inertia(context: Context, joint: int, rotor: float) -> Array:

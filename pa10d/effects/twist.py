@@ -43,30 +43,29 @@ def twisted_torque(
     rotor: kg·m² of what the rigid bodies count to the link and sits on the motor's side.
     """
     by_q, by_dq, by_ddq = context.sensitivity(joint)
+    load, wide = link_load(context, joint, rotor), np.array(gaps, float)
+    reach = slice(joint, joint + 1) if own else slice(None)
+    if context.apart:
+        still = static_lag(load, by_q[:, joint], stiffness, wide)
+        torque = -by_q[:, reach, None] * still[:, None, :]
+        return torque[:, 0] if own else torque
     inertia = link_inertia(context, joint, rotor)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
-    load, wide = link_load(context, joint, rotor), np.array(gaps, float)
     soft, drag = (np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))
-    if context.apart:
-        twist = static_lag(load, soft, stiffness, wide)
-    else:
-        twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, context.dt)
+    twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, context.dt)
     # far from the model's validity the integration may run away: no torque is better than inf
     twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
-    reach = slice(joint, joint + 1) if own else slice(None)
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     return torque[:, 0] if own else torque
 
 
 def static_lag(load: Array, by_q: Array, stiffness: float, gaps: Array) -> Array:
-    """δ, δ̇, δ̈ (N, 3, S) of a link that hangs still, its teeth on the side of its load."""
+    """δ (N, S) of a link that hangs still, its teeth on the side of its load."""
     side = np.where(load >= 0.0, 1.0, -1.0)
     grip = np.maximum(stiffness + by_q, SOFTEST * stiffness)
     still = (load / grip)[:, None] + (side * stiffness / grip)[:, None] * gaps.mean(axis=1)
-    out = np.zeros((len(load), 3, len(gaps)))
-    out[:, 0] = still
-    return out
+    return np.asanyarray(np.clip(still, -1.0, 1.0))  # rad: no gear twists further
 
 
 @numba.njit(cache=True, nogil=True)

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-Format = Literal["urdf", "python"]
+Format = Literal["urdf", "python", "c", "json"]
 FORMATS: tuple[Format, ...] = get_args(Format)
-ENDINGS: dict[Format, str] = {"urdf": "urdf", "python": "py"}
+ENDINGS: dict[Format, str] = {"urdf": "urdf", "python": "py", "c": "h", "json": "json"}

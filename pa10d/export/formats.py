@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pa10d.errors import UserError
+from pa10d.export.c_header import c_header
 from pa10d.export.endings import FORMATS, Format
+from pa10d.export.json_document import json_document
 from pa10d.export.python_module import python_module
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.impossible import impossible
@@ -21,7 +23,12 @@ WRITTEN = {
 Write = Callable[[TorqueModel, str], tuple[str, list[str]]]
 """The text of a model, and one line per effect that it cannot carry."""
 
-WRITERS: dict[Format, Write] = {"urdf": urdf_with_inertia, "python": python_module}
+WRITERS: dict[Format, Write] = {
+    "urdf": urdf_with_inertia,
+    "python": python_module,
+    "c": c_header,
+    "json": json_document,
+}
 BODIES_ONLY: tuple[Format, ...] = ("urdf",)
 """Formats of bodies, which base parameters alone do not make."""
 

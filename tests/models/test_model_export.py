@@ -1,5 +1,6 @@
 """Exports against what they stand for: Pinocchio for the URDF, the model for the module."""
 
+import json
 import subprocess
 import sys
 
@@ -309,3 +310,50 @@ def test_urdf_needs_feasible_parameters():
 
     with pytest.raises(UserError, match="no feasible standard parameters"):
         urdf_with_inertia(replace(examples.textbook(), standard=None), "test")
+
+
+def test_json_is_the_whole_model():
+    """Rebuilt from the document alone it predicts the same."""
+    from dataclasses import replace
+
+    from pa10d.dynamics import base_parameters, robot_from_urdf
+    from pa10d.model import Term, TorqueModel
+
+    model = examples.with_effects(examples.textbook(), "stribeck", "payload", "backlash")
+    model = replace(model, loads=1.1 * model.h)
+    told = json.loads(export(model, "json", "free", "m1 (abc)").text)
+    assert told["schema"] == "pa10d/model/1"
+    assert told["about"].startswith("m1 (abc); free parameters")
+    robot = robot_from_urdf(told["robot"]["urdf"], told["robot"]["joints"])
+    base = base_parameters(robot)
+    names = [p["name"] for p in told["base_parameters"]]
+    assert names == [told["covariance"]["of"][k] for k in range(len(names))]
+    terms = tuple(
+        Term(
+            e["effect"],
+            tuple(j - 1 for j in e["joints"]),
+            np.array([c["value"] for c in e["coefficients"].values()]),
+            {name: s["value"] for name, s in e["shape"].items()},
+        )
+        for e in told["effects"]
+    )
+    bodies = [list(b.values())[1:] for b in told["bodies_for_loads"]]
+    again = TorqueModel(
+        told["name"], robot, base, np.array([p["value"] for p in told["base_parameters"]]), terms,
+        np.array(told["covariance"]["rows"]), np.array(told["fit"]["rms"]),
+        told["fit"]["cutoff_hz"], loads=base.of(np.array(bodies)),
+    )  # fmt: skip
+    motion = examples.motion()
+    assert again.predict(motion) == pytest.approx(model.predict(motion), abs=1e-10)
+    assert again.std_errors == pytest.approx(model.std_errors)
+    assert told["effects"][-1]["remembers"].startswith("how far the link lags")
+    assert told["robot"]["lower"][1] is None
+    row = told["base_parameters"][3]["of_standard"]
+    standard = {
+        f"{name}{j + 1}": value
+        for j, body in enumerate(told["bodies"])
+        for name, value in list(body.items())[1:]
+    }
+    assert sum(standard[k] * v for k, v in row.items()) == pytest.approx(
+        told["base_parameters"][3]["value"]
+    )

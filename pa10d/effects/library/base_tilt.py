@@ -48,7 +48,7 @@ class BaseTilt(Effect):
     def columns(self, context, joints, shape):
         robot, zero = context.robot, np.zeros_like(context.q)
         size = float(np.linalg.norm(robot.gravity))
-        out = np.zeros((*context.q.shape, 4))
+        out = np.zeros_like(context.q, shape=(*context.q.shape, 4))
         for i in range(2):
             at = shape.get("rx" if i == 0 else "ry", 0.0) or SMALL
             # turning the base by an angle turns gravity back by it, as the base sees it

@@ -51,7 +51,7 @@ class CouplingFriction(Effect):
         both = np.column_stack(
             [context.sign(v, context.softness(SHARP)), shape.get("viscous", 1.0) * v]
         )
-        out = np.zeros((*context.q.shape, 2))
+        out = np.zeros_like(context.q, shape=(*context.q.shape, 2))
         out[:, i] = both
         out[:, j] = shape["ratio"] * both
         return out

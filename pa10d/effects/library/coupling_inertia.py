@@ -36,7 +36,7 @@ class CouplingInertia(Effect):
 
     def columns(self, context, joints, shape):
         i, j = joints
-        out = np.zeros((*context.q.shape, 1))
+        out = np.zeros_like(context.q, shape=(*context.q.shape, 1))
         out[:, i, 0] = context.ddq[:, j]
         out[:, j, 0] = context.ddq[:, i]
         return out
