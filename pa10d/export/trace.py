@@ -158,7 +158,7 @@ class Traced(np.ndarray):
         if out is not None:
             out[0].view(np.ndarray)[...] = found
             return out[0]
-        return traced(found)
+        return traced(found) if isinstance(found, np.ndarray) else found
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
         if function in (np.where, np.clip):
