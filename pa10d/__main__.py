@@ -1,7 +1,19 @@
-"""``python -m pa10d``."""
+"""``pa10d`` and ``python -m pa10d``: the command line as a process.
 
-import sys
+Ctrl-C ends it from the first line on; what takes long to import comes later.
+"""
 
-from pa10d.cli import main
+import os
+import signal
 
-sys.exit(main())
+
+def main() -> None:
+    """Run a command and end the process with its status."""
+    signal.signal(signal.SIGINT, lambda *_: os._exit(130))
+    from pa10d.cli.process import run
+
+    run()
+
+
+if __name__ == "__main__":
+    main()

@@ -153,9 +153,12 @@ class Client:
                     break
                 time.sleep(LOOK_EVERY)
         except KeyboardInterrupt:
-            with contextlib.suppress(UserError):  # a job that is just over is no reason to go on
+            said = f"job {job['id']} was cancelled"
+            try:
                 self.cancel(job["id"])
-            raise
+            except UserError as error:
+                said = f"job {job['id']} could not be cancelled ({error})"
+            raise KeyboardInterrupt(said) from None
         if job["status"] != "succeeded":
             raise JobFailed(job)
         return job

@@ -1,5 +1,9 @@
 """The exceptions that a caller is meant to see."""
 
+from __future__ import annotations
+
+from typing import Any
+
 
 class UserError(Exception):
     """Something the user can mend: the message says what, where, and what was expected.
@@ -11,6 +15,17 @@ class UserError(Exception):
 
 class Busy(UserError):
     """Somebody else holds for a while what is needed; the same may work later."""
+
+
+class Unsound(UserError):
+    """A recording has errors against it; whoever knows better may force it.
+
+    findings: what the checks said, as documents.
+    """
+
+    def __init__(self, message: str, findings: list[dict[str, Any]]) -> None:
+        super().__init__(message)
+        self.findings = findings
 
 
 class Cancelled(Exception):

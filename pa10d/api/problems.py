@@ -16,7 +16,7 @@ from starlette.exceptions import HTTPException
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.lease import Held
 from pa10d.daemon.robot import CommandRefused
-from pa10d.errors import Busy, UserError
+from pa10d.errors import Busy, Unsound, UserError
 
 MEDIA = "application/problem+json"
 KINDS = {
@@ -27,6 +27,7 @@ KINDS = {
     "state": (409, "The arm's state does not allow it"),
     "held": (409, "Another client commands the arm"),
     "conflict": (409, "It conflicts with what there is"),
+    "unsound": (409, "A recording has errors against it"),
     "too-large": (413, "The request is too large"),
     "token": (401, "A token is needed"),
     "scope": (403, "The token does not reach that far"),
@@ -130,6 +131,12 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(UserError)
     async def _user_error(request: Request, error: UserError) -> JSONResponse:
         return problem_response("refused", str(error), request.url.path)
+
+    @app.exception_handler(Unsound)
+    async def _unsound(request: Request, error: Unsound) -> JSONResponse:
+        remedy = "mend the recording, or give force: true"
+        more = {"findings": error.findings, "remedy": remedy}
+        return problem_response("unsound", str(error), request.url.path, **more)
 
     @app.exception_handler(Held)
     async def _held(request: Request, error: Held) -> JSONResponse:

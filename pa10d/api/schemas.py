@@ -114,6 +114,16 @@ class JobWithResult(Job):
     result: Any = None
 
 
+class RecordingFinding(BaseModel):
+    """What the checks say of a recording; an error stops what would be fitted to it."""
+
+    severity: Literal["info", "warning", "error"]
+    code: str = Field(examples=["degrees"])
+    sentence: str
+    advice: str
+    joint: int | None
+
+
 class Run(BaseModel):
     """One recording."""
 
@@ -132,6 +142,9 @@ class Run(BaseModel):
     source: str
     kind: str
     warnings: list[str]
+    findings: list[RecordingFinding] | None = Field(
+        None, description="Errors and warnings of the checks; null: not yet looked at"
+    )
     repaired: bool
     software: str
 
@@ -281,6 +294,7 @@ class EffectList(BaseModel):
 Runs = Annotated[list[Name], Field(min_length=1, max_length=100)]
 EffectId = Annotated[str, Field(max_length=60, examples=["stribeck"])]
 Joints = Annotated[list[Joint], Field(max_length=64)]
+Force = Annotated[bool, Field(description="Also runs that the checks have an error against")]
 
 
 class IdentifyRequest(Strict):
@@ -295,6 +309,7 @@ class IdentifyRequest(Strict):
         None, description="rad/s per joint: fit only samples in which the joint is faster"
     )
     replace: bool = False
+    force: Force = False
 
 
 class CompareRequest(Strict):
@@ -305,6 +320,7 @@ class CompareRequest(Strict):
     cutoff: float | None = Field(
         None, gt=0, le=10_000, description="Hz; default: the band that all its versions share"
     )
+    force: Force = False
 
 
 class DiagnoseRequest(Strict):
@@ -316,6 +332,7 @@ class DiagnoseRequest(Strict):
     frozen: bool = Field(False, description="What changed? Nothing is refitted")
     effect: EffectId | None = Field(None, description="Test one suspicion")
     joints: Joints = []
+    force: Force = False
 
 
 class AddRequest(Strict):
@@ -329,6 +346,7 @@ class AddRequest(Strict):
     fit: Runs
     name: Name
     replace: bool = False
+    force: Force = False
 
 
 class ImproveRequest(Strict):
@@ -344,6 +362,7 @@ class ImproveRequest(Strict):
     smooth: bool = Field(
         False, description="Take away what no effect explains by smooth maps, which explain nothing"
     )
+    force: Force = False
 
 
 class ExperimentRequest(BaseModel):

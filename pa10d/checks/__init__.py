@@ -17,11 +17,16 @@ _ORDER = {"error": 0, "warning": 1, "info": 2}
 
 
 def check_recording(
-    recording: Recording, timing: Timing | None = None, robot: Robot | None = None
+    recording: Recording,
+    timing: Timing | None = None,
+    robot: Robot | None = None,
+    *,
+    delay: bool = True,
 ) -> list[Finding]:
     """Everything worth saying, gravest first.
 
-    timing: how the stamps were before they became equal steps; robot: for limits and the delay.
+    timing: how the stamps were before they became equal steps; robot: for limits and the delay;
+    delay: whether to fit a model for it, which takes longer than all the rest.
     """
     names = None if robot is None else robot.joint_names
     findings = [
@@ -31,6 +36,6 @@ def check_recording(
     ]
     if robot is not None:
         findings += beyond_limits(recording, robot)
-        if not any(finding.severity == "error" for finding in findings):
+        if delay and not any(finding.severity == "error" for finding in findings):
             findings += check_delay(recording, robot)
     return sorted(findings, key=lambda finding: _ORDER[finding.severity])

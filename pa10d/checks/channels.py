@@ -17,6 +17,7 @@ MOVING = 0.02  # of the joint's fast speed
 FROZEN = 0.25  # s
 STILL = 5e-3  # rad (m)
 LITTLE = 0.1  # rad (m)
+MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 
 
 def check_channels(recording: Recording, names: tuple[str, ...] | None) -> Iterator[Finding]:
@@ -85,7 +86,7 @@ def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Itera
         if held >= 10 and held > 6 * beside:
             share = percent(held / len(tau))
             yield Finding(
-                "error",
+                "error" if held > MATERIAL * len(tau) else "warning",
                 "clipped",
                 f"{label}: the torque stands at its {extreme} value {side * top:.4g} N·m in "
                 f"{share} of the samples: it is clipped",
@@ -104,8 +105,9 @@ def _frozen(
     constant = np.ptp(tau) == 0
     if constant or runs:
         first, longest = (0, len(tau)) if constant else max(runs, key=lambda run: run[1])
+        wrong = constant or sum(length for _, length in runs) > MATERIAL * len(tau)
         yield Finding(
-            "error",
+            "error" if wrong else "warning",
             "frozen",
             f"{label}: the torque holds one value for {longest / recording.rate:.2g} s at "
             f"{recording.t[first]:.3f} s while the joint moves",

@@ -64,17 +64,21 @@ def _angles(
             "q must be in rad: counts · 2π / counts per revolution",
         )
         return
+    bounded = np.ones(recording.joints, bool)
     far = turning & (largest > WHOLE_TURNS)
     if robot is not None:
+        bounded = np.isfinite(robot.lower) & np.isfinite(robot.upper)
         within = (recording.q * DEGREE >= robot.lower) & (recording.q * DEGREE <= robot.upper)
         beyond = (recording.q < 1.5 * robot.lower) | (recording.q > 1.5 * robot.upper)
         far |= turning & beyond.any(axis=0) & within.all(axis=0) & (largest > np.pi)
     if far.any():
         joints = ", ".join(str(j + 1) for j in np.flatnonzero(far))
+        sure = bool((far & bounded).any())  # a joint without limits may turn on and on
         yield Finding(
-            "error",
+            "error" if sure else "warning",
             "degrees",
-            f"q reaches {largest[far].max():.4g} on joint {joints}: these look like degrees",
+            f"q reaches {largest[far].max():.4g} on joint {joints}: these look like degrees"
+            + ("" if sure else f", or like {largest[far].max() / (2 * np.pi):.0f} turns"),
             "q must be in rad: degrees · π / 180",
         )
 

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from pa10d.cli.answer import print_answer, print_failure
-from pa10d.cli.commands import Commands, root_parser
-from pa10d.errors import UserError
+from pa10d.cli.commands import Commands, current, root_parser
+from pa10d.errors import Unsound, UserError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
@@ -37,15 +37,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     options.data = getattr(options, "data", None)
     options.json = getattr(options, "json", False)
+    current.patient = options.patient
     try:
         answer = options.run(options)
         print_answer(answer, options.json)
         sys.stdout.flush()
         return answer.status
+    except Unsound as error:
+        print_failure(f"{error} (--force)", options.json, findings=error.findings)
     except UserError as error:
         print_failure(str(error), options.json)
-    except KeyboardInterrupt:
-        print_failure("interrupted", options.json)
+    except KeyboardInterrupt as interrupt:
+        print_failure(": ".join(["interrupted", *map(str, interrupt.args)]), options.json)
         return INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -32,11 +32,11 @@ def print_answer(answer: Answer, as_json: bool) -> None:
         print(answer.text)
 
 
-def print_failure(message: str, as_json: bool) -> None:
-    """Why it could not be done."""
+def print_failure(message: str, as_json: bool, **more: Any) -> None:
+    """Why it could not be done; ``more`` for programs."""
     note(message)
     if as_json:
-        print(json.dumps({"error": message}, ensure_ascii=False))
+        print(json.dumps({"error": message, **more}, ensure_ascii=False))
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 def add_commands(commands: Commands) -> None:
     """``case-study``."""
     parser = commands.add(
-        "case-study", case_study, "the paper's chapter 3 on the virtual arm, joints 1-4"
+        "case-study",
+        case_study,
+        "the paper's chapter 3 on the virtual arm, joints 1-4",
+        patient=True,
     )
     parser.add_argument(
         "--seed", type=seed_number, default=1, metavar="N", help="which arm (default: 1)"

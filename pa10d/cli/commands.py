@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from pa10d import __version__
@@ -11,6 +12,16 @@ from pa10d.cli.answer import Answer
 
 DEFAULT_PROFILE = "pa10-sim"
 Run = Callable[[argparse.Namespace], Answer]
+
+
+@dataclass
+class Current:
+    """The command that runs. patient: it has processes to end in order when interrupted."""
+
+    patient: bool = False
+
+
+current = Current()
 
 
 def root_parser() -> tuple[argparse.ArgumentParser, Any]:
@@ -31,10 +42,14 @@ class Commands:
     def __init__(self, subparsers: Any) -> None:
         self._subparsers = subparsers
 
-    def add(self, name: str, run: Run, says: str, **more: Any) -> argparse.ArgumentParser:
-        """A command: ``run(options)`` gives its Answer. The caller adds options to the parser."""
+    def add(
+        self, name: str, run: Run, says: str, *, patient: bool = False, **more: Any
+    ) -> argparse.ArgumentParser:
+        """A command: ``run(options)`` gives its Answer. The caller adds options to the parser.
+
+        patient: interrupted, it ends what it started in good order; others end at once."""
         parser = self._parser(name, says, **more)
-        parser.set_defaults(run=run)
+        parser.set_defaults(run=run, patient=patient)
         return parser
 
     def group(self, name: str, says: str) -> Commands:
@@ -62,6 +77,14 @@ def profile_option(parser: argparse.ArgumentParser) -> None:
 def replace_option(parser: argparse.ArgumentParser, what: str) -> None:
     """--replace."""
     parser.add_argument("--replace", action="store_true", help=f"take the place of {what}")
+
+
+def force_option(parser: argparse.ArgumentParser) -> None:
+    """--force."""
+    parser.add_argument(
+        "--force", action="store_true",
+        help="use recordings that the checks have an error against, too",
+    )  # fmt: skip
 
 
 def _anywhere() -> argparse.ArgumentParser:

@@ -19,7 +19,7 @@ PORT = 8010
 
 def add_commands(commands: Commands) -> None:
     """The family around the daemon."""
-    serving = commands.add("serve", serve, "the daemon with HTTP API and web page")
+    serving = commands.add("serve", serve, "the daemon with HTTP API and web page", patient=True)
     serving.add_argument("--port", type=int, default=PORT, help=f"0: a free one (default: {PORT})")
     serving.add_argument("--host", default="127.0.0.1", help="address to listen on")
     serving.add_argument(
@@ -42,7 +42,9 @@ def add_commands(commands: Commands) -> None:
     )  # fmt: skip
     serving.add_argument("--seed", type=int, help="of what is hidden: same seed, same arm")
     robot_options(serving)
-    experimenting = commands.add("experiment", experiment, "run one experiment → run ids")
+    experimenting = commands.add(
+        "experiment", experiment, "run one experiment → run ids", patient=True
+    )
     experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
     experimenting.add_argument(
         "--plan", type=Path, metavar="FILE", help="{kind, parameters} as next_experiment gives it"
@@ -65,10 +67,10 @@ def add_commands(commands: Commands) -> None:
         "law", nargs="?", choices=("pid", "computed_torque"), help="absent: say which it is"
     )
     controlling.add_argument("--model", help="for computed torque: name, id or the start of an id")
-    checking = commands.add("check", check, "go or no-go before power")
+    checking = commands.add("check", check, "go or no-go before power", patient=True)
     checking.add_argument("--seconds", type=float, default=2.0, help="for each timing test")
     robot_options(checking)
-    simulating = commands.add("sim", sim, "the virtual arm alone, in its own process")
+    simulating = commands.add("sim", sim, "the virtual arm alone, in its own process", patient=True)
     robot_options(simulating)
 
 
@@ -103,7 +105,18 @@ def experiment(options: argparse.Namespace) -> Answer:
     plan = read_plan(options.kind, options.plan, options.settings)
     keys = ("name", "tags", "controller", "model", "replace")
     chosen = {key: getattr(options, key) for key in keys if getattr(options, key)}
-    with daemon_for(options) as client:
+
+    def before() -> None:
+        from pa10d.services.experiments import refuse_wrong_request
+        from pa10d.services.library import open_library
+        from pa10d.services.robots import load_robot
+
+        robot = load_robot(options.profile)[1]
+        refuse_wrong_request(robot, plan["kind"], plan["parameters"])
+        if options.model is not None:
+            open_library(options.data).models.find(options.model)
+
+    with daemon_for(options, before) as client:
         if options.check:
             found = client.check_experiment({**plan, **chosen})
             lines = [f"{c['level']:7s} {c['sentence']}" for c in found["checks"]]

@@ -30,8 +30,12 @@ def robot_options(parser: argparse.ArgumentParser) -> None:
 
 
 @contextlib.contextmanager
-def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
-    """The daemon on this data folder; where none runs, one for the time of this command."""
+def daemon_for(
+    options: argparse.Namespace, before: Callable[[], None] = lambda: None
+) -> Iterator[Client]:
+    """The daemon on this data folder; where none runs, one for the time of this command.
+
+    before: called before one is started, to say at once what it would say later."""
     from pa10d.client import START, local_daemon, running_daemon
     from pa10d.daemon.robot import STARTING
     from pa10d.profile import load_profile
@@ -39,6 +43,7 @@ def daemon_for(options: argparse.Namespace) -> Iterator[Client]:
 
     client = running_daemon(options.data)
     if client is None:
+        before()
         data = data_folder(options.data)
         note("no daemon runs on this data: one is started for this command")
         with local_daemon(
@@ -102,11 +107,11 @@ def progress_line() -> Callable[[float, str], None]:
 
 def improve_by_daemon(options: argparse.Namespace) -> Answer:
     """``improve --experiments``."""
-    with daemon_for(options) as client:
+    with daemon_for(options, lambda: _refuse_wrong_names(options)) as client:
         found = client.improve(
             options.model_, options.fit, options.name, progress_line(),
             validate=options.validate, replace=options.replace, experiments=True,
-            smooth=options.smooth,
+            smooth=options.smooth, force=options.force,
         )  # fmt: skip
     for entry in found["experiments"]:
         came = ", ".join(entry["runs"]) or f"not run: {entry['error']}"
@@ -115,3 +120,14 @@ def improve_by_daemon(options: argparse.Namespace) -> Answer:
     stored = f"stored: {made}" if made else "nothing stored: there is nothing to add"
     says = [f"{k}. {finding['sentence']}" for k, finding in enumerate(found["findings"], 1)]
     return Answer(found, "\n".join([*says, stored]))
+
+
+def _refuse_wrong_names(options: argparse.Namespace) -> None:
+    from pa10d.services.library import open_library
+
+    library = open_library(options.data)
+    library.models.find(options.model_)
+    for run in [*options.fit, *options.validate]:
+        library.runs.find(run)
+    if not options.replace:
+        library.models.refuse_taken(options.name)

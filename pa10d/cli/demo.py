@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 def add_commands(commands: Commands) -> None:
     """``demo``."""
-    parser = commands.add("demo", demo, "the whole story on a simulated arm with a hidden effect")
+    parser = commands.add(
+        "demo", demo, "the whole story on a simulated arm with a hidden effect", patient=True
+    )
     profile_option(parser)
     parser.add_argument(
         "--hide", metavar="EFFECT[:JOINT]",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.commands import Commands, current, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model, _progress
 from pa10d.errors import UserError
@@ -28,6 +28,7 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument("--effect", metavar="E", help="test one suspicion only")
     _joints(parser)
     _report(parser)
+    force_option(parser)
 
     parser = commands.add("add", add, "a new version of a model with an effect fitted in")
     _model(parser)
@@ -40,6 +41,7 @@ def add_commands(commands: Commands) -> None:
     )  # fmt: skip
     parser.add_argument("--fit", nargs="+", action="extend", required=True, metavar="RUN")
     parser.add_argument("--name", required=True, metavar="NEW", help="the new version's name")
+    force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
     parser = commands.add("improve", improve, "diagnose and add until nothing significant is left")
@@ -56,6 +58,7 @@ def add_commands(commands: Commands) -> None:
         help="take away what no effect explains by smooth maps (which explain nothing)",
     )  # fmt: skip
     robot_options(parser)
+    force_option(parser)
     replace_option(parser, "models of these names (the old ones stay under their ids)")
 
 
@@ -65,7 +68,7 @@ def diagnose(options: argparse.Namespace) -> Answer:
 
     found = diagnose_runs(
         _library(options), options.model_, options.fit, options.validate, frozen=options.frozen,
-        effect=options.effect, joints=options.joint, progress=_progress,
+        effect=options.effect, joints=options.joint, force=options.force, progress=_progress,
     )  # fmt: skip
     document = found.document()
     _write_report(options, found, document)
@@ -79,7 +82,7 @@ def add(options: argparse.Namespace) -> Answer:
     info, model, warnings = add_effect(
         _library(options), options.model_, options.effect, options.joint, options.fit,
         name=options.name, over=[x.strip() for x in options.over.split(",") if x.strip()],
-        replace_model=options.replace, progress=_progress,
+        replace_model=options.replace, force=options.force, progress=_progress,
     )  # fmt: skip
     for warning in warnings:
         note(f"warning: {warning}")
@@ -108,11 +111,13 @@ def improve(options: argparse.Namespace) -> Answer:
                 "--report: not together with --experiments, which the daemon runs; afterwards "
                 f"'pa10d diagnose {options.name} --fit … --report FILE' shows what is left"
             )
+        current.patient = True  # it may have started a daemon
         return improve_by_daemon(options)
 
     made = improve_model(
         _library(options), options.model_, options.fit, options.validate, name=options.name,
-        replace_model=options.replace, smooth=options.smooth, progress=_progress,
+        replace_model=options.replace, smooth=options.smooth, force=options.force,
+        progress=_progress,
     )  # fmt: skip
     text = in_words(made.diagnosis)
     if made.infos:

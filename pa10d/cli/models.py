@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, profile_option, replace_option
+from pa10d.cli.commands import Commands, force_option, profile_option, replace_option
 
 if TYPE_CHECKING:
     from pa10d.services.library import Library
@@ -36,6 +36,7 @@ def add_commands(commands: Commands) -> None:
         "--robust", action="store_true",
         help="let samples far off the model count less: knocks, collisions, glitches",
     )  # fmt: skip
+    force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
     parser = commands.add("compare", compare, "how large a model's error is, and where")
@@ -46,6 +47,7 @@ def add_commands(commands: Commands) -> None:
         help="low-pass of the judgement (default: the band that all versions of the model share)",
     )  # fmt: skip
     parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")
+    force_option(parser)
 
 
 def identify(options: argparse.Namespace) -> Answer:
@@ -56,7 +58,7 @@ def identify(options: argparse.Namespace) -> Answer:
         _library(options), options.runs, options.profile, name=options.name,
         cutoff=options.cutoff, with_effects=options.effects,
         robust=options.robust, faster_than=options.faster_than, replace=options.replace,
-        progress=_progress,
+        force=options.force, progress=_progress,
     )  # fmt: skip
     found = made.summary
     for warning in found.get("warnings", ()):
@@ -81,7 +83,7 @@ def compare(options: argparse.Namespace) -> Answer:
     library = _library(options)
     found = compare_runs(
         library, options.model_, options.runs, ancestors=options.report is not None,
-        cutoff=options.cutoff, progress=_progress,
+        cutoff=options.cutoff, force=options.force, progress=_progress,
     )  # fmt: skip
     document = found.document()
     for warning in document["warnings"]:

@@ -23,11 +23,16 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="time,q1..qn,tau1..taun and more")
     profile_option(parser)
     parser.add_argument("--name", metavar="N", help="its name (default: the file's)")
-    parser.add_argument("--check", action="store_true", help="say what to know before fitting")
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="say what to know before fitting, and store nothing that a fit must not use",
+    )
     parser.add_argument(
         "--map", metavar="COL=FIELD", nargs="+", action="extend", default=[],
         help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …",
     )  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="store it whatever --check says")
     replace_option(parser, "the run of this name")
     runs.add("list", list_, "all runs, oldest first")
     _one_run(runs.add("show", show, "what is known of a run"))
@@ -52,15 +57,17 @@ def import_(options: argparse.Namespace) -> Answer:
     profile, robot = load_robot(options.profile)
     result = import_run(
         store, options.file, profile, robot, name=options.name, mapping=options.map,
-        replace=options.replace, check=options.check,
+        replace=options.replace, check=options.check, force=options.force,
     )  # fmt: skip
     for warning in result.header_warnings if options.check else result.info.warnings:
         note(f"warning: {warning}")
-    document = _brief(result.info) | {"warnings": result.info.warnings}
-    if options.check:
-        document["findings"] = [finding.document() for finding in result.findings]
-        for finding in result.findings:
-            note(str(finding))
+    shown = [f for f in result.findings if options.check or f.severity == "error"]
+    for finding in shown:
+        note(str(finding))
+    document = _brief(result.info) | {
+        "warnings": result.info.warnings,
+        "findings": [finding.document() for finding in shown],
+    }
     note(f"{result.info.name}: {_extent(result.info)}")
     return Answer(document, result.info.id)
 
@@ -100,7 +107,8 @@ def check(options: argparse.Namespace) -> Answer:
         _store(options), options.run_, load_robot(options.profile)[1]
     )
     document = {"findings": [finding.document() for finding in findings]}
-    return Answer(document, "\n".join(map(str, findings)))
+    wrong = any(finding.severity == "error" for finding in findings)
+    return Answer(document, "\n".join(map(str, findings)), status=1 if wrong else 0)
 
 
 def export(options: argparse.Namespace) -> Answer:

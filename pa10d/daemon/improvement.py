@@ -16,7 +16,7 @@ TAGS = ["improve"]
 
 
 def improvement_job(daemon: Daemon, request: dict[str, Any]) -> Job:
-    """Start it; ``request`` has model, fit, validate, name, replace, smooth."""
+    """Start it; ``request`` has model, fit, validate, name, replace, smooth, force."""
 
     async def work(report: Report) -> Any:
         return await _improve(daemon, request, report)
@@ -27,7 +27,7 @@ def improvement_job(daemon: Daemon, request: dict[str, Any]) -> Job:
 async def _improve(daemon: Daemon, request: dict[str, Any], report: Report) -> dict[str, Any]:
     fit, validate = list(request["fit"]), list(request["validate"])
     rest = {key: request[key] for key in ("model", "name", "replace")}
-    rest["smooth"] = request.get("smooth", False)
+    rest |= {key: request.get(key, False) for key in ("smooth", "force")}
     experiments: list[dict[str, Any]] = []
     share = 1.0 / (2 * MOST + 1)
     for number in range(MOST + 1):

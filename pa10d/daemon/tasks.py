@@ -14,7 +14,14 @@ if TYPE_CHECKING:
 
 
 def import_file(
-    data: str, file: str, profile: str, name: str | None, mapping: list[str], replace: bool
+    data: str,
+    file: str,
+    profile: str,
+    name: str | None,
+    mapping: list[str],
+    replace: bool,
+    check: bool = False,
+    force: bool = False,
 ) -> dict[str, Any]:
     """A recording into the store → its description."""
     from pa10d.services.robots import load_robot
@@ -23,8 +30,9 @@ def import_file(
 
     found, robot = load_robot(profile)
     result = import_run(
-        RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace
-    )
+        RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
+        check=check, force=force,
+    )  # fmt: skip
     return result.info.document()
 
 
@@ -48,6 +56,7 @@ def identify(
     faster_than: list[float] | None,
     replace: bool,
     progress: Progress,
+    force: bool = False,
 ) -> dict[str, Any]:
     """The textbook model → what ``pa10d identify --json`` says."""
     from pa10d.services.library import open_library
@@ -55,7 +64,8 @@ def identify(
 
     return identify_runs(
         open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
-        robust=robust, faster_than=faster_than, replace=replace, progress=progress,
+        robust=robust, faster_than=faster_than, replace=replace, force=force,
+        progress=progress,
     ).summary  # fmt: skip
 
 
@@ -66,6 +76,7 @@ def compare(
     progress: Progress,
     sheet: str | None = None,
     cutoff: float | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs.
 
@@ -75,7 +86,8 @@ def compare(
     from pa10d.services.sheets import write_comparison_sheet
 
     found = compare_runs(
-        open_library(data), model, runs, ancestors=True, cutoff=cutoff, progress=progress
+        open_library(data), model, runs, ancestors=True, cutoff=cutoff, force=force,
+        progress=progress,
     )
     if sheet is not None:
         progress(0.95, "plots")
@@ -128,6 +140,7 @@ def diagnose(
     joints: list[int],
     progress: Progress,
     sheet: str | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Which effect is missing → what ``pa10d diagnose --json`` says. sheet: a folder for plots."""
     from pa10d.services.diagnoses import diagnose_runs
@@ -137,7 +150,7 @@ def diagnose(
     library = open_library(data)
     found = diagnose_runs(
         library, model, fit, validate, frozen=frozen, effect=effect, joints=joints,
-        progress=progress,
+        force=force, progress=progress,
     )  # fmt: skip
     if sheet is not None:
         progress(0.98, "plots")
@@ -155,6 +168,7 @@ def add(
     replace: bool,
     progress: Progress,
     over: list[str] | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """A new version of a model with an effect fitted in."""
     from pa10d.services.diagnoses import add_effect
@@ -162,7 +176,7 @@ def add(
 
     info, made, warnings = add_effect(
         open_library(data), model, effect, joints, fit, name=name, over=over or (),
-        replace_model=replace, progress=progress,
+        replace_model=replace, force=force, progress=progress,
     )  # fmt: skip
     return {
         "id": info.id,
@@ -184,6 +198,7 @@ def improve(
     progress: Progress,
     tried: list[dict[str, Any]] | None = None,
     smooth: bool = False,
+    force: bool = False,
 ) -> dict[str, Any]:
     """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
     from pa10d.services.diagnoses import improve_model
@@ -191,5 +206,5 @@ def improve(
 
     return improve_model(
         open_library(data), model, fit, validate, name=name, replace_model=replace,
-        tried=tried, smooth=smooth, progress=progress,
+        tried=tried, smooth=smooth, force=force, progress=progress,
     ).document()  # fmt: skip

@@ -23,7 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pa10d.errors import UserError
+from pa10d.errors import Unsound, UserError
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
@@ -75,6 +75,8 @@ def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> di
         if "progress" in inspect.signature(function).parameters:
             arguments["progress"] = progress
         return {"result": plain(function(**arguments))}
+    except Unsound as error:
+        return {"error": str(error), "expected": True, "findings": error.findings}
     except UserError as error:
         return {"error": str(error), "expected": True}
     except MemoryError:

@@ -14,7 +14,7 @@ from typing import Any
 from pa10d.daemon.budget import Budget
 from pa10d.daemon.child import ENVIRONMENT
 from pa10d.daemon.crowded import Crowded
-from pa10d.errors import UserError
+from pa10d.errors import Unsound, UserError
 
 NICENESS = 10  # of what computes for long
 LARGEST_ANSWER = 8 << 20  # bytes: what is read in one go, while nothing else is done
@@ -67,6 +67,8 @@ class Workers:
             self._keep(worker, answer)
         finally:
             self._most.release()
+        if "findings" in answer:
+            raise Unsound(answer["error"], answer["findings"])
         if "error" in answer:
             raise (UserError if answer["expected"] else TaskFailed)(answer["error"])
         return answer["result"]

@@ -63,7 +63,7 @@ def diagnose(
     state = State.start(model, train, held, frozen)
     given = len(state.terms)
     before = rms(state.held_residual())
-    asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model)
+    asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
     if only is None:
@@ -113,7 +113,7 @@ def add(
     train, held, _ = two_sides(model, fit, validate)
     state = State.start(model, train, held)
     given = len(state.terms)
-    search = Search(state, suspicion((effect_id, joints), model), given)
+    search = Search(state, suspicion((effect_id, joints), model.robot.n), given)
     warnings = []
     for number, (kind, place) in enumerate(search.suspects):
         say(0.2 + 0.6 * number / len(search.suspects), f"fitting {effect_id}")
@@ -144,12 +144,11 @@ def add(
     return replace(made, name=name, change=f"added {added}"), warnings
 
 
-def suspicion(only: tuple[str, Sequence[int]], model: TorqueModel) -> Suspects:
-    """One effect on the given joints (0-based), or wherever it may sit."""
+def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
+    """One effect on the given joints (0-based) of ``n``, or wherever it may sit."""
     kind, joints = effect(only[0]), list(only[1])
     if kind.question == "chosen":
         raise UserError(f"{kind.id}: explains nothing, so it is no suspect; expected an effect")
-    n = model.robot.n
     for j in joints:
         if not 0 <= j < n:
             raise UserError(f"joint {j + 1}: expected 1 to {n}")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.procedure import add, diagnose, suspicion
 from pa10d.diagnose.smooth import add_map, asked
 from pa10d.effects import all_effects
 from pa10d.effects.smooth_map import SmoothMap
@@ -72,18 +72,22 @@ def diagnose_runs(
     frozen: bool = False,
     effect: str | None = None,
     joints: Sequence[int] = (),
+    force: bool = False,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
 ) -> Diagnosis:
-    """Diagnose a stored model on stored runs. joints: numbered from 1."""
+    """Diagnose a stored model on stored runs. joints: numbered from 1; force: also on runs that
+    the checks have an error against."""
     if joints and effect is None:
         raise UserError("--joint: given without --effect; expected the effect to test there")
     loaded = library.models.load(library.models.find(model))
     only = None if effect is None else (effect, [j - 1 for j in joints])
+    if only is not None:
+        suspicion(only, loaded.robot.n)  # a slip of the pen is said before anything is read
     return diagnose(
         loaded,
-        read_runs(library, fit)[1],
-        read_runs(library, validate)[1] if validate else (),
+        read_runs(library, fit, loaded.robot, force=force)[1],
+        read_runs(library, validate, loaded.robot, force=force)[1] if validate else (),
         frozen=frozen,
         only=only,
         progress=progress,
@@ -101,6 +105,7 @@ def add_effect(
     name: str,
     over: Sequence[str] = (),
     replace_model: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> tuple[ModelInfo, TorqueModel, list[str]]:
     """Store a new version with an effect fitted in; the old one stays.
@@ -114,16 +119,16 @@ def add_effect(
     if over and effect != SmoothMap.id:
         raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
     if effect == SmoothMap.id:
-        made, warnings = _mapped(library, model, joints, over, fit, name, progress)
+        made, warnings = _mapped(library, model, joints, over, fit, name, force, progress)
     elif effect in all_effects() and all_effects()[effect].question == "changed":
-        made = _changed(library, model, effect, joints, fit, name, progress)
+        made = _changed(library, model, effect, joints, fit, name, force, progress)
         warnings = []
     else:
         loaded = library.models.load(library.models.find(model))
-        runs = read_runs(library, fit)[1]
-        made, warnings = add(
-            loaded, effect, [j - 1 for j in joints], runs, name=name, progress=progress
-        )
+        at = [j - 1 for j in joints]
+        suspicion((effect, at), loaded.robot.n)
+        runs = read_runs(library, fit, loaded.robot, force=force)[1]
+        made, warnings = add(loaded, effect, at, runs, name=name, progress=progress)
     return library.models.save(made, replace=replace_model), made, warnings
 
 
@@ -134,12 +139,13 @@ def _mapped(
     over: Sequence[str],
     fit: Sequence[str],
     name: str,
+    force: bool,
     progress: Progress | None,
 ) -> tuple[TorqueModel, list[str]]:
     loaded = library.models.load(library.models.find(model))
     at = [j - 1 for j in joints]
     asked(loaded, at, over)
-    runs = read_runs(library, fit)[1]
+    runs = read_runs(library, fit, loaded.robot, force=force)[1]
     made = add_map(loaded, at, over, runs, name=name, progress=progress)
     return made.model, made.warnings
 
@@ -151,10 +157,18 @@ def _changed(
     joints: Sequence[int],
     fit: Sequence[str],
     name: str,
+    force: bool,
     progress: Progress | None,
 ) -> TorqueModel:
     found = diagnose_runs(
-        library, model, fit, frozen=True, effect=effect, joints=joints, progress=progress
+        library,
+        model,
+        fit,
+        frozen=True,
+        effect=effect,
+        joints=joints,
+        force=force,
+        progress=progress,
     )
     if not found.findings:
         called = library.models.find(model).name
@@ -176,6 +190,7 @@ def improve_model(
     replace_model: bool = False,
     tried: Sequence[Mapping[str, Any]] | None = None,
     smooth: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
 ) -> Improved:
@@ -188,7 +203,9 @@ def improve_model(
     """
     if not replace_model:
         library.models.refuse_taken(name)
-    found = diagnose_runs(library, model, fit, validate, progress=progress, cancel=cancel)
+    found = diagnose_runs(
+        library, model, fit, validate, force=force, progress=progress, cancel=cancel
+    )
     if tried is not None:
         doubtful = new_plan([finding.document() for finding in found.findings], tried)
         if doubtful is not None:
@@ -204,8 +221,9 @@ def _maps_over_unexplained(
     library: Library, found: Diagnosis, fit: Sequence[str], validate: Sequence[str]
 ) -> tuple[TorqueModel, ...]:
     """One version after the other, each with one more map; those that do not help are left out."""
-    runs = read_runs(library, fit)[1]
-    judged = read_runs(library, validate)[1] if validate else ()
+    robot = found.model.robot  # the diagnosis has let these runs pass
+    runs = read_runs(library, fit, robot, force=True)[1]
+    judged = read_runs(library, validate, robot, force=True)[1] if validate else ()
     versions = [found.to_store[-1]]
     for structure in found.unexplained:
         made = add_map(
@@ -268,8 +286,9 @@ def as_judged(
     from pa10d.figures.held_out import held_out
     from pa10d.report.finding_section import Asked
 
-    infos, fitted = read_runs(library, fit)
-    judged_infos, judged = read_runs(library, validate) if validate else ([], [])
+    robot = found.model.robot
+    infos, fitted = read_runs(library, fit, robot, force=True)
+    judged_infos, judged = read_runs(library, validate, robot, force=True) if validate else ([], [])
     asked = Asked(
         library.models.find(model).name,
         [info.name for info in infos],

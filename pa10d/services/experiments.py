@@ -11,7 +11,7 @@ import numpy as np
 
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
-from pa10d.dynamics import inverse_dynamics
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import checks_of
@@ -24,6 +24,14 @@ from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
 PLAN, ROWS = "plan.json", "rows.npy"
+
+
+def refuse_wrong_request(robot: Robot, kind: str, parameters: Mapping[str, Any]) -> None:
+    """Say what is wrong with a request before anything is started for it."""
+    asked = read_request({"kind": kind, "parameters": parameters})
+    around = Surroundings.of(robot)
+    asked.chosen(around)
+    asked.home(around)
 
 
 def make_plan(

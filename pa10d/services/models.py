@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pa10d.compare import Comparison, compare, document
+from pa10d.dynamics.robot import Robot
 from pa10d.errors import UserError
 from pa10d.figures.staircase import Step
 from pa10d.judgement import Judgement, judge, judge_alike
@@ -20,6 +21,7 @@ from pa10d.recording import Recording
 from pa10d.services.history import line_band
 from pa10d.services.library import Library
 from pa10d.services.robots import load_robot
+from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.folders import write_text
 from pa10d.store.models import ModelInfo
@@ -73,16 +75,19 @@ def identify_runs(
     robust: bool = False,
     faster_than: Sequence[float] | None = None,
     replace: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Identified:
-    """Fit the textbook model to stored runs and store it; nothing is stored where that fails."""
+    """Fit the textbook model to stored runs and store it; nothing is stored where that fails.
+
+    force: also to runs that the checks have an error against."""
     from pa10d.identify import identify, summary
 
     if not replace:
         library.models.refuse_taken(name)
     robot = load_robot(profile)[1]
-    _, recordings = read_runs(library, runs)
+    _, recordings = read_runs(library, runs, robot, force=force)
     model = identify(
         recordings,
         robot,
@@ -109,6 +114,7 @@ def compare_runs(
     *,
     ancestors: bool = False,
     cutoff: float | None = None,
+    force: bool = False,
     progress: Progress = lambda share, what: None,
 ) -> Compared:
     """Judge a stored model on stored runs; ``ancestors``: and those it was made from.
@@ -116,8 +122,8 @@ def compare_runs(
     cutoff: Hz; default: the band that the model shares with its ancestors.
     """
     info = library.models.find(model)
-    infos, recordings = read_runs(library, runs)
     loaded = library.models.load(info)
+    infos, recordings = read_runs(library, runs, loaded.robot, force=force)
     band = line_band(library, info.id) if cutoff is None else cutoff
     comparison = compare(loaded, recordings, progress, band)
     steps = [Step(info.name, info.change, comparison.pooled.scores.rms)]
@@ -136,10 +142,17 @@ def with_noise_floor(model: TorqueModel, found: Judgement) -> TorqueModel:
     )
 
 
-def read_runs(library: Library, runs: Sequence[str]) -> tuple[list[RunInfo], list[Recording]]:
-    """Stored runs by name or id; the same run given twice counts once."""
+def read_runs(
+    library: Library, runs: Sequence[str], robot: Robot, *, force: bool = False
+) -> tuple[list[RunInfo], list[Recording]]:
+    """Stored runs of a robot by name or id; the same run given twice counts once.
+
+    Unsound where the checks have an error against one of them, unless forced."""
     infos = list({info.id: info for info in map(library.runs.find, runs)}.values())
-    return infos, [library.runs.recording(info) for info in infos]
+    refuse_unsound(infos, force=force)  # what is known without reading
+    recordings = [library.runs.recording(info) for info in infos]
+    refuse_unsound(infos, recordings, robot, force=force)
+    return infos, recordings
 
 
 def write_report(compared: Compared, path: Path) -> Path:

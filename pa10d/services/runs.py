@@ -11,6 +11,7 @@ from pa10d.dynamics.robot import Robot
 from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.recording import Recording
+from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
 from pa10d.store.csv_import import CsvRecording, read_csv
 
@@ -21,7 +22,7 @@ class Imported:
 
     info: RunInfo
     header_warnings: list[str]
-    findings: list[Finding]  # empty unless asked for
+    findings: list[Finding]
 
 
 def import_run(
@@ -34,13 +35,21 @@ def import_run(
     mapping: Sequence[str] = (),
     replace: bool = False,
     check: bool = False,
+    force: bool = False,
 ) -> Imported:
-    """Store a CSV recording as a run; nothing is stored where the file is broken."""
+    """Store a CSV recording as a run; nothing is stored where the file is broken.
+
+    check: look at all that can go wrong in a recording, and store none that a fit must not use
+    (Unsound), unless forced. What the checks say stays with the run."""
     if not file.is_file():
         raise UserError(f"{file}: no such file; expected a recording (.csv, .csv.gz)")
     found = read_csv(file, robot.n, robot.name, profile.torque_constants, mapping)
     recording = _recording(found, name or file.name)
-    limits = [f"{file}: {finding.sentence}" for finding in beyond_limits(recording, robot)]
+    findings = check_recording(recording, found.timing, robot, delay=check)
+    errors = [finding for finding in findings if finding.severity == "error"]
+    if check and errors and not force:
+        raise unsound(file.name, errors)
+    limits = [f"{file.name}: {finding.sentence}" for finding in beyond_limits(recording, robot)]
     with store.building(
         name,
         _stem(file),
@@ -48,11 +57,11 @@ def import_run(
         profile,
         source=file.name,
         warnings=(*found.header_warnings, *found.timing_warnings, *limits),
+        findings=tuple(f.document() for f in findings if f.severity != "info"),
         replace=replace,
         time_zero_ns=found.time_zero_ns,
     ) as writer:
         writer.append(found.samples)
-    findings = check_recording(recording, found.timing, robot) if check else []
     return Imported(writer.info, found.header_warnings, findings)
 
 

@@ -45,6 +45,7 @@ class RunInfo:
     source: str = ""  # the file it was imported from
     kind: str = ""  # the experiment it was recorded in
     warnings: tuple[str, ...] = ()
+    findings: tuple[dict[str, Any], ...] | None = None  # of the checks; None: not yet looked at
     repaired: bool = False
     software: str = f"pa10d {__version__}"
     format: int = field(default=1)

@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from pa10d.errors import UserError
 from pa10d.profile import Profile
@@ -126,6 +127,7 @@ class RunStore:
         *,
         source: str = "",
         warnings: tuple[str, ...] = (),
+        findings: tuple[dict[str, Any], ...] | None = None,
         tags: tuple[str, ...] = (),
         replace: bool = False,
         time_zero_ns: int = 0,
@@ -138,7 +140,7 @@ class RunStore:
             self._refuse_taken(checked_name(name))
         info = new_info(
             checked_name(name or stem), profile.name if profile else "", channels,
-            source=source, warnings=warnings, tags=tags,
+            source=source, warnings=warnings, findings=findings, tags=tags,
         )  # fmt: skip
         new = self._new_folder(info)
         try:

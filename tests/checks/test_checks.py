@@ -118,6 +118,41 @@ def test_a_flaw_is_named_at_its_joint(robot, case):
     assert all(f.sentence and "\n" not in f.sentence for f in findings)
 
 
+def test_a_few_bad_samples_make_a_fit_poorer_and_many_make_it_wrong(robot):
+    def held(count):
+        def apply(values):
+            moving = values.copy()
+            moving[4000 : 4000 + count] = moving[4000]
+            return moving
+
+        return {"tau": _joint(2, apply)}
+
+    def severity(count):
+        found = check_recording(_but(_sound(robot), **held(count)), None, robot)
+        return [f.severity for f in found if f.code == "frozen"]
+
+    assert severity(int(0.008 * N)) == []  # shorter than a quarter of a second
+    assert severity(int(0.013 * N)) == ["error"]
+    few = _sound(robot)
+    tau = few.tau.copy()
+    top = np.sort(tau[:, 1])[-int(0.008 * N)]
+    tau[:, 1] = np.minimum(tau[:, 1], top)
+    (clipped,) = [f for f in check_recording(_but(few, tau=lambda _: tau), None, robot)
+                  if f.code == "clipped"]  # fmt: skip
+    assert clipped.severity == "warning"
+
+
+def test_a_motor_that_turns_on_and_on_is_not_in_degrees(shared_data):
+    from pa10d.dynamics import robot_from_urdf
+    from pa10d.store.csv_import import read_csv
+
+    motor = robot_from_urdf(shared_data / "laas_motor/robot.urdf")
+    found = read_csv(shared_data / "laas_motor/on.csv", motor.n, motor.name)
+    s = found.samples
+    findings = check_recording(Recording("on", found.timing.grid, s.q, s.tau, s.dq), None, motor)
+    assert [f.severity for f in findings if f.code == "degrees"] == ["warning"]
+
+
 def test_an_angle_that_starts_anew_every_turn(robot):
     recording = _but(_sound(robot), q=_joint(6, _wrap))
     (jump,) = [f for f in check_recording(recording, None, None) if f.code == "jump"]

@@ -11,8 +11,8 @@ from pa10d.api.deps import TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted, whole
-from pa10d.api.routes.models import find_model
-from pa10d.api.routes.runs import find_run
+from pa10d.api.routes.models import find_model, refuse_wrong_effect
+from pa10d.api.routes.runs import find_runs
 from pa10d.api.schemas import (
     CompareRequest,
     DiagnoseRequest,
@@ -28,12 +28,14 @@ router = APIRouter(tags=["analyses"])
 Limit = Annotated[int, Query(ge=1, le=500)]
 Cursor = Annotated[str | None, Query(max_length=100)]
 WRONG = responses("not-found", "refused")
+ASKED = responses("not-found", "refused", "unsound")
 
 
-@router.post("/comparisons", response_model=Job, status_code=202, responses=WRONG)
+@router.post("/comparisons", response_model=Job, status_code=202, responses=ASKED)
 async def compare(daemon: TheDaemon, request: CompareRequest, response: Response) -> Any:
     """How large a model's error is on runs, and where; the result is that of ``pa10d compare``."""
-    await _find_all(daemon, request.model, request.runs)
+    await find_model(daemon, request.model)
+    await find_runs(daemon, request.runs, request.force)
     return accepted(
         daemon.compute("compare", "compare", request.model_dump(), sheet=True), response
     )
@@ -64,10 +66,12 @@ async def comparison_sheet(
     return await _sheet(daemon, "compare", comparison, part)
 
 
-@router.post("/diagnoses", response_model=Job, status_code=202, responses=WRONG)
+@router.post("/diagnoses", response_model=Job, status_code=202, responses=ASKED)
 async def diagnose(daemon: TheDaemon, request: DiagnoseRequest, response: Response) -> Any:
     """Which effect is missing; the result is that of ``pa10d diagnose``."""
-    await _find_all(daemon, request.model, [*request.fit, *request.validate_])
+    info = await find_model(daemon, request.model)
+    await find_runs(daemon, [*request.fit, *request.validate_], request.force)
+    refuse_wrong_effect(request.effect, request.joints, len(info.joints))
     job = daemon.compute("diagnose", "diagnose", request.model_dump(by_alias=True), sheet=True)
     return accepted(job, response)
 
@@ -90,12 +94,6 @@ async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> Any:
 async def diagnosis_sheet(daemon: TheDaemon, diagnosis: str) -> FileResponse:
     """Its plots and words: the verdict, a section per finding, and what is left."""
     return await _sheet(daemon, "diagnose", diagnosis, "summary")
-
-
-async def _find_all(daemon: Daemon, model: str, runs: list[str]) -> None:
-    await find_model(daemon, model)
-    for run in runs:
-        await find_run(daemon, run)
 
 
 def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from pa10d.daemon.experiment import experiment_job
 from pa10d.daemon.jobs import Report
 from pa10d.daemon.readiness import readiness
 from pa10d.daemon.series import series_job
+from pa10d.services.experiments import refuse_wrong_request
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import KINDS
 
@@ -43,7 +44,7 @@ async def show_kind(kind: str) -> dict[str, Any]:
     "",
     response_model=Job,
     status_code=202,
-    responses=responses("not-found", "state", "held", "conflict", "not-ready"),
+    responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
 async def start(
     daemon: TheDaemon, _client: Commander, request: ExperimentRequest, response: Response
@@ -62,7 +63,7 @@ async def start(
     "/series",
     response_model=Job,
     status_code=202,
-    responses=responses("not-found", "state", "held", "conflict", "not-ready"),
+    responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
 async def start_series(
     daemon: TheDaemon, _client: Commander, request: SeriesRequest, response: Response
@@ -74,7 +75,10 @@ async def start_series(
 
 
 @router.post(
-    "/check", response_model=Job, status_code=202, responses=responses("not-found", "conflict")
+    "/check",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "refused", "conflict"),
 )
 async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
     """The pre-check alone, from where the arm stands: state, bus, drives, limits, torque,
@@ -106,6 +110,7 @@ async def check(daemon: TheDaemon, request: ExperimentRequest, response: Respons
 
 async def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
     _known(request.kind)
+    refuse_wrong_request(daemon.kinematics, request.kind, request.parameters)
     asked = request.model_dump()
     if request.model is not None:
         asked["model"] = (await find_model(daemon, request.model)).id

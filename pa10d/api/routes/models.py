@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
@@ -12,7 +13,7 @@ from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.ready import require_ready
-from pa10d.api.routes.runs import find_run
+from pa10d.api.routes.runs import find_runs
 from pa10d.api.schemas import (
     AddRequest,
     EffectList,
@@ -25,6 +26,7 @@ from pa10d.api.schemas import (
 )
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.improvement import improvement_job
+from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.errors import UserError
@@ -65,11 +67,16 @@ async def list_models(
 
 
 @router.post(
-    "/models", response_model=Job, status_code=202, responses=responses("not-found", "conflict")
+    "/models",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "conflict", "refused", "unsound"),
 )
 async def identify(daemon: TheDaemon, request: IdentifyRequest, response: Response) -> Any:
     """Fit the textbook model to runs; the job's result is that of ``pa10d identify``."""
-    await _check(daemon, request.runs, request.name, request.replace)
+    await _check(daemon, request.runs, request)
+    for effect_id in request.with_effects:
+        refuse_wrong_effect(effect_id)
     job = daemon.compute(
         "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
     )
@@ -124,14 +131,14 @@ async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
     "/models/{model}/effects",
     response_model=Job,
     status_code=202,
-    responses=responses("not-found", "conflict", "refused"),
+    responses=responses("not-found", "conflict", "refused", "unsound"),
 )
 async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, response: Response) -> Any:
     """A new version with the effect fitted in; the old one stays."""
     info = await find_model(daemon, model)
-    await _check(daemon, request.fit, request.name, request.replace)
-    if request.effect not in {*all_effects(), SmoothMap.id}:
-        raise Problem("not-found", f"no effect {request.effect!r} in the library")
+    await _check(daemon, request.fit, request)
+    if request.effect != SmoothMap.id:
+        refuse_wrong_effect(request.effect, request.joints, len(info.joints))
     return accepted(daemon.compute("add", "add", {"model": info.id, **_dump(request)}), response)
 
 
@@ -139,7 +146,7 @@ async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, respons
     "/models/{model}/improvements",
     response_model=Job,
     status_code=202,
-    responses=responses("not-found", "conflict", "state", "held", "not-ready"),
+    responses=responses("not-found", "conflict", "unsound", "state", "held", "not-ready"),
 )
 async def improve(
     daemon: TheDaemon, client: Client, model: str, request: ImproveRequest, response: Response
@@ -149,7 +156,7 @@ async def improve(
     With ``experiments`` the arm is moved to settle doubts: the client must be able to command it.
     """
     info = await find_model(daemon, model)
-    await _check(daemon, [*request.fit, *request.validate_], request.name, request.replace)
+    await _check(daemon, [*request.fit, *request.validate_], request)
     asked = {"model": info.id, **_dump(request)}
     if asked.pop("experiments"):
         daemon.lease.take(client)
@@ -174,9 +181,21 @@ def _dump(request: Any) -> dict[str, Any]:
     return dict(request.model_dump(by_alias=True))
 
 
-async def _check(daemon: Daemon, runs: list[str], name: str, replace: bool) -> None:
-    """Say at once what a worker would say later."""
-    for run in runs:
-        await find_run(daemon, run)
-    if not replace and any(i.name == name for i in await daemon.shelf(daemon.models.all)):
-        raise Problem("conflict", f"there is a model {name!r} already; or give replace: true")
+def refuse_wrong_effect(asked: str | None, joints: Sequence[int] = (), n: int = 0) -> None:
+    """Say at once what a worker would say later: joints count from 1, of ``n``."""
+    if asked is not None:
+        if asked not in all_effects():
+            raise Problem("not-found", f"no effect {asked!r} in the library; see /api/v1/effects")
+        if n:
+            suspicion((asked, [joint - 1 for joint in joints]), n)
+
+
+async def _check(
+    daemon: Daemon, runs: list[str], request: IdentifyRequest | AddRequest | ImproveRequest
+) -> None:
+    await find_runs(daemon, runs, request.force)
+    taken = any(i.name == request.name for i in await daemon.shelf(daemon.models.all))
+    if taken and not request.replace:
+        raise Problem(
+            "conflict", f"there is a model {request.name!r} already; or give replace: true"
+        )

@@ -19,6 +19,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.schemas import Run, RunChange, RunPage
 from pa10d.daemon.daemon import Daemon
 from pa10d.errors import UserError
+from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.entries import SetAside
 
@@ -92,7 +93,7 @@ async def delete_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
     "",
     response_model=Run,
     status_code=201,
-    responses=responses("refused", "conflict", "too-large"),
+    responses=responses("refused", "unsound", "conflict", "too-large"),
     openapi_extra=UPLOAD_BODY,
 )
 async def import_run(
@@ -101,10 +102,13 @@ async def import_run(
     filename: Annotated[str, Query(max_length=200)] = "recording.csv",
     name: Text = None,
     replace: bool = False,
+    check: bool = False,
+    force: bool = False,
     mapping: Annotated[list[str] | None, Query(alias="map", max_length=64)] = None,
 ) -> Any:
     """Bring in a recording: the file (.csv or .csv.gz) is the body of the request.
 
+    ``check`` stores nothing that a fit must not use, unless ``force`` is given, too.
     ``map`` reads a column as a field: ``map=torque_1=tau1``.
     """
     if not replace:
@@ -120,6 +124,8 @@ async def import_run(
             name=name,
             mapping=mapping or [],
             replace=replace,
+            check=check,
+            force=force,
         )
     daemon.events.publish("run", info)
     return info
@@ -186,6 +192,13 @@ async def find_run(daemon: Daemon, wanted: str) -> RunInfo:
         return await daemon.shelf(daemon.runs.find, wanted)
     except UserError as error:
         raise Problem("not-found", str(error)) from error
+
+
+async def find_runs(daemon: Daemon, wanted: list[str], force: bool) -> list[RunInfo]:
+    """All of them, or a problem: unknown, or known to be unfit for a fit and not forced."""
+    infos = [await find_run(daemon, run) for run in wanted]
+    refuse_unsound(infos, force=force)
+    return infos
 
 
 async def refuse_taken_run(daemon: Daemon, name: str | None, way_out: str = "") -> None:

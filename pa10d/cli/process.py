@@ -1,0 +1,65 @@
+"""The process around a command: Ctrl-C acts within a second, whatever is being computed.
+
+Python notices an interrupt between two of its own steps only. A thread that does nothing else
+gives the command a moment to end by itself, then ends the process: what is stored appears whole or
+not at all, and processes that were started end with the one that started them.
+"""
+
+from __future__ import annotations
+
+import _thread  # one that `threading` counted would keep computations from forking
+import os
+import signal
+import sys
+import time
+from typing import NoReturn
+
+from pa10d.cli import INTERRUPTED, main
+from pa10d.cli.answer import note
+from pa10d.cli.commands import current
+
+GRACE = 0.7  # s
+
+
+def run() -> NoReturn:
+    """The command that the process was started for, and its status."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    interrupted: list[float] = []
+    _thread.start_new_thread(_watch, (reading, interrupted))
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        status = main()
+    except BaseException:
+        if not interrupted:
+            raise
+        status = INTERRUPTED  # libraries make other errors of an interrupt
+    if interrupted or status == INTERRUPTED:
+        _leave()
+    sys.exit(status)
+
+
+def _watch(reading: int, interrupted: list[float]) -> None:
+    while signals := os.read(reading, 64):
+        if signal.SIGINT not in signals:
+            continue
+        again = bool(interrupted)
+        interrupted.append(time.monotonic())
+        time.sleep(GRACE)
+        if again or not current.patient:
+            note("interrupted")
+            _leave()
+        note("interrupted: what was started is being ended (once more: leave at once)")
+
+
+def _leave() -> NoReturn:
+    """Without farewells: threads and processes that compute are not waited for."""
+    if "multiprocessing" in sys.modules:
+        import multiprocessing
+
+        for child in multiprocessing.active_children():
+            child.kill()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    os._exit(INTERRUPTED)

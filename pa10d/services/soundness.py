@@ -1,0 +1,54 @@
+"""Whether a recording may be fitted or judged by: errors of the checks stop it, unless forced.
+
+An error is what would make a fit wrong, such as degrees for radians. A run brought in from a file
+keeps what its checks said; what was recorded here is looked at when it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pa10d.checks import Finding, check_recording
+from pa10d.dynamics.robot import Robot
+from pa10d.errors import Unsound, UserError
+from pa10d.recording import Recording
+from pa10d.store import RunInfo
+
+
+def errors_of(
+    info: RunInfo, recording: Recording | None = None, robot: Robot | None = None
+) -> list[Finding]:
+    """What stands against a fit; without the recording only what is kept with the run."""
+    if info.findings is not None:
+        found = [Finding(**kept) for kept in info.findings]
+    elif recording is not None and (robot is None or robot.n == recording.joints):
+        found = check_recording(recording, None, robot, delay=False)
+    else:
+        found = []
+    return [finding for finding in found if finding.severity == "error"]
+
+
+def refuse_unsound(
+    infos: Sequence[RunInfo],
+    recordings: Sequence[Recording] | None = None,
+    robot: Robot | None = None,
+    *,
+    force: bool = False,
+) -> None:
+    """Unsound where one of these runs has an error against it; ``force`` lets it pass."""
+    if force:
+        return
+    given = [None] * len(infos) if recordings is None else recordings
+    for info, recording in zip(infos, given, strict=True):
+        errors = errors_of(info, recording, robot)
+        if errors:
+            raise unsound(f"run {info.name!r}", errors)
+
+
+def unsound(what: str, errors: Sequence[Finding]) -> UserError:
+    """One line for all of it, the findings beside."""
+    said = "; ".join(f"{e.sentence}{f' → {e.advice}' if e.advice else ''}" for e in errors)
+    return Unsound(
+        f"{what}: {said}. A fit would be wrong: mend the recording, or force it",
+        [error.document() for error in errors],
+    )

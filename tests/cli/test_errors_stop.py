@@ -1,0 +1,142 @@
+"""What would make a fit wrong stops the import that checks, and every fit after one that did not;
+what is mistyped is said before anything is started."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from test_run_commands import URDF
+
+from pa10d.cli import main
+from pa10d.client import Client
+from pa10d.store import Channels, RunStore, Samples
+from pa10d.store.models import ModelStore
+
+T = np.arange(4000) / 200
+Q = np.stack([0.8 * np.sin(T), np.cos(1.7 * T)], axis=1)
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A two-joint arm; a sound recording of it, and the same one in degrees."""
+    monkeypatch.setenv("PA10D_DATA", str(tmp_path / "data"))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "two.urdf").write_text(URDF)
+    (tmp_path / "two.yaml").write_text("urdf: two.urdf\n")
+    rng = np.random.default_rng(0)
+    ddq = -np.stack([0.8 * np.sin(T), 1.7**2 * np.cos(1.7 * T)], axis=1)
+    tau = 0.3 * ddq + 2 * np.cos(Q) * [0, 1] + rng.normal(0, 0.01, (4000, 2))
+    for name, q in (("sound", Q), ("degrees", np.degrees(Q))):
+        table = np.column_stack([T, q, tau])
+        np.savetxt(f"{name}.csv", table, delimiter=",", header="time,q1,q2,tau1,tau2", comments="")
+    return tmp_path
+
+
+def _import(name, *more):
+    file = f"{name}.csv"
+    return main(["run", "import", file, "--profile", "two.yaml", "--name", name, *more])
+
+
+def test_a_checked_import_stores_nothing_that_a_fit_must_not_use(place, capsys):
+    assert _import("degrees", "--check", "--json") == 1
+    said = capsys.readouterr()
+    document = json.loads(said.out)
+    assert "these look like degrees" in document["error"]
+    assert "--force" in document["error"]
+    assert [f["code"] for f in document["findings"]] == ["degrees"]
+    assert said.err.count("\n") == 1
+    assert RunStore().all() == []
+    assert _import("degrees", "--check", "--force") == 0
+    assert [info.name for info in RunStore().all()] == ["degrees"]
+
+
+def test_no_fit_takes_a_run_with_an_error_unless_forced(place, capsys):
+    assert _import("sound", "--check") == 0
+    assert _import("degrees") == 0
+    assert "error: q reaches 57.3" in capsys.readouterr().err
+    assert main(["run", "check", "degrees", "--profile", "two.yaml"]) == 1
+    assert main(["run", "check", "sound", "--profile", "two.yaml"]) == 0
+    identify = ["identify", "degrees", "--profile", "two.yaml", "--name", "wrong"]
+    assert main(identify) == 1
+    assert "run 'degrees': q reaches 57.3" in capsys.readouterr().err
+    assert ModelStore().all() == []
+    assert main(["identify", "sound", "--profile", "two.yaml", "--name", "m0"]) == 0
+    for command in (
+        ["compare", "m0", "degrees"],
+        ["diagnose", "m0", "--fit", "sound", "--validate", "degrees"],
+        ["add", "m0", "stribeck", "--joint", "1", "--fit", "degrees", "--name", "m1"],
+        ["improve", "m0", "--fit", "degrees", "--name", "m1"],
+    ):
+        assert main(command) == 1, command
+        assert "these look like degrees" in capsys.readouterr().err
+    assert main(["compare", "m0", "degrees", "--force"]) == 0
+    assert main([*identify, "--force"]) == 0
+
+
+def test_a_run_that_was_recorded_here_is_looked_at_when_it_is_asked_for(place, capsys):
+    writer = RunStore().start("live", Channels(("a", "b")))
+    writer.append(Samples((T * 1e9).astype(np.int64), np.degrees(Q), Q))
+    writer.close()
+    assert main(["identify", "live", "--profile", "two.yaml", "--name", "m"]) == 1
+    assert "run 'live': q reaches 57.3" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["experiment", "trackin"], "trackin"),
+        (["experiment", "tracking", "--set", "perod=4"], "perod"),
+        (["experiment", "single_joint", "--set", "joints=[9]"], "joints: found 9"),
+        (["experiment", "tracking", "--model", "nothing"], "model 'nothing'"),
+        (["experiment", "tracking", "--profile", "pa10-sin"], "pa10-sin"),
+        (["experiment", "tracking", "--profile", "typo.yaml"], "typo.yaml:2: joint"),
+        (["improve", "m0", "--experiments", "--fit", "a", "--name", "b"], "model 'm0'"),
+        (["demo", "--hide", "strbeck"], "strbeck"),
+        (["serve", "--port", "0", "--hide", "strbeck"], "strbeck"),
+    ],
+)
+def test_a_typo_is_said_before_anything_is_started(place, capsys, monkeypatch, command, said):
+    def started(*_, **__):
+        raise AssertionError("a process was started")
+
+    (place / "typo.yaml").write_text("urdf: two.urdf\njoint: [a]\n")
+    monkeypatch.setattr("subprocess.Popen", started)
+    assert main(command) == 1
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--effect", "strbeck"], "strbeck"),
+        (["--effect", "stribeck", "--joint", "3"], "joint 3: expected 1 to 2"),
+        (["--validate", "nothing"], "run 'nothing'"),
+    ],
+)
+def test_a_typo_is_said_before_anything_is_computed(place, capsys, more, said):
+    assert _import("sound") == 0
+    assert main(["identify", "sound", "--profile", "two.yaml", "--name", "m0"]) == 0
+    capsys.readouterr()
+    assert main(["diagnose", "m0", "--fit", "sound", *more]) == 1
+    err = capsys.readouterr().err
+    assert said in err
+    assert "%" not in err  # no progress was made
+
+
+def test_an_interrupted_wait_cancels_its_job_and_names_it():
+    class Interrupted(Client):
+        def __init__(self):
+            self.cancelled = []
+
+        def job(self, number):
+            raise KeyboardInterrupt
+
+        def cancel(self, number):
+            self.cancelled.append(number)
+
+    client = Interrupted()
+    with pytest.raises(KeyboardInterrupt, match="job 7 was cancelled"):
+        client.wait({"id": "7"})
+    assert client.cancelled == ["7"]
