@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import AsyncIterator
-from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
-from fastapi.staticfiles import StaticFiles
 
 from pa10d import __version__
 from pa10d.api import problems
@@ -42,7 +40,6 @@ Every error is a problem document (RFC 9457). A POST that is sent again with the
 WebSockets: `/api/v1/events?since=N` (JSON) and `/api/v1/telemetry?history=SECONDS` (a JSON header,
 then binary packets: float64 start, float32 rows).
 """
-WEB = Path(__file__).resolve().parent.parent / "web"
 
 
 def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) -> FastAPI:
@@ -71,7 +68,6 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     app.include_router(service.router)
     app.include_router(docs.router)
     app.include_router(web.router)
-    app.mount("/", StaticFiles(directory=WEB, html=True), name="web")
     app.add_middleware(RepeatMiddleware)
     app.add_middleware(AccessMiddleware, access=access or Access())
     _document_problems(app)

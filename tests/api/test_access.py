@@ -68,10 +68,10 @@ def test_sockets_want_the_token(guarded):
 
 
 def test_the_page_itself_is_not_served_under_a_rebound_name(http):
-    for path in ("/", "/main.js", "/scripts/plotly.js"):
+    for path in ("/", "/assets/now/main.js", "/assets/now/plotly.js"):
         assert http.get(path).status_code == 200
         refused(http.get(path, headers={"Host": "evil.example"}), 403, "origin")
-    refused(http.get("/scripts/..%2fapp.py"), 404, "not-found")
+    refused(http.get("/assets/now/..%2fapp.py"), 404, "not-found")
 
 
 @pytest.mark.parametrize(

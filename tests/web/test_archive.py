@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from pathlib import Path
 
@@ -85,9 +86,9 @@ def test_a_recording_is_dropped_and_marked_and_shown(archive, visit, csv_text):
     assert page.get_by_label("dropped: fit").is_checked()
     page.evaluate(DROP, "time,q1\n0,1\n")
     page.locator(".notice.error", has_text="dropped.csv was not imported").wait_for()
-    page.on("dialog", lambda dialog: dialog.accept())
     page.get_by_role("button", name="dropped").click()
     page.get_by_role("button", name="Delete").click()
+    page.get_by_role("button", name="Delete for good").click()
     page.locator("#runs tbody tr", has_text="dropped").wait_for(state="detached")
     assert not visitor.errors
 
@@ -151,7 +152,7 @@ def csv_text() -> str:
     joints = range(1, 8)
     head = ",".join(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
     rows = [
-        ",".join([f"{0.002 * k:.3f}", *[f"{0.001 * (k % 100):.4f}"] * 7, *["1.5"] * 7])
+        ",".join([f"{0.002 * k:.3f}", *[f"{0.3 * math.sin(0.02 * k):.4f}"] * 7, *[f"{0.3 * (k % 7) - 0.1:.1f}"] * 7])
         for k in range(500)
     ]
     return "\n".join([head, *rows]) + "\n"

@@ -35,7 +35,7 @@ export async function ask(method, path, { body, query, raw } = {}) {
     });
   } catch {
     throw new Problem({ status: 0, detail: "The daemon does not answer.",
-                        remedy: "Is 'pa10d serve' still running?" });
+                        remedy: "Is it still running on the machine of the arm?" });
   }
   if (!answer.ok) throw new Problem(await problemOf(answer));
   return answer.json();
@@ -46,8 +46,8 @@ export const post = (path, body = {}) => ask("POST", path, { body });
 export const put = (path, body) => ask("PUT", path, { body });
 export const patch = (path, body) => ask("PATCH", path, { body });
 export const remove = (path) => ask("DELETE", path);
-export const upload = (file, name) =>
-  ask("POST", "runs", { raw: file, query: { filename: file.name, ...(name ? { name } : {}) } });
+export const upload = (file, force = false) =>
+  ask("POST", "runs", { raw: file, query: { filename: file.name, check: true, force } });
 
 /** Give a file of the API to the user: by fetch, so that the token comes along. */
 export async function download(path, query, filename) {

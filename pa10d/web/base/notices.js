@@ -1,20 +1,39 @@
-// Short messages at the edge; errors stay until they are closed.
+// Short messages at the edge, never over the stop button; errors stay until they are closed.
 import { el } from "./dom.js";
 
-const SHOWN = 6000; // ms
+const SHOWN = 6000, MOST = 3; // ms, messages that are seen at once
+const region = () => document.getElementById("notices");
 
 export function notice(text, { kind = "info", detail = "", action } = {}) {
-  const box = el("div", { class: `notice ${kind}`, role: kind === "error" ? "alert" : "status" },
-    el("p", {}, el("b", {}, text), detail ? ` ${detail}` : ""),
-    action ? el("a", { class: "button", href: action.href, onclick: () => box.remove() }, action.label) : null,
-    el("button", { class: "quiet", "aria-label": "close", onclick: () => box.remove() }, "×"));
-  document.getElementById("notices").append(box);
-  if (kind !== "error") setTimeout(() => box.remove(), SHOWN);
+  const same = [...region().children].find((one) => one.dataset.said === text + detail);
+  same?.remove();
+  const times = Number(same?.dataset.times ?? 0) + 1;
+  const gone = () => { box.remove(); tidy(); };
+  const box = el("div", { class: `notice ${kind}`, role: kind === "error" ? "alert" : "status", dataset: { said: text + detail, times } },
+    el("p", {}, el("b", {}, text), detail ? ` ${detail}` : "", times > 1 ? el("small", {}, ` (${times} times)`) : null),
+    action ? el(action.href ? "a" : "button", { class: "button", type: action.href ? null : "button", href: action.href, onclick: () => { gone(); action.do?.(); } }, action.label) : null,
+    el("button", { class: "quiet", type: "button", "aria-label": "Close this message", onclick: gone }, "×"));
+  region().append(box);
+  tidy();
+  if (kind !== "error" && !action?.do) setTimeout(gone, SHOWN);
+}
+
+/** The newest few; the others wait behind one line. */
+function tidy() {
+  region().querySelector(".more")?.remove();
+  const all = [...region().querySelectorAll(".notice")];
+  all.forEach((one, k) => { one.hidden = k < all.length - MOST; });
+  if (all.length > 1) {
+    const older = Math.max(0, all.length - MOST);
+    region().prepend(el("div", { class: "more row" }, older ? el("span", {}, `${older} older message${older > 1 ? "s" : ""}`) : null,
+      el("button", { type: "button", class: "small", onclick: () => region().replaceChildren() }, "Close all")));
+  }
 }
 
 /** Tell what went wrong, with its remedy. */
 export function failed(what, error) {
-  notice(what, { kind: "error", detail: [error.message, error.remedy].filter(Boolean).join(" — ") });
+  const remedy = error.message.includes(error.remedy) ? "" : error.remedy;
+  notice(what, { kind: "error", detail: [error.message, remedy].filter(Boolean).join(" — ") });
 }
 
 /** A click handler that shows its errors and cannot be started twice. */

@@ -6,11 +6,40 @@ const watcher = new IntersectionObserver((entries) => {
   for (const entry of entries) {
     if (!entry.isIntersecting) continue;
     watcher.unobserve(entry.target);
-    entry.target.drawNow?.();
+    entry.target.drawNow?.()?.catch(() => {}); // it says so in its place
   }
 }, { rootMargin: "300px" });
 
-export const draw = (box, figure) => pa10dPlots.draw(box, figure);
+/** The plot library is large: it comes with the first plot that is looked at. */
+let library = null;
+function plots() {
+  library ??= script("plotly.js").then(() => script("plots.js")).then(() => pa10dPlots);
+  library.catch(() => { library = null; }); // the next plot tries again
+  return library;
+}
+
+function script(name) {
+  return new Promise((done, lost) => {
+    const source = new URL(`../${name}`, import.meta.url).href;
+    document.head.append(el("script", {
+      src: source, onload: done, onerror: () => lost(new Error("The plots could not be loaded: the daemon does not answer.")),
+    }));
+  });
+}
+
+export async function draw(box, figure) {
+  box.classList.add("waiting");
+  try {
+    const { draw: onto } = await plots();
+    box.querySelector(":scope > p")?.remove();
+    return await onto(box, figure);
+  } catch (error) {
+    box.replaceChildren(el("p", { class: "bad pad" }, error.message));
+    throw error;
+  } finally {
+    box.classList.remove("waiting");
+  }
+}
 
 /** A plot block of a report: {title, figures, reading, advice}. */
 export function plot({ title, figures, reading, advice }) {

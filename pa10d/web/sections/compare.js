@@ -1,12 +1,13 @@
 // Where does a model fail? Measured over model per joint, sentences that jump to the place, plots.
 import { el, fill } from "../base/dom.js";
-import { get, post } from "../base/api.js";
+import { get } from "../base/api.js";
 import { state, watch } from "../base/store.js";
 import { failed, guarded } from "../base/notices.js";
 import { fixed } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { card, empty, words, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
+import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 
@@ -48,7 +49,7 @@ export function show([id, joint]) {
 async function compare(model, runs) {
   begin(model, runs);
   drawTime(); // the first plot needs no more than the model and one run
-  const job = await post("comparisons", { model, runs });
+  const job = await postSound("comparisons", { model, runs });
   await open(job.id, null, job);
 }
 

@@ -7,6 +7,7 @@ import { nextModelName, when } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { empty } from "../parts/figure.js";
 import { heading, SETTLES, versionWith } from "../parts/guide.js";
+import { postSound } from "../parts/forced.js";
 import { finished, moves, running } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
@@ -16,7 +17,7 @@ export function mount(box) {
   const model = modelPicker("Model"), fit = runPicker("Fit to", "fit"), judge = runPicker("Judge by", "judge");
   const frozen = el("input", { type: "checkbox", id: "frozen" });
   const start = el("button", { class: "primary", type: "button", id: "diagnose-start", onclick: guarded("The diagnosis could not be started.", async () => {
-    const job = await post("diagnoses", { model: model.value, fit: fit.ids, validate: judge.ids, frozen: frozen.checked });
+    const job = await postSound("diagnoses", { model: model.value, fit: fit.ids, validate: judge.ids, frozen: frozen.checked });
     await open(job.id, job);
   }) }, "What is missing?");
   frozen.addEventListener("change", () => { start.textContent = frozen.checked ? "What has changed?" : "What is missing?"; });
@@ -148,7 +149,7 @@ async function addTo(diagnosis, k) {
     if (madeFrom(diagnosis, step + 1)) continue;
     const base = madeFrom(diagnosis, step), finding = diagnosis.result.findings[step];
     const name = nextModelName(current().map((model) => model.name));
-    const job = await post(`models/${base.id}/effects`, { effect: finding.effect, joints: finding.joints, fit, name });
+    const job = await postSound(`models/${base.id}/effects`, { effect: finding.effect, joints: finding.joints, fit, name });
     made = (await finished(job)).result;
     await loadModels();
   }
@@ -182,7 +183,7 @@ async function removeByMap(diagnosis, k) {
   const { model } = withMaps(diagnosis), { joint, depends_on: over } = places[k];
   const name = nextModelName(current().map((one) => one.name));
   const { fit } = diagnosis.request;
-  const made = (await finished(await post(`models/${model.id}/effects`, { effect: "smooth_map", joints: [joint], over, fit, name }))).result;
+  const made = (await finished(await postSound(`models/${model.id}/effects`, { effect: "smooth_map", joints: [joint], over, fit, name }))).result;
   await loadModels();
   for (const text of made.warnings) notice(text, { kind: "error" });
   notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });

@@ -1,12 +1,13 @@
 // Torque models: fit the first one, see the error fall from version to version, use them.
 import { el, fill } from "../base/dom.js";
-import { client, download, get, post, put } from "../base/api.js";
+import { client, download, get, put } from "../base/api.js";
 import { current, loadRobot, mayCommand, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
+import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
@@ -49,7 +50,7 @@ function fitForm() {
   const runs = runPicker("Fit to", "fit");
   const name = el("input", { id: "model-name", maxLength: 100, size: 12, required: true });
   const start = el("button", { class: "primary", id: "fit-start", type: "button", onclick: guarded("The model could not be fitted.", async () => {
-    const job = await post("models", { runs: runs.ids, name: name.value.trim() });
+    const job = await postSound("models", { runs: runs.ids, name: name.value.trim() });
     const made = (await finished(job)).result;
     wanted = made.name;
     notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: "#/compare", label: "See where it fails" } });

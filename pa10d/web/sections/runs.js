@@ -4,6 +4,7 @@ import { download, get, patch, remove, upload } from "../base/api.js";
 import { loadRuns, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { number, seconds, titled, when } from "../base/units.js";
+import { ask } from "../parts/dialog.js";
 import { card, empty, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
 
@@ -70,6 +71,14 @@ function row(run, isSelected, select) {
     el("td", { class: run.status === "success" ? "" : "bad", title: run.reason }, run.status), marks);
 }
 
+/** What the checks and the import said; the checks name limits, too. */
+function known(run) {
+  const found = (run.findings ?? []).map((one) => [one.severity, `${one.sentence}${one.advice ? ` → ${one.advice}` : ""}`]);
+  const others = run.warnings.filter((text) => !(run.findings ?? []).some((one) => text.includes(one.sentence))).map((text) => ["warning", text]);
+  const all = [...found, ...others];
+  return all.length ? el("ul", { class: "levels" }, all.map(([level, text]) => el("li", { class: level }, el("b", {}, level), ` ${text}`))) : null;
+}
+
 function details(run) {
   const plot = new Zoomable(400, (span) => get("plots/run", { run: run.id, ...span }));
   plot.show().catch((error) => fill(plot.box, el("p", { class: "bad pad" }, error.message)));
@@ -91,15 +100,32 @@ function details(run) {
     type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`runs/${run.id}/export`, { format }, `${run.name}.${format}`)),
   }, format.toUpperCase()));
   const gone = el("button", { type: "button", class: "small danger", onclick: guarded("It could not be deleted.", async () => {
-    if (!confirm(`Delete run ${run.name} and its measurements? This cannot be undone.`)) return;
+    if (!await ask(`Delete ${run.name}?`, "The run and its measurements are removed for good.", "Delete for good", { danger: true })) return;
     await remove(`runs/${run.id}`);
     await loadRuns();
   }) }, "Delete");
   return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, tags, retag, el("span", { class: "grow" }), "Export", exports, gone),
     el("p", { class: "muted" }, `${run.samples} samples, ${number(run.rate, 4)} Hz, from ${run.source || run.profile}. ${run.reason ?? ""}`),
-    run.warnings.length ? el("ul", { class: "levels" }, run.warnings.map((text) => el("li", { class: "warning" }, text))) : null,
+    known(run),
     card("Positions and measured torques", null, plot.box, null),
     el("p", { class: "muted" }, "Drag to zoom: the whole detail is loaded. Double-click to return. Click a joint in the legend to hide it."));
+}
+
+async function bring(file, force = false) {
+  const run = await upload(file, force);
+  const said = (run.findings ?? []).map((one) => one.sentence);
+  notice(`Imported ${run.name}.`, { detail: said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "" });
+  return run;
+}
+
+/** Errors of the checks can be overruled; nothing else can. */
+function refused(file, error) {
+  if (!error.document?.findings) return failed(`${file.name} was not imported.`, error);
+  const said = error.document.findings.map((one) => `${one.sentence}${one.advice ? ` (${one.advice})` : ""}`).join("; ");
+  notice(`${file.name} was not imported: a fit to it would be wrong.`, { kind: "error", detail: said, action: { label: "Import it all the same", do: guarded("It was not imported.", async () => {
+    await bring(file, true);
+    await loadRuns();
+  }) } });
 }
 
 function dropZone() {
@@ -109,12 +135,7 @@ function dropZone() {
   const take = async (files) => {
     for (const file of files) {
       text.textContent = `Reading ${file.name} … `;
-      try {
-        const run = await upload(file);
-        notice(`Imported ${run.name}.`, { detail: run.warnings.join(" ") });
-      } catch (error) {
-        failed(`${file.name} was not imported.`, error);
-      }
+      await bring(file).catch((error) => refused(file, error));
     }
     text.textContent = "Drop recordings here (CSV with time, q1 …, tau1 …), or ";
     await loadRuns().catch(() => {});

@@ -1,0 +1,79 @@
+"""What the page is made of: compressed, and kept by the browser for as long as it stays the same.
+
+The page asks for its parts under a name that changes with any of them, so a part that was fetched
+once is never asked for again; the page itself is asked for every time.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import mimetypes
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+
+WEB = Path(__file__).resolve().parent.parent / "web"
+PAGE = "index.html"
+PACKAGED = {
+    "plotly.js": ("plotly", "package_data/plotly.min.js"),
+    "plots.js": ("pa10d.figures", "plots.js"),
+}
+SMALL = 1000  # bytes: less is not worth compressing
+LEVEL = 6
+
+mimetypes.add_type("text/javascript", ".js")
+
+
+@dataclass(frozen=True)
+class Asset:
+    """One file as it goes out. packed: gzip, where that is smaller."""
+
+    plain: bytes
+    packed: bytes | None
+    media_type: str
+
+
+@dataclass
+class Assets:
+    """Files by the names that the page uses for them, read again when they have changed."""
+
+    _known: dict[str, tuple[tuple[int, int], Asset]] = field(default_factory=dict)
+
+    def names(self) -> dict[str, Path]:
+        """Name -> file."""
+        own = {str(path.relative_to(WEB)): path for path in WEB.rglob("*.*") if path.is_file()}
+        packaged = {name: Path(str(files(p) / path)) for name, (p, path) in PACKAGED.items()}
+        return {name: path for name, path in sorted((own | packaged).items()) if name != PAGE}
+
+    def version(self) -> str:
+        """Another one as soon as any file is another."""
+        stamps = [(name, *_stamp(path)) for name, path in self.names().items()]
+        return hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
+
+    def page(self) -> str:
+        """The page, which asks for parts of this version."""
+        return (WEB / PAGE).read_text(encoding="utf-8").replace("VERSION", self.version())
+
+    def get(self, name: str) -> Asset | None:
+        """One file; None for what the page does not have. The first time it is compressed."""
+        path = self.names().get(name)
+        if path is None:
+            return None
+        stamp = _stamp(path)
+        known = self._known.get(name)
+        if known is None or known[0] != stamp:
+            known = self._known[name] = (stamp, _read(path))
+        return known[1]
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_mtime_ns, found.st_size
+
+
+def _read(path: Path) -> Asset:
+    plain = path.read_bytes()
+    packed = gzip.compress(plain, LEVEL, mtime=0) if len(plain) > SMALL else None
+    media = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+    return Asset(plain, packed if packed and len(packed) < len(plain) else None, media)

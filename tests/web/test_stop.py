@@ -1,0 +1,159 @@
+"""STOP is there before anything else, above everything else, and says whether it was heard."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import httpx
+import pytest
+from browsers import until
+
+from pa10d.daemon.presence import present
+
+ON_TOP = """() => {
+  const box = document.getElementById("stop").getBoundingClientRect();
+  const there = [[0.1, 0.1], [0.5, 0.5], [0.9, 0.9]].map(([x, y]) =>
+    document.elementFromPoint(box.x + x * box.width, box.y + y * box.height)?.id);
+  return box.width >= 90 && box.height >= 44 && there.every((id) => id === "stop");
+}"""
+NINE = """async () => {
+  const main = document.querySelector("script[type=module]").src;
+  const { notice } = await import(new URL("base/notices.js", main).href);
+  for (let k = 0; k < 9; k += 1) notice(`Number ${k} went wrong.`, { kind: "error", detail: "why ".repeat(60) });
+}"""
+
+
+def heard(page) -> None:
+    page.locator("#stop-said", has_text="Stop was heard").wait_for()
+
+
+@pytest.mark.parametrize("lost", ["never comes", "is broken", "hangs"])
+def test_stop_needs_nothing_else_of_the_page(archive, visit, lost):
+    url, _ = archive
+    page = visit(url).page
+    kept = []
+    answers = {
+        "never comes": lambda route: route.abort(),
+        "is broken": lambda route: route.fulfill(body="throw new Error('broken')"),
+        "hangs": kept.append,
+    }
+    page.route(lambda address: "/assets/" in address and "stop.js" not in address, answers[lost])
+    page.goto(url, wait_until="commit")
+    page.locator("#stop").wait_for(timeout=5000)
+    assert page.evaluate(ON_TOP)
+    page.click("#stop", timeout=5000)
+    heard(page)
+
+
+def test_stop_needs_no_script_at_all(archive, visit):
+    url, _ = archive
+    page = visit(url, java_script_enabled=False).page
+    page.goto(url)
+    with page.expect_response("**/api/v1/robot/stop") as response:
+        page.click("#stop")
+    assert response.value.ok
+
+
+@pytest.mark.parametrize("width", [390, 1360])
+def test_nothing_covers_stop(archive, visit, width):
+    url, _ = archive
+    visitor = visit(url, viewport={"width": width, "height": 700})
+    page = visitor.page
+    visitor.open("runs")
+    page.evaluate(NINE)
+    assert page.locator(".notice:visible").count() == 3
+    assert page.evaluate(ON_TOP)
+    page.get_by_role("button", name="Close all").click()
+    assert page.locator(".notice").count() == 0
+    page.get_by_role("button", name="train_a", exact=True).click()
+    page.get_by_role("button", name="Delete", exact=True).click()
+    page.get_by_role("dialog").wait_for()
+    assert page.evaluate(ON_TOP)
+    page.click("#stop")
+    heard(page)
+    page.get_by_role("button", name="Leave it").click()
+    assert not visitor.errors
+
+
+def test_stop_by_keyboard_also_while_typing(archive, visit):
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("models")
+    page.get_by_label("Name").fill("sss")
+    assert page.locator("#stop-said").is_hidden()
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(800)
+    page.keyboard.press("Escape")
+    assert page.locator("#stop-said").is_hidden()
+    page.keyboard.press("Escape")
+    heard(page)
+    assert page.get_by_label("Name").input_value() == "sss"
+
+
+def test_a_stop_that_nobody_hears_says_so_until_somebody_does(visit, tmp_path):
+    """The daemon hangs, comes back, and dies; the lights never claim what nobody knows."""
+    command = [sys.executable, "-m", "pa10d", "--data", str(tmp_path), "--json", "serve", "--port",
+               "0", "--no-sim", "--channel", f"void-{tmp_path.name[-20:]}"]  # fmt: skip
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as daemon:
+        daemon.stdout.readline()
+        found = present(tmp_path)
+        visitor = visit(found.url)
+        page = visitor.page
+        visitor.open("robot")
+        os.kill(found.pid, signal.SIGSTOP)
+        page.click("#stop")
+        page.locator("#stop-said.bad", has_text="hardware emergency stop").wait_for(timeout=15_000)
+        os.kill(found.pid, signal.SIGCONT)
+        heard(page)
+        daemon.kill()
+        daemon.wait()
+        page.click("#stop")
+        said = page.locator("#stop-said.bad", has_text="STOP WAS NOT HEARD")
+        said.wait_for(timeout=15_000)
+        assert "hardware emergency stop" in said.inner_text()
+
+
+def test_plots_come_compressed_for_good_and_only_when_one_is_shown(archive, visit):
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("robot")
+    assert not [one for one in visitor.asked if "plotly" in one]
+    page.goto(f"{url}/#/runs")
+    page.get_by_role("button", name="train_a", exact=True).click()
+    page.locator("#run-detail .main-svg").first.wait_for()
+    (plotly,) = [one for one in visitor.asked if "plotly" in one]
+    answer = httpx.get(plotly, headers={"Accept-Encoding": "gzip"}, trust_env=False, timeout=60)
+    assert answer.headers["content-encoding"] == "gzip"
+    assert int(answer.headers["content-length"]) < 1_600_000
+    assert "immutable" in answer.headers["cache-control"]
+    before = len(visitor.asked)
+    page.reload()
+    until(page, "document.querySelector('#arm-state')?.textContent.length > 1")
+    again = [one for one in visitor.asked[before:] if "/assets/" in one]
+    kept = page.evaluate(
+        "performance.getEntriesByType('resource').filter((one) => one.name.includes('/assets/')"
+        " && one.transferSize > 0).map((one) => one.name)"
+    )
+    assert again
+    assert kept == [], "asked of the daemon again"
+
+
+def test_the_page_is_there_at_once_on_a_slow_link(archive, visit):
+    url, _ = archive
+    page = visit(url).page
+    line = page.context.new_cdp_session(page)
+    line.send("Network.enable")
+    line.send("Network.emulateNetworkConditions", {
+        "offline": False, "latency": 150, "downloadThroughput": 50_000, "uploadThroughput": 20_000,
+    })  # 400 kbit/s  # fmt: skip
+    began = time.monotonic()
+    page.goto(url, wait_until="commit")
+    page.click("#stop")
+    heard(page)
+    assert time.monotonic() - began < 15.0  # 2 s on a quiet machine
