@@ -86,7 +86,12 @@ def compare(
     from pa10d.services.sheets import write_comparison_sheet
 
     found = compare_runs(
-        open_library(data), model, runs, ancestors=True, cutoff=cutoff, force=force,
+        open_library(data),
+        model,
+        runs,
+        ancestors=True,
+        cutoff=cutoff,
+        force=force,
         progress=progress,
     )
     if sheet is not None:

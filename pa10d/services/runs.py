@@ -14,6 +14,7 @@ from pa10d.recording import Recording
 from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
 from pa10d.store.csv_import import CsvRecording, read_csv
+from pa10d.store.run_info import KeptFinding
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def import_run(
         profile,
         source=file.name,
         warnings=(*found.header_warnings, *found.timing_warnings, *limits),
-        findings=tuple(f.document() for f in findings if f.severity != "info"),
+        findings=tuple(_kept(f) for f in findings if f.severity != "info"),
         replace=replace,
         time_zero_ns=found.time_zero_ns,
     ) as writer:
@@ -75,6 +76,10 @@ def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
             f"{robot.name}"
         )
     return check_recording(recording, timing, robot)
+
+
+def _kept(finding: Finding) -> KeptFinding:
+    return KeptFinding(**finding.document())  # type: ignore[typeddict-item]
 
 
 def _stem(file: Path) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
 
 from pa10d import __version__
 from pa10d.errors import UserError
@@ -22,6 +23,16 @@ FILE, BAG = "run.json", "run.mcap"
 LARGEST = 1 << 20  # bytes of a description
 Count = Annotated[int, Field(ge=0, le=1 << 53)]
 Amount = Annotated[float, Field(ge=0)]
+
+
+class KeptFinding(TypedDict):
+    """What the checks said of the recording, as ``pa10d.checks.Finding`` has it."""
+
+    severity: Literal["info", "warning", "error"]
+    code: str
+    sentence: str
+    advice: str
+    joint: int | None
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ class RunInfo:
     source: str = ""  # the file it was imported from
     kind: str = ""  # the experiment it was recorded in
     warnings: tuple[str, ...] = ()
-    findings: tuple[dict[str, Any], ...] | None = None  # of the checks; None: not yet looked at
+    findings: tuple[KeptFinding, ...] | None = None  # of the checks; None: not yet looked at
     repaired: bool = False
     software: str = f"pa10d {__version__}"
     format: int = field(default=1)

@@ -10,7 +10,6 @@ import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from pa10d.errors import UserError
 from pa10d.profile import Profile
@@ -20,7 +19,7 @@ from pa10d.store.entries import SetAside
 from pa10d.store.folders import NEW, discard, is_held, locked, sweep
 from pa10d.store.location import data_folder
 from pa10d.store.names import checked_name, free_name, resolve
-from pa10d.store.run_info import BAG, FILE, RunInfo, load_info, new_info
+from pa10d.store.run_info import BAG, FILE, KeptFinding, RunInfo, load_info, new_info
 from pa10d.store.run_reader import StoredRun, read_run
 from pa10d.store.run_repair import repair_run
 from pa10d.store.run_writer import RunWriter
@@ -127,7 +126,7 @@ class RunStore:
         *,
         source: str = "",
         warnings: tuple[str, ...] = (),
-        findings: tuple[dict[str, Any], ...] | None = None,
+        findings: tuple[KeptFinding, ...] | None = None,
         tags: tuple[str, ...] = (),
         replace: bool = False,
         time_zero_ns: int = 0,

@@ -152,7 +152,13 @@ def csv_text() -> str:
     joints = range(1, 8)
     head = ",".join(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
     rows = [
-        ",".join([f"{0.002 * k:.3f}", *[f"{0.3 * math.sin(0.02 * k):.4f}"] * 7, *[f"{0.3 * (k % 7) - 0.1:.1f}"] * 7])
+        ",".join(
+            [
+                f"{0.002 * k:.3f}",
+                *[f"{0.3 * math.sin(0.02 * k):.4f}"] * 7,
+                *[f"{0.3 * (k % 7) - 0.1:.1f}"] * 7,
+            ]
+        )
         for k in range(500)
     ]
     return "\n".join([head, *rows]) + "\n"

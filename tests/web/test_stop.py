@@ -23,7 +23,8 @@ ON_TOP = """() => {
 NINE = """async () => {
   const main = document.querySelector("script[type=module]").src;
   const { notice } = await import(new URL("base/notices.js", main).href);
-  for (let k = 0; k < 9; k += 1) notice(`Number ${k} went wrong.`, { kind: "error", detail: "why ".repeat(60) });
+  for (let k = 0; k < 9; k += 1) 
+    notice(`Number ${k} went wrong.`, { kind: "error", detail: "why ".repeat(60) });
 }"""
 
 
