@@ -450,6 +450,7 @@ class StaircasePlot(Plot):
 
     steps: list[Step]
     noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
+    units: list[str] = Field(description="Of each joint's torque: N·m, or N")
     cutoff_hz: float
     mask: str = Field(description="Which samples count")
 
@@ -459,6 +460,7 @@ class VersusPlot(Plot):
 
     rms: list[list[float]] = Field(description="N·m, per joint, of both models")
     noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
+    units: list[str] = Field(description="Of each joint's torque: N·m, or N")
     cutoff_hz: float
     mask: str = Field(description="Which samples count")
 

@@ -61,7 +61,7 @@ class Daemon:
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
         self.runtime = runtime
-        self.telemetry = Telemetry(self.robot.ring, robot.joint_names)
+        self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
         self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
         self._tasks: list[asyncio.Task[None]] = []

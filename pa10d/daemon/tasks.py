@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pa10d.errors import Unsound, UserError
+
 Progress = Callable[[float, str], None]
 
 if TYPE_CHECKING:
@@ -29,10 +31,15 @@ def import_file(
     from pa10d.store import RunStore
 
     found, robot = load_robot(profile)
-    result = import_run(
-        RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
-        check=check, force=force,
-    )  # fmt: skip
+    try:
+        result = import_run(
+            RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
+            check=check, force=force,
+        )  # fmt: skip
+    except Unsound:
+        raise
+    except UserError as error:  # where the upload lies for a moment is nobody's business
+        raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
     return result.info.document()
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+from pa10d.dynamics.robot import Robot
 
 Rows = NDArray[np.float32]
 
@@ -28,8 +30,8 @@ class Telemetry:
     All little-endian. Columns as ``header`` names them; joints numbered from 1.
     """
 
-    def __init__(self, ring: Ring, names: tuple[str, ...]) -> None:
-        self._ring, self._names = ring, names
+    def __init__(self, ring: Ring, robot: Robot) -> None:
+        self._ring, self._robot = ring, robot
         self._step = max(1, round(1.0 / (ring.period * RATE)))
         self._next = 0
         self._history: deque[tuple[float, Rows]] = deque()
@@ -46,13 +48,25 @@ class Telemetry:
         return len(self._listeners)
 
     def header(self) -> dict[str, Any]:
-        """What the columns of every packet are."""
-        joints = range(1, len(self._names) + 1)
+        """What the columns of every packet are; limits: [lower, upper] per joint, null for none;
+        states: what the numbers in ``state`` mean."""
+        robot, joints = self._robot, range(1, self._robot.n + 1)
         columns = ["time", *SCALARS, *(f"{v}{j}" for v in VECTORS for j in joints)]
         units = {"time": "s", "late": "s", "q": "rad", "dq": "rad/s", "tau": "N·m"}
         units |= {"q_ref": "rad", "torque": "N·m", "temperature": "°C"}
         rate = 1.0 / (self._ring.period * self._step)
-        return {"columns": columns, "joints": list(self._names), "rate": rate, "units": units}
+        either_way = {"dq": robot.velocity, "tau": robot.effort}
+        limits = {"q": _pairs(robot.lower, robot.upper)}
+        limits |= {name: _pairs(-most, most) for name, most in either_way.items()}
+        return {
+            "columns": columns,
+            "joints": list(robot.joint_names),
+            "prismatic": robot.prismatic.tolist(),
+            "rate": rate,
+            "units": units,
+            "limits": limits,
+            "states": {state.value: state.label for state in ArmState},
+        }
 
     async def run(self) -> None:
         """Follow the ring for ever."""
@@ -111,6 +125,11 @@ class Telemetry:
                 yield await queue.get()
         finally:
             self._listeners.discard(queue)
+
+
+def _pairs(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> list[list[float | None]]:
+    edges = np.column_stack([lower, upper])
+    return [[float(v) if np.isfinite(v) else None for v in pair] for pair in edges]
 
 
 def _packet(start: float, rows: Rows) -> bytes:

@@ -18,16 +18,16 @@ HEAVY = 0.9  # of the torque limit: the drive may have saturated
 WARMER = 3.0  # K over a run
 
 NEXT = {
-    "excitation": "fit a model to it: pa10d identify {runs} --name MODEL",
+    "excitation": "fit a model to {runs}",
     "boundary_velocity": "use the boundary velocities to choose samples for a linear friction fit",
-    "tracking": "judge a model on it, or the controller: pa10d compare MODEL {runs}",
-    "point_to_point": "keep it for validation: pa10d compare MODEL {runs}",
-    "velocity_sweep": "look for what friction does: pa10d diagnose MODEL --fit RUN… {runs}",
-    "load_sweep": "look for friction that follows load: pa10d diagnose MODEL --fit RUN… {runs}",
-    "reversals": "look for bristles and gaps: pa10d diagnose MODEL --fit RUN… {runs}",
-    "warm_up": "look for friction that falls: pa10d diagnose MODEL --fit RUN… {runs}",
-    "chirp": "look for springs and delays: pa10d diagnose MODEL --fit RUN… {runs}",
-    "single_joint": "look at one joint: pa10d diagnose MODEL --fit RUN… {runs}",
+    "tracking": "judge a model by {runs}, or the controller",
+    "point_to_point": "keep {runs} to judge models by",
+    "velocity_sweep": "look for what friction does: diagnose a model with {runs}",
+    "load_sweep": "look for friction that follows load: diagnose a model with {runs}",
+    "reversals": "look for bristles and gaps: diagnose a model with {runs}",
+    "warm_up": "look for friction that falls: diagnose a model with {runs}",
+    "chirp": "look for springs and delays: diagnose a model with {runs}",
+    "single_joint": "look at one joint: diagnose a model with {runs}",
 }
 
 

@@ -34,16 +34,16 @@ TEXTS = {
         "misses. Red: ranges in which the squared error piles up.",
         "A step or bump at zero velocity is friction, a slope against position a spring or "
         "gravity, a fan that opens with load friction under load or a wrong torque constant, a "
-        "kink beyond one angle a contact. Run 'pa10d diagnose' to have it named and tested.",
+        "kink beyond one angle a contact. A diagnosis names and tests it.",
     ),
     "spectra": Reading(
         "Left, the residual in cycles per revolution of the joint: cogging, gear mesh and bearings "
         "make a line there at every speed. Right, in hertz: resonances and electrical noise make "
         "a line there. The green dashes are the level that noise does not pass (left) and the "
         "cut-off of the fit (right).",
-        "A line on the left: multiply by the gear ratio to see which part turns so often, and try "
-        "'--effect torque_ripple'. A hump on the right only: try a chirp and "
-        "'--effect joint_elasticity', or lower the cut-off.",
+        "A line on the left: multiply by the gear ratio to see which part turns so often, and "
+        "suspect torque ripple. A hump on the right only: record a chirp and suspect an elastic "
+        "joint, or lower the cut-off.",
     ),
     "memory": Reading(
         "How much the residual resembles itself a moment later. White noise stays within the green "

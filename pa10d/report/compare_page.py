@@ -182,8 +182,8 @@ def _line_advice(j: int, lines: Sequence[tuple[float, float]], unit: str) -> str
         return ""
     order, size = lines[0]
     return (
-        f"A line at {order:.4g} cycles per revolution, {size:.3g} {unit}: test it with "
-        f"'pa10d diagnose MODEL --fit RUN… --effect torque_ripple --joint {j + 1}'."
+        f"A line at {order:.4g} cycles per revolution, {size:.3g} {unit}: suspect torque "
+        f"ripple in joint {j + 1} (effect torque_ripple), which a diagnosis tests."
     )
 
 

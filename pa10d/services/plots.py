@@ -88,7 +88,12 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     figure = staircase(steps, line[-1].joints, floor)
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(
-        figure, TEXTS["staircase"], steps=told, noise_floor=plain(floor), **_named(found[-1])
+        figure,
+        TEXTS["staircase"],
+        steps=told,
+        noise_floor=plain(floor),
+        units=_units(_model(data, line[-1].id)),
+        **_named(found[-1]),
     )
 
 
@@ -104,7 +109,14 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     names = (first.name, second.name)
     figure = before_after(first.joints, rms[0], rms[1], floor, names)
     told = [r.tolist() for r in rms]
-    return _plot(figure, TEXTS["versus"], rms=told, noise_floor=plain(floor), **_named(found[0]))
+    return _plot(
+        figure,
+        TEXTS["versus"],
+        rms=told,
+        noise_floor=plain(floor),
+        units=_units(_model(data, second.id)),
+        **_named(found[0]),
+    )
 
 
 @lru_cache(1)
@@ -130,6 +142,10 @@ def _residual(data: str, model: str, run: str, band: float) -> RunResidual:
 @lru_cache(256)
 def _judged(data: str, model: str, runs: tuple[str, ...], band: float) -> Judgement:
     return judged(model, [_residual(data, model, run, band) for run in runs])
+
+
+def _units(model: TorqueModel) -> list[str]:
+    return [model.robot.torque_unit(j) for j in range(model.robot.n)]
 
 
 def _named(found: Judgement) -> dict[str, Any]:

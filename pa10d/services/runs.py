@@ -51,13 +51,14 @@ def import_run(
     if check and errors and not force:
         raise unsound(file.name, errors)
     limits = [f"{file.name}: {finding.sentence}" for finding in beyond_limits(recording, robot)]
+    said = [*found.header_warnings, *found.timing_warnings, *limits]
     with store.building(
         name,
         _stem(file),
         _channels(found.samples, robot),
         profile,
         source=file.name,
-        warnings=(*found.header_warnings, *found.timing_warnings, *limits),
+        warnings=tuple(_without_folder(file, text) for text in said),
         findings=tuple(_kept(f) for f in findings if f.severity != "info"),
         replace=replace,
         time_zero_ns=found.time_zero_ns,
@@ -76,6 +77,11 @@ def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
             f"{robot.name}"
         )
     return check_recording(recording, timing, robot)
+
+
+def _without_folder(file: Path, text: str) -> str:
+    """A run may outlive the folder that its file lay in."""
+    return text.replace(f"{file.parent}/", "")
 
 
 def _kept(finding: Finding) -> KeptFinding:

@@ -1,5 +1,6 @@
 // Starts the page: header, sections by the address's hash, and what keeps them up to date.
 import { el, fill } from "./base/dom.js";
+import { keepCondition } from "./base/condition.js";
 import { followEvents } from "./base/live.js";
 import { change, loadAnalyses, loadEverything, loadModels, loadRobot, loadRuns, state } from "./base/store.js";
 import { failed } from "./base/notices.js";
@@ -54,6 +55,7 @@ async function lookAtRobot() {
 }
 
 async function start() {
+  keepCondition();
   header(document.getElementById("header"));
   tray(document.getElementById("jobs"));
   try {
@@ -65,7 +67,6 @@ async function start() {
   followEvents({
     open: () => {
       const lost = !state.connected;
-      change({ connected: true });
       if (lost || !state.ready) loadEverything().catch((e) => failed("The page could not be filled.", e));
     },
     close: () => change({ connected: false }),

@@ -86,7 +86,7 @@ def test_a_motion_into_the_floor_is_refused(arm):
 
 
 def test_wrong_parameters_are_one_line(arm):
-    with pytest.raises(JobFailed, match="tracking: period"):
+    with pytest.raises(ApiError, match="tracking: period"):
         arm.experiment("tracking", {"period": -1})
     with pytest.raises(ApiError, match="no kind 'dance'"):
         arm.experiment("dance", {})

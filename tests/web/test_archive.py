@@ -99,6 +99,8 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
     page = visitor.page
     visitor.open("robot")
     page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.id") == "stop"
+    page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.className") == "skip"
     for _ in range(4):
         page.keyboard.press("Tab")

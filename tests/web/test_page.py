@@ -108,7 +108,7 @@ def test_live_values_survive_a_refresh(arm, visit):
     page.reload()
     page.locator("#arm-state", has_text="running").wait_for()
     drawn = "[...document.querySelectorAll('.scope canvas')].map((c) => c.toDataURL().length)"
-    until(page, f"{drawn}.length === 3")
+    until(page, f"{drawn}.length === 4")
     until(page, f"Math.min(...{drawn}) > 4000")
     speeds = page.locator(".axes tbody td:nth-child(4)").all_inner_texts()
     assert len(speeds) == 3

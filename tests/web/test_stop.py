@@ -40,7 +40,7 @@ def test_stop_needs_nothing_else_of_the_page(archive, visit, lost):
     answers = {
         "never comes": lambda route: route.abort(),
         "is broken": lambda route: route.fulfill(body="throw new Error('broken')"),
-        "hangs": kept.append,
+        "hangs": lambda route: kept.append(route),
     }
     page.route(lambda address: "/assets/" in address and "stop.js" not in address, answers[lost])
     page.goto(url, wait_until="commit")

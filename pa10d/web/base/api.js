@@ -23,7 +23,7 @@ export class Problem extends Error {
   }
 }
 
-export async function ask(method, path, { body, query, raw } = {}) {
+export async function ask(method, path, { body, query, raw, within } = {}) {
   const address = path.startsWith("/") ? path : `/api/v1/${path}`;
   const headers = { "X-Client": client };
   if (token()) headers.Authorization = `Bearer ${token()}`;
@@ -31,7 +31,7 @@ export async function ask(method, path, { body, query, raw } = {}) {
   let answer;
   try {
     answer = await fetch(address + asQuery(query), {
-      method, headers, body: raw ?? (body === undefined ? undefined : JSON.stringify(body)),
+      method, headers, signal: within ? AbortSignal.timeout(within) : undefined, body: raw ?? (body === undefined ? undefined : JSON.stringify(body)),
     });
   } catch {
     throw new Problem({ status: 0, detail: "The daemon does not answer.",
@@ -41,7 +41,7 @@ export async function ask(method, path, { body, query, raw } = {}) {
   return answer.json();
 }
 
-export const get = (path, query) => ask("GET", path, { query });
+export const get = (path, query, within) => ask("GET", path, { query, within });
 export const post = (path, body = {}) => ask("POST", path, { body });
 export const put = (path, body) => ask("PUT", path, { body });
 export const patch = (path, body) => ask("PATCH", path, { body });

@@ -4,7 +4,10 @@ import { get } from "./api.js";
 export const state = {
   connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
   jobs: new Map(), comparisons: [], diagnoses: [], ready: false,
+  heard: null, // when the daemon last told of the arm, by performance.now()
+  condition: { kind: "unknown", word: "…", meaning: "", old: 0, next: null }, // see condition.js
 };
+const SOON = 2500; // ms within which a living daemon tells of its arm
 const listeners = new Set();
 
 /** f() now and whenever one of the keys changes; with `owner` only while that element is shown. */
@@ -33,7 +36,10 @@ const everything = async (path) => {
   }
 };
 
-export const loadRobot = async () => change({ robot: await get("robot") });
+export const loadRobot = async () => {
+  const robot = await get("robot", undefined, SOON);
+  change({ robot, connected: true, heard: performance.now() });
+};
 export const loadRuns = async () => change({ runs: await everything("runs") });
 export const loadModels = async () => change({ models: await everything("models") });
 export const loadAnalyses = async () => change({
@@ -58,7 +64,3 @@ export async function loadEverything() {
 export const tagged = (tag) =>
   state.runs.filter((run) => run.tags.includes(tag) && run.status !== "started").reverse();
 export const current = () => state.models.filter((model) => !model.replaced);
-export const mayCommand = (me) => {
-  const holder = state.robot?.lease.holder;
-  return state.connected && (!holder || holder === me);
-};

@@ -2,7 +2,7 @@
 import { el, fill } from "../base/dom.js";
 import { get } from "../base/api.js";
 import { current, state, tagged, watch } from "../base/store.js";
-import { moves, running } from "./jobs.js";
+import { running } from "../base/condition.js";
 
 /** Marks of a run that was made to settle a doubt. */
 export const SETTLES = ["fit", "judge"];
@@ -30,13 +30,37 @@ export const versionWith = (model, finding) => current().find((other) =>
   other.parent === model.id && other.change.startsWith(`added ${finding.effect}`)
   && finding.joints.every((j) => other.change.includes(`J${j}`)));
 
+/** The model of a diagnosis, and the versions in which its findings were added, in their order. */
+export function addedOf(diagnosis) {
+  const versions = [state.models.find((one) => [one.id, one.name].includes(diagnosis.request.model))];
+  for (const finding of versions[0] ? diagnosis.result.findings : []) {
+    const next = versionWith(versions.at(-1), finding);
+    if (!next) break;
+    versions.push(next);
+  }
+  return versions;
+}
+
+/** The last search that a version came from: {diagnosis, versions}; null: none; undefined: not known yet. */
+function searchBehind(model, changed) {
+  for (let base = parentOf(model); base; base = parentOf(base)) {
+    const diagnosis = lastDiagnosis(base, changed);
+    if (diagnosis === undefined) return undefined;
+    const versions = diagnosis ? addedOf(diagnosis) : [];
+    if (versions.some((one) => one?.id === model.id)) return { diagnosis, versions };
+    if (diagnosis) return null;
+  }
+  return null;
+}
+
+const parentOf = (model) => state.models.find((one) => one.id === model.parent);
+
 function nextStep(again) {
+  if (state.condition.next) return state.condition.next;
   const fit = tagged("fit"), judge = tagged("judge"), models = current();
   if (running("identify", "compare", "diagnose", "add", "improve").length) {
     return { text: "Wait: the daemon is computing. The bar at the bottom shows how far it is." };
   }
-  const moving = moves();
-  if (moving) return { go: "robot", text: "The arm is moving; watch it, or abort below.", label: "Watch" };
   if (!state.runs.length) {
     return canMove()
       ? { go: "experiments", text: "Nothing is recorded yet. Record the starting set: four motions, two to fit a model to and two to judge it by.", label: "Record" }
@@ -50,39 +74,50 @@ function nextStep(again) {
   if (!models.length) return { go: "models", text: `Fit the first model: rigid bodies and textbook friction, to ${fit.length} run${fit.length > 1 ? "s" : ""}.`, label: "Fit" };
   const newest = models[0];
   const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));
-  const ask = { go: "diagnose", text: `Ask which physical effect is missing in ${newest.name}.`, label: "Diagnose" };
-  const parent = models.find((one) => one.id === newest.parent);
   const found = lastDiagnosis(newest, again);
   if (found === undefined) return { text: "" };
   if (found) return afterDiagnosis(newest, found);
-  if (!compared && !newest.parent) return { go: "compare", text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
-  const before = parent ? lastDiagnosis(parent, again) : null;
-  if (before === undefined) return { text: "" };
-  if (before && before.result.findings.every((one) => versionWith(parent, one))) {
-    return { go: "models", text: `${newest.name} ${newest.change.startsWith("added smooth_map") ? "has a map where something is missing" : "has what was missing"}. See how far the error fell.`, label: "See",
-             then: { go: "diagnose", text: `Below is how far the error fell. Ask whether anything is left in ${newest.name}.`, label: "Diagnose" } };
+  if (!compared && !newest.parent) return { go: "compare", at: `of/${newest.name}`, text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
+  const behind = searchBehind(newest, again);
+  if (behind === undefined) return { text: "" };
+  const diagnose = { go: "diagnose", at: `of/${newest.name}`, label: "Diagnose" };
+  if (!behind) {
+    return newest.change.startsWith("added smooth_map") ? seeFall(newest, "has a map where something is missing", diagnose)
+      : { ...diagnose, text: `Ask which physical effect is missing in ${newest.name}.` };
   }
-  return ask;
+  const { diagnosis, versions } = behind, next = diagnosis.result.findings[versions.length - 1];
+  if (next) {
+    return { go: "diagnose", at: diagnosis.id, label: "Read",
+             text: `The same search found more: ${effectIn(next)} is not in ${versions.at(-1).name} yet. Read the finding, and add it before asking anew.` };
+  }
+  return seeFall(newest, "has what was missing", diagnose);
 }
+
+const effectIn = (finding) =>
+  `${finding.effect.replaceAll("_", " ")}${finding.joints.length ? ` in joint ${finding.joints.join(" and ")}` : ""}`;
+
+const seeFall = (model, has, diagnose) => ({
+  go: "models", at: model.name, text: `${model.name} ${has}. See how far the error fell.`, label: "See",
+  then: { ...diagnose, text: `Below is how far the error fell. Ask whether anything is left in ${model.name}.` } });
 
 function afterDiagnosis(model, diagnosis) {
   const { findings, verdict } = diagnosis.result;
-  const open = findings.filter((one) => !versionWith(model, one));
+  const open = findings.slice(addedOf(diagnosis).length - 1);
   const doubt = open.find((one) => one.next_experiment);
   const settling = doubt && state.runs.filter((run) => run.kind === doubt.next_experiment.kind && SETTLES.every((tag) => run.tags.includes(tag)));
   if (doubt && !settling.length && canMove()) {
-    return { go: "diagnose", text: `Something is missing in ${model.name}, but this data cannot tell what: run the experiment that settles it.`, label: "Settle" };
+    return { go: "diagnose", at: diagnosis.id, text: `Something is missing in ${model.name}, but this data cannot tell what: run the experiment that settles it.`, label: "Settle" };
   }
   if (doubt && settling.some((run) => run.created > diagnosis.created)) {
-    return { go: "diagnose", text: `The experiment that settles the doubt is recorded: diagnose ${model.name} again.`, label: "Diagnose" };
+    return { go: "diagnose", at: `of/${model.name}`, text: `The experiment that settles the doubt is recorded: diagnose ${model.name} again.`, label: "Diagnose" };
   }
   if (open.length) {
-    return { go: "diagnose", text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };
+    return { go: "diagnose", at: diagnosis.id, text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };
   }
   if (verdict === "none") {
-    return { go: "models", text: `Nothing significant is missing in ${model.name}. Load it into the controller, or export it.`, label: "Models" };
+    return { go: "models", at: model.name, text: `Nothing significant is missing in ${model.name}. Load it into the controller, or export it.`, label: "Models" };
   }
-  return { go: "diagnose", text: `What is left in ${model.name} is like no known effect: the map shows where it is.`, label: "Map" };
+  return { go: "diagnose", at: diagnosis.id, text: `What is left in ${model.name} is like no known effect: the map shows where it is.`, label: "Map" };
 }
 
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
@@ -93,7 +128,7 @@ const forSection = (step, section) => (step.go === section && step.then ? step.t
 /** Head of a section: its title, and the next step. `here` says what to press, in this section. */
 export function heading(section, title, here = {}) {
   const words = el("span", {}), link = el("a", { class: "button small" });
-  const line = el("p", { class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
+  const line = el("p", { role: "status", class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
   const refresh = () => {
     if (!state.ready) return;
     const step = forSection(nextStep(refresh), section);
@@ -102,8 +137,8 @@ export function heading(section, title, here = {}) {
     fill(words, step.text, step.go === section && here[step.label] ? ` ${here[step.label]}` : "");
     link.hidden = !step.go || step.go === section;
     link.textContent = step.label ?? "";
-    link.href = `#/${step.go ?? section}`;
+    link.href = `#/${[step.go ?? section, step.at].filter(Boolean).join("/")}`;
   };
-  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "robot", "ready"], refresh);
+  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "ready"], refresh);
   return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);
 }

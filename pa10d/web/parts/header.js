@@ -23,19 +23,19 @@ export function header(box) {
       else link.removeAttribute("aria-current");
     }
   });
-  watch(["robot", "connected"], () => showArm(arm, lease));
+  watch(["robot", "condition"], () => showArm(arm, lease));
 }
 
 function showArm(arm, lease) {
-  const { robot, connected } = state;
-  const shown = !connected ? "no connection" : robot?.state ?? "…";
-  say(arm, shown);
-  arm.className = `badge state-${connected ? shown : "lost"}`;
-  arm.title = !connected ? "The daemon does not answer; trying again" : robot?.fault?.sentence ?? robot?.offline_reason ?? "";
+  const { robot, condition } = state;
+  say(arm, condition.word);
+  arm.className = `badge state-${condition.kind}`;
+  arm.title = condition.meaning;
   if (!robot) return;
   say(document.getElementById("profile"), robot.profile);
   const holder = robot.lease.holder;
   const mine = holder === client;
+  lease.hidden = condition.kind === "lost";
   say(lease, !holder ? "free to command" : mine ? "you command" : `${holder} commands`);
   lease.className = `badge quiet ${mine ? "mine" : holder ? "other" : ""}`;
   lease.title = !holder ? "Your first command takes the arm for half a minute"

@@ -1,21 +1,16 @@
 // What the daemon is working on: the bar at the bottom, and following one job to its end.
 import { el, fill, say } from "../base/dom.js";
 import { get, post } from "../base/api.js";
+import { over, running } from "../base/condition.js";
 import { change, state, watch } from "../base/store.js";
 import { guarded } from "../base/notices.js";
 
-const OVER = ["succeeded", "failed", "cancelled"];
 const WORDS = {
   experiment: "Experiment", series: "Experiments", check: "Pre-check", identify: "Fit",
   compare: "Comparison", diagnose: "Diagnosis", add: "Adding an effect", improve: "Improvement",
   improvement: "Improvement",
 };
 const waiting = new Map();
-
-export const over = (job) => OVER.includes(job.status);
-export const running = (...kinds) =>
-  [...state.jobs.values()].filter((job) => !over(job) && (!kinds.length || kinds.includes(job.kind)));
-export const moves = () => running("experiment", "series", "improvement")[0];
 
 export function jobChanged(job) {
   state.jobs.set(job.id, job);
@@ -65,7 +60,8 @@ export function progress(pick) {
     box.hidden = !job;
     if (!job) return;
     bar.value = job.progress;
-    say(text, `${WORDS[job.kind] ?? job.kind}: ${job.message || job.status}, ${Math.round(100 * job.progress)} %`);
+    say(text, job.status === "queued" ? `${WORDS[job.kind] ?? job.kind}: waits for its turn`
+      : `${WORDS[job.kind] ?? job.kind}: ${job.message || job.status}, ${Math.round(100 * job.progress)} %`);
     say(cancel, ["experiment", "series", "improvement"].includes(job.kind) ? "Abort" : "Cancel");
   });
   return box;
@@ -76,10 +72,12 @@ export function tray(box) {
   const bar = progress(() => running().sort((a, b) => moving(b) - moving(a))[0]);
   const more = el("span", { class: "muted" });
   fill(box, idle, bar, more);
-  watch(["jobs"], () => {
+  watch(["jobs", "condition"], () => {
+    const lost = state.condition.kind === "lost";
+    box.classList.toggle("old", lost);
     const now = running();
     idle.hidden = now.length > 0;
-    say(more, now.length > 1 ? `and ${now.length - 1} more` : "");
+    say(more, [now.length > 1 ? `and ${now.length - 1} more` : "", lost ? `(as of ${state.condition.old} s ago)` : ""].filter(Boolean).join(" "));
     const last = [...state.jobs.values()].filter(over).sort((a, b) => (a.finished < b.finished ? -1 : 1)).at(-1);
     say(idle, last ? `Last: ${WORDS[last.kind] ?? last.kind} ${last.status}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
     idle.classList.toggle("bad", last?.status === "failed");

@@ -5,9 +5,11 @@ import { seconds, titled } from "../base/units.js";
 
 export function modelPicker(label, onChange = () => {}) {
   const select = el("select", { onchange: () => { select.dataset.chosen = "yes"; onChange(); } });
-  let wanted = null;
+  let wanted = null, newest = null;
   watch(["models"], () => {
     const names = current().map((model) => model.name);
+    if (newest !== names[0]) delete select.dataset.chosen; // a model was made: the next question is about it
+    newest = names[0];
     const keep = wanted ?? (names.includes(select.value) && select.dataset.chosen ? select.value : names[0]);
     fill(select, names.map((name) => el("option", { value: name }, name)));
     if (!names.length) fill(select, el("option", { value: "" }, "no model yet"));

@@ -1,102 +1,168 @@
-// Live values on a canvas: all joints of one quantity over the last seconds.
-import { el } from "../base/dom.js";
+// Live values on a canvas: one quantity of several joints over the last seconds, with targets,
+// limits and what happened meanwhile.
+import { el, say } from "../base/dom.js";
 
 export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c"];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const LEFT = 58, RIGHT = 8, TOP = 8, BOTTOM = 20, MOST = 700; // px, points of a line
+const LIMITS_OF = 2; // joints: with more, nobody could tell whose limit it is
 
-/** Rows of telemetry, the newest ones; time on the loop's clock. */
-export class Trail {
-  constructor(seconds, rate) {
-    this.seconds = seconds;
-    this.most = Math.ceil(seconds * rate * 1.2);
-    this.rows = [];
-  }
-
-  add(columns, start, values) {
-    this.columns = columns;
-    const width = columns.length;
-    for (let at = 0; at + width <= values.length; at += width) {
-      this.rows.push([start + values[at], values.subarray(at, at + width)]);
-    }
-    const newest = this.rows.at(-1)?.[0] ?? 0;
-    if (this.rows.length && this.rows[0][0] > newest) this.rows = []; // the loop's clock began anew
-    if (this.rows.length > 2 * this.most) this.rows = this.rows.slice(-this.most);
-  }
-}
-
+/** title, unit; `value`, `target`: (row, joint from 0) -> number; `limits`: joint -> [lower, upper]. */
 export class Scope {
-  constructor(title, unit, stem, joints, hidden) {
-    Object.assign(this, { unit, stem, joints, hidden });
-    this.canvas = el("canvas", { role: "img", "aria-label": `${title} of all joints over time` });
-    this.box = el("figure", { class: "scope" }, el("figcaption", {}, `${title}, ${unit}`), this.canvas);
+  constructor({ title, unit, least, value, target, limits }, joints, hidden) {
+    Object.assign(this, { title, unit, least, value, target, limits, joints, hidden });
+    this.canvas = el("canvas", { role: "img", "aria-label": `${title} of the chosen joints over time; the newest values stand in the table of joints` });
+    this.reading = el("span", { class: "reading" });
+    this.box = el("figure", { class: "scope" }, el("figcaption", {}, el("span", {}, `${title}, ${unit}`), this.reading), this.canvas);
   }
 
-  draw(trail) {
+  shown() {
+    return Array.from({ length: this.joints }, (_, j) => j).filter((j) => !this.hidden.has(j));
+  }
+
+  /** at: where the pointer is, as a share of the time shown; null: nowhere. */
+  draw(trail, at) {
     const { canvas } = this, scale = devicePixelRatio || 1;
     const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (!width || !trail.columns) return;
+    if (!width || !trail.rows.length) return;
     if (canvas.width !== Math.round(width * scale)) canvas.width = Math.round(width * scale);
     if (canvas.height !== Math.round(height * scale)) canvas.height = Math.round(height * scale);
     const pen = canvas.getContext("2d");
     pen.setTransform(scale, 0, 0, scale, 0, 0);
     pen.clearRect(0, 0, width, height);
-    const newest = trail.rows.at(-1)?.[0] ?? 0, oldest = newest - trail.seconds;
-    const rows = trail.rows.filter(([time]) => time >= oldest);
-    const places = Array.from({ length: this.joints }, (_, j) => trail.columns.indexOf(`${this.stem}${j + 1}`));
-    const [low, high] = this.range(rows, places);
-    const left = 46, right = width - 6, top = 6, bottom = height - 18;
-    const x = (time) => left + ((time - oldest) / trail.seconds) * (right - left);
-    const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
-    this.grid(pen, { low, high, left, right, top, bottom, y, seconds: trail.seconds });
-    const step = Math.max(1, Math.floor(rows.length / 900));
-    places.forEach((place, j) => {
-      if (this.hidden.has(j)) return;
+    const newest = trail.newest, oldest = newest - trail.seconds;
+    const rows = trail.seen(), joints = this.shown();
+    const [low, high] = this.range(rows, joints);
+    const right = width - RIGHT, bottom = height - BOTTOM;
+    const x = (time) => LEFT + ((time - oldest) / trail.seconds) * (right - LEFT);
+    const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - TOP);
+    const area = { x, y, low, high, right, bottom, oldest, newest };
+    this.grid(pen, area, trail.seconds);
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, TOP, right - LEFT, bottom - TOP);
+    pen.clip();
+    const step = Math.max(1, Math.floor(rows.length / MOST));
+    for (const j of joints) {
       pen.strokeStyle = COLOURS[j % COLOURS.length];
-      pen.lineWidth = 1.4;
-      pen.beginPath();
-      for (let k = 0; k < rows.length; k += step) pen.lineTo(x(rows[k][0]), y(rows[k][1][place]));
-      pen.stroke();
-    });
+      if (this.target) this.line(pen, rows, step, area, (row) => this.target(row, j), [4, 4], 1);
+      this.line(pen, rows, step, area, (row) => this.value(row, j), [], 1.5);
+    }
+    if (this.limits && joints.length <= LIMITS_OF) for (const j of joints) this.limit(pen, area, j);
+    this.marks(pen, area, trail.marks);
+    pen.restore();
+    this.point(pen, area, rows, joints, at);
   }
 
-  range(rows, places) {
+  line(pen, rows, step, { x, y }, value, dashes, width) {
+    pen.setLineDash(dashes);
+    pen.lineWidth = width;
+    pen.beginPath();
+    for (let k = (rows.length - 1) % step; k < rows.length; k += step) pen.lineTo(x(rows[k][0]), y(value(rows[k][1])));
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  limit(pen, { y, low, high, right, bottom }, j) {
+    pen.strokeStyle = pen.fillStyle = css("--bad");
+    pen.textAlign = "right";
+    for (const [k, edge] of (this.limits[j] ?? []).entries()) {
+      if (edge === null) continue;
+      const inside = edge > low && edge < high, place = inside ? y(edge) : k ? TOP + 1 : bottom - 1;
+      const text = `limit of ${j + 1}: ${Number(edge.toPrecision(4))}${inside ? "" : k ? " ↑" : " ↓"}`;
+      if (inside) {
+        pen.setLineDash([8, 4]);
+        pen.beginPath();
+        pen.moveTo(LEFT, place);
+        pen.lineTo(right, place);
+        pen.stroke();
+        pen.setLineDash([]);
+      }
+      pen.textBaseline = k ? "top" : "bottom";
+      pen.fillText(text, right - 4 - 110 * this.shown().indexOf(j), place + (k ? 2 : -2));
+    }
+  }
+
+  /** What happened: thin lines, faults in red, with a word. */
+  marks(pen, { x, oldest, right, bottom }, marks) {
+    pen.textBaseline = "bottom";
+    for (const [k, { time, word, bad }] of marks.entries()) {
+      if (time < oldest) continue;
+      pen.strokeStyle = pen.fillStyle = css(bad ? "--bad" : "--muted");
+      pen.lineWidth = bad ? 2 : 1;
+      pen.beginPath();
+      pen.moveTo(x(time), TOP);
+      pen.lineTo(x(time), bottom);
+      pen.stroke();
+      const left = x(time) > right - 70; // the word has no room on the other side
+      pen.textAlign = left ? "right" : "left";
+      pen.fillText(word, x(time) + (left ? -3 : 3), bottom - 3 - 13 * (k % 4));
+    }
+  }
+
+  point(pen, { x, right, bottom, oldest, newest }, rows, joints, at) {
+    if (at === null) return say(this.reading, "");
+    const time = oldest + at * (newest - oldest);
+    const row = rows.findLast(([t]) => t <= time)?.[1];
+    pen.strokeStyle = css("--text");
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.moveTo(Math.min(x(time), right), TOP);
+    pen.lineTo(Math.min(x(time), right), bottom);
+    pen.stroke();
+    say(this.reading, row ? `${(time - newest).toFixed(1)} s:  ${joints.map((j) => `${j + 1}: ${Number(this.value(row, j).toPrecision(4))}`).join("   ")}` : "");
+  }
+
+  range(rows, joints) {
     let low = Infinity, high = -Infinity;
-    for (const [, row] of rows) {
-      for (const [j, place] of places.entries()) {
-        if (this.hidden.has(j) || !Number.isFinite(row[place])) continue;
-        low = Math.min(low, row[place]);
-        high = Math.max(high, row[place]);
+    const step = Math.max(1, Math.floor(rows.length / MOST));
+    for (let k = (rows.length - 1) % step; k < rows.length; k += step) {
+      for (const j of joints) {
+        for (const value of [this.value(rows[k][1], j), this.target?.(rows[k][1], j)]) {
+          if (!Number.isFinite(value)) continue;
+          low = Math.min(low, value);
+          high = Math.max(high, value);
+        }
       }
     }
-    if (!(low <= high)) [low, high] = [-1, 1];
-    const least = this.stem === "tau" ? 1 : 0.05;
-    const middle = (low + high) / 2, half = Math.max((high - low) / 2, least) * 1.1;
+    if (!(low <= high)) [low, high] = [-this.least, this.least];
+    const middle = (low + high) / 2, half = Math.max((high - low) / 2, this.least) * 1.1;
     // hold the last range unless it is left or far too wide: a scale that breathes cannot be read
     const [l, h] = this.last ?? [0, 0];
     if (!this.last || low < l || high > h || 2 * half < 0.4 * (h - l)) this.last = [middle - 1.15 * half, middle + 1.15 * half];
     return this.last;
   }
 
-  grid(pen, { low, high, left, right, top, bottom, y, seconds }) {
-    pen.font = `11px ${css("--font")}`;
+  grid(pen, { low, high, right, bottom, x, y, newest }, seconds) {
+    pen.font = `12px ${css("--font")}`;
     pen.fillStyle = css("--muted");
     pen.strokeStyle = css("--grid");
     pen.lineWidth = 1;
-    const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
+    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
+    for (let k = Math.ceil(low / step); k * step <= high; k += 1) {
+      pen.strokeStyle = css(k === 0 ? "--line" : "--grid");
       pen.beginPath();
-      pen.moveTo(left, y(v));
-      pen.lineTo(right, y(v));
+      pen.moveTo(LEFT, y(k * step));
+      pen.lineTo(right, y(k * step));
       pen.stroke();
-      pen.fillText(String(Number(v.toPrecision(3))), left - 5, y(v));
+      pen.fillText((k * step).toFixed(digits), LEFT - 5, y(k * step));
     }
+    pen.strokeStyle = css("--grid");
     pen.textBaseline = "alphabetic";
-    pen.fillText("now", right, bottom + 14);
-    pen.textAlign = "left";
-    pen.fillText(`−${seconds} s`, left, bottom + 14);
-    pen.strokeRect(left, top, right - left, bottom - top);
+    const every = seconds / 6;
+    for (let k = 0; k <= 6; k += 1) {
+      const place = x(newest - k * every);
+      pen.beginPath();
+      pen.moveTo(place, TOP);
+      pen.lineTo(place, bottom);
+      pen.stroke();
+      pen.textAlign = k === 0 ? "right" : k === 6 ? "left" : "center";
+      pen.fillText(k ? `−${Number((k * every).toPrecision(3))} s` : "now", place, bottom + 15);
+    }
+    pen.strokeRect(LEFT, TOP, right - LEFT, bottom - TOP);
   }
 }

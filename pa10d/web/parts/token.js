@@ -23,6 +23,6 @@ export function askForToken() {
         wrong.textContent = error.status === 401 ? "That is not the token." : error.message;
       }
     });
-    const open = dialog("This bench wants a token", form);
+    const open = dialog("This bench is locked", form);
   });
 }

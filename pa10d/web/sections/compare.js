@@ -39,8 +39,19 @@ function prepare() {
   get("plots/torque", { model, run, joint: view.joint }).catch(() => {}); // asked again on 'Compare', with its error
 }
 
-/** #/compare/ID/joint opens a comparison that was made before. */
+/** The model that the guide spoke of, to be compared now. */
+function ofModel(model) {
+  parts.model.value = model;
+  view.id = null;
+  parts.work.hidden = true;
+  parts.none.hidden = false;
+  history.replaceState(null, "", "#/compare");
+  prepare();
+}
+
+/** #/compare/ID/joint opens a comparison that was made before; #/compare/of/MODEL makes ready for one. */
 export function show([id, joint]) {
+  if (id === "of") return ofModel(joint);
   prepare();
   if (id && id !== view.id) open(id, Number(joint) || null).catch((error) => failed("This comparison cannot be shown.", error));
   else if (!id && view.id) history.replaceState(null, "", `#/compare/${view.id}/${view.joint}`);

@@ -1,14 +1,15 @@
 // Which effect is missing? Findings as cards, with what to do about them.
 import { el, fill } from "../base/dom.js";
 import { client, get, post } from "../base/api.js";
-import { current, loadModels, mayCommand, state, watch } from "../base/store.js";
+import { mayCommand, moves, running } from "../base/condition.js";
+import { current, loadModels, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { nextModelName, when } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { empty } from "../parts/figure.js";
-import { heading, SETTLES, versionWith } from "../parts/guide.js";
+import { addedOf, heading, SETTLES, versionWith } from "../parts/guide.js";
 import { postSound } from "../parts/forced.js";
-import { finished, moves, running } from "../parts/jobs.js";
+import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
 let parts = null, shown = null;
@@ -36,8 +37,17 @@ export function mount(box) {
   });
 }
 
+/** The model that the guide spoke of, to be diagnosed now. */
+function ofModel(model) {
+  parts.model.value = model;
+  parts.fit.ids = parts.judge.ids = shown = null;
+  fill(parts.body, empty(`Press 'What is missing?' to ask which physical effect ${model} lacks.`));
+  history.replaceState(null, "", "#/diagnose");
+}
+
 /** #/diagnose/ID; without an id the newest one, running or done. */
-export function show([id]) {
+export function show([id, model]) {
+  if (id === "of") return ofModel(model);
   const wanted = id ?? shown ?? state.diagnoses.find((job) => ["succeeded", "running"].includes(job.status))?.id;
   if (wanted && wanted !== shown) open(wanted).catch((error) => failed("This diagnosis cannot be shown.", error));
 }
@@ -117,7 +127,7 @@ function actions(diagnosis, k) {
   const settle = el("button", { type: "button", class: "settle", onclick: guarded("The experiment could not be started.", () => settleIt(finding)) }, "Run the experiment that settles it");
   const add = el("button", { type: "button", class: "primary add", onclick: guarded("It could not be added.", () => addTo(diagnosis, k)) }, "Add to model");
   const done = el("a", { class: "button" });
-  watch(["models", "robot", "jobs"], () => {
+  watch(["models", "robot", "jobs", "condition"], () => {
     const version = madeFrom(diagnosis, k + 1);
     done.hidden = !version;
     if (version) {
@@ -135,11 +145,7 @@ function actions(diagnosis, k) {
 }
 
 /** The version of the model with the first `count` findings in it; the model itself for none. */
-function madeFrom(diagnosis, count) {
-  let model = state.models.find((one) => [one.id, one.name].includes(diagnosis.request.model));
-  for (const finding of diagnosis.result.findings.slice(0, count)) model = model && versionWith(model, finding);
-  return model;
-}
+const madeFrom = (diagnosis, count) => addedOf(diagnosis)[count];
 
 /** Add it, and the findings before it: each was judged on top of those. */
 async function addTo(diagnosis, k) {

@@ -1,12 +1,13 @@
 // Motions that teach something: the starting set, every kind with its form, and what came out.
 import { el, fill } from "../base/dom.js";
 import { client, post } from "../base/api.js";
-import { current, mayCommand, state, watch } from "../base/store.js";
+import { mayCommand, moves } from "../base/condition.js";
+import { current, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { seconds, titled } from "../base/units.js";
 import { formOf } from "../parts/form.js";
 import { heading } from "../parts/guide.js";
-import { finished, moves } from "../parts/jobs.js";
+import { finished } from "../parts/jobs.js";
 import { nameOf } from "../parts/picker.js";
 
 let chosen = "excitation";
@@ -40,7 +41,7 @@ function startingSet(outcome) {
   }) }, "Record the starting set");
   watch(["kinds"], () => fill(list, state.startingSet.map((one) =>
     el("li", {}, el("b", {}, `${titled(one.kind)}:`), ` ${one.why} `, one.tags.map((tag) => el("span", { class: "tag" }, tag))))));
-  watch(["robot", "jobs", "connected"], () => allow(start));
+  watch(["robot", "jobs", "condition"], () => allow(start));
   return el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, "Starting set"), start),
     el("p", { class: "muted" }, "For an arm of which nothing is known yet. Each motion is checked against limits, torque and collisions before it starts; the arm is powered for it, and left as it was found."), list);
 }
@@ -48,8 +49,8 @@ function startingSet(outcome) {
 /** Buttons that move the arm say why they cannot. */
 function allow(button) {
   const robot = state.robot;
-  const why = !robot ? "…" : !mayCommand(client) ? `${robot.lease.holder} commands the arm`
-    : moves() ? "the arm is moving" : !["inactive", "holding"].includes(robot.state) ? `the arm is ${robot.state}` : "";
+  const why = !robot ? "…" : state.condition.kind === "lost" ? "the daemon does not answer" : !mayCommand(client) ? `${robot.lease.holder} commands the arm`
+    : moves() ? "an experiment is under way" : !["inactive", "holding"].includes(robot.state) ? `the arm is ${robot.state}` : "";
   button.disabled = Boolean(why);
   button.title = why;
 }
@@ -86,7 +87,7 @@ function editor(kind, outcome) {
   box.addEventListener("submit", () => guarded("The experiment could not be started.", async () => {
     await follow(await post("experiments", request()), outcome);
   })({ currentTarget: start }));
-  watch(["robot", "jobs", "connected"], () => allow(start), box);
+  watch(["robot", "jobs", "condition"], () => allow(start), box);
   return box;
 }
 

@@ -1,7 +1,8 @@
 // Torque models: fit the first one, see the error fall from version to version, use them.
 import { el, fill } from "../base/dom.js";
 import { client, download, get, put } from "../base/api.js";
-import { current, loadRobot, mayCommand, state, watch } from "../base/store.js";
+import { mayCommand } from "../base/condition.js";
+import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
@@ -11,7 +12,7 @@ import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
 
-let parts = null, chosen = null, wanted = null, drawn = "";
+let parts = null, chosen = null, wanted = null, detailed = null, drawn = ""; // detailed: whose details are shown
 
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "models" }), detail: el("div", { class: "grow" }),
@@ -33,15 +34,16 @@ function refresh() {
   if (found?.name === wanted) wanted = null;
   fill(parts.list, models.map((model) => el("button", {
     type: "button", role: "tab", class: "kind", "aria-selected": String(model.id === found?.id), dataset: { model: model.name },
-    onclick: () => { chosen = model.id; history.replaceState(null, "", `#/models/${model.name}`); refresh(); },
+    onclick: () => { chosen = model.id; wanted = null; history.replaceState(null, "", `#/models/${model.name}`); refresh(); },
   }, el("b", {}, model.name), el("small", {}, model.change), el("small", {}, `${model.parent_name ? `from ${model.parent_name}, ` : ""}${when(model.created)}`))));
   if (!found) {
+    detailed = null;
     drawn = "";
     fill(parts.detail, state.ready ? empty("There is no model yet. Choose the runs to fit one to above, and press Fit.") : null);
-  } else if (chosen !== found.id || !drawn) {
-    chosen = found.id;
-    fill(parts.detail, details(found));
+  } else if (detailed !== found.id) {
+    chosen = detailed = found.id;
     drawn = "";
+    fill(parts.detail, details(found));
     refreshPlots();
   }
 }
@@ -53,7 +55,7 @@ function fitForm() {
     const job = await postSound("models", { runs: runs.ids, name: name.value.trim() });
     const made = (await finished(job)).result;
     wanted = made.name;
-    notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: "#/compare", label: "See where it fails" } });
+    notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: `#/compare/of/${made.name}`, label: "See where it fails" } });
   }) }, "Fit");
   watch(["models", "runs"], () => {
     if (document.activeElement !== name) name.value = nextModelName(current().map((model) => model.name));
@@ -77,7 +79,7 @@ function details(model) {
     await loadRobot();
     notice("Loaded.", { detail: `The arm is now moved by computed torque with ${model.name}.`, action: { href: "#/robot", label: "Robot" } });
   }) }, "Load into the controller");
-  watch(["robot"], () => {
+  watch(["robot", "condition"], () => {
     const loaded = state.robot?.model === model.name;
     load.disabled = loaded || !mayCommand(client) || !["inactive", "holding"].includes(state.robot?.state);
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
@@ -131,17 +133,17 @@ async function refreshPlots() {
 }
 
 /** The joint whose error fell most, in a sentence. */
-function fell({ steps, noise_floor: floor }) {
+function fell({ steps, noise_floor: floor, units }) {
   if (steps.length < 2) return "This is the first version: diagnose it to learn what is missing.";
   const first = steps[0].rms, last = steps.at(-1).rms;
   const j = first.reduce((best, rms, k) => (rms / last[k] > first[best] / last[best] ? k : best), 0);
   if (first[j] <= last[j]) return "No joint's error fell: go back to the parent.";
-  return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} N·m; the noise is ${number(floor[j])} N·m.`;
+  return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} ${units[j]}; the noise is ${number(floor[j])} ${units[j]}.`;
 }
 
-const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "The same in N·m"),
-  table(["joint", ...found.steps.map((step) => step.model), "noise floor"], joints.map((name, j) =>
-    [`${j + 1} ${name}`, ...found.steps.map((step) => number(step.rms[j])), number(found.noise_floor[j])])));
+const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "The same in numbers"),
+  table(["joint", ...found.steps.map((step) => step.model), "noise floor", "unit"], joints.map((name, j) =>
+    [`${j + 1} ${name}`, ...found.steps.map((step) => number(step.rms[j])), number(found.noise_floor[j]), found.units[j]])));
 
 async function drawVersus(model) {
   const runs = parts?.judge?.ids ?? [], other = parts?.other?.value;

@@ -1,0 +1,75 @@
+// What may be said of the arm, by header, guide, cards and plots alike. Connection, fault and what
+// the arm does come first, then what waits for it; old values are called old.
+import { client } from "./api.js";
+import { change, state, watch } from "./store.js";
+
+const OLD = 3000, LOOK = 500; // ms
+const MOVES = ["experiment", "series", "improvement", "investigation"];
+const EMERGENCY = "If the arm moves, press the hardware emergency stop.";
+const MEANS = {
+  offline: "No drive answers.",
+  inactive: "Unpowered, brakes on. Angles are read. An experiment powers the arm by itself.",
+  enabling: "The drives are being powered and the brakes released.",
+  holding: "Powered; the controller holds the arm where it is.",
+  running: "The arm is moving.",
+  stopping: "The arm is coming to rest.",
+  disabling: "The brakes are being put on and the drives switched off.",
+  fault: "A fault has stopped the arm.",
+};
+const MOVING = ["enabling", "running", "stopping", "disabling"];
+
+export const over = (job) => ["succeeded", "failed", "cancelled"].includes(job.status);
+export const running = (...kinds) =>
+  [...state.jobs.values()].filter((job) => !over(job) && (!kinds.length || kinds.includes(job.kind)));
+/** The job that moves the arm, or will. */
+export const moves = () => running(...MOVES).sort((a, b) => (a.status === "running" ? -1 : 0) - (b.status === "running" ? -1 : 0))[0];
+
+/** kind, word, meaning, and `next` where it comes before the story; `old`: s since anything was heard. */
+function judged() {
+  const { robot, heard } = state;
+  const since = heard === null ? Infinity : performance.now() - heard;
+  if (!robot) return { kind: "unknown", word: "…", meaning: "", old: 0, next: null };
+  if (!state.connected || since > OLD) return lost(Math.round(since / 1000));
+  const job = moves();
+  const found = { kind: robot.state, word: robot.state, meaning: MEANS[robot.state] ?? `The arm is ${robot.state}.`, old: 0, next: null };
+  if (robot.state === "fault") {
+    const cause = closed(robot.fault?.sentence ?? MEANS.fault), holder = robot.lease.holder;
+    const way = mayCommand(client) ? "Remove its cause, then press Reset."
+      : `Remove its cause; ${holder} commands the arm and may reset it, you as soon as the command is given back.`;
+    return { ...found, meaning: `${cause} ${way}`,
+             next: { go: "robot", text: `A fault has stopped the arm: ${cause} ${way}`, label: mayCommand(client) ? "Reset" : "Look" } };
+  }
+  if (robot.state === "offline") {
+    found.meaning = `No drive answers: ${closed(robot.offline_reason ?? "it is not known why")} You can work with recordings all the same: import them in Runs.`;
+  }
+  if (MOVING.includes(robot.state)) return { ...found, next: { go: "robot", text: `${found.meaning} Watch it${job ? ", or abort below" : ""}.`, label: "Watch" } };
+  if (job?.status === "queued") return { ...found, next: { text: "An experiment waits for its turn; the arm stands still until then. You can abort it below." } };
+  if (job) return { ...found, next: { text: `An experiment is being prepared (${job.message || "it begins"}); the arm stands still, and will move. You can abort it below.` } };
+  return found;
+}
+
+const lost = (seconds) => {
+  const age = Number.isFinite(seconds) ? `${seconds} s` : "a while";
+  return { kind: "lost", word: "no connection", old: seconds,
+           meaning: `The daemon does not answer. What is shown here is ${age} old; what the arm does now is not known. ${EMERGENCY}`,
+           next: { text: `The daemon does not answer, so nothing here is known to be true now. See that it still runs on the arm's machine; this page comes back by itself. ${EMERGENCY}` } };
+};
+const closed = (sentence) => (/[.!?]$/.test(sentence) ? sentence : `${sentence}.`);
+
+/** Keep `state.condition` true, also while nobody tells anything. */
+export function keepCondition() {
+  let last = "";
+  const look = () => {
+    const now = judged(), text = JSON.stringify(now);
+    if (text === last) return;
+    last = text;
+    change({ condition: now });
+  };
+  watch(["robot", "connected", "jobs", "heard"], look);
+  setInterval(look, LOOK);
+}
+
+export const mayCommand = (me) => {
+  const holder = state.robot?.lease.holder;
+  return state.condition.kind !== "lost" && (!holder || holder === me);
+};

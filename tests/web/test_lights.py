@@ -1,0 +1,94 @@
+"""Every light on the panel tells the same truth: connection, fault and queue before the story."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+
+import pytest
+from browsers import until
+from conftest import small_arm
+
+from pa10d.client import local_daemon
+from pa10d.daemon.presence import present
+
+LONG = 120_000  # ms
+
+
+@pytest.fixture
+def bench(browser, tmp_path):
+    """A daemon and its arm, to be hurt; (client, process id)."""
+    with local_daemon(tmp_path / "data", str(small_arm(tmp_path)), clock="simulated") as client:
+        yield client, present(tmp_path / "data").pid
+
+
+def lights(page) -> dict[str, str]:
+    """What header, card, guide and job bar say."""
+    places = {
+        "header": "#arm-state", "card": ".state-word", "meaning": ".state-head p",
+        "guide": "section:not([hidden]) .guide", "jobs": "#jobs",
+    }  # fmt: skip
+    return {name: page.locator(place).first.inner_text() for name, place in places.items()}
+
+
+def test_connection_fault_and_queue_outrank_the_story(bench, visit):
+    client, pid = bench
+    visitor = visit(client.url)
+    page = visitor.page
+    visitor.open("robot")
+    assert "Record the starting set" in lights(page)["guide"]
+
+    # an experiment that is planned does not move the arm yet
+    job = client.start("experiments", {"kind": "boundary_velocity"})
+    page.locator(".guide", has_text="An experiment is being prepared").first.wait_for()
+    said = lights(page)
+    assert "the arm stands still" in said["guide"]
+    assert said["header"] == "inactive"
+    assert page.get_by_role("button", name="Enable").count() == 1
+    client.cancel(job["id"])
+
+    # a daemon that hangs: nothing is claimed, what was known is grey and tells its age
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        page.locator("#arm-state", has_text="no connection").wait_for(timeout=15_000)
+        said = lights(page)
+        assert said["card"].lower() == "no connection"
+        assert "not known" in said["meaning"]
+        assert "does not answer" in said["guide"]
+        assert not any("brakes on" in text for text in said.values())
+        assert page.locator(".old .axes").count() == 1
+        assert "s old" in page.locator(".panel .warn").first.inner_text()
+        assert page.locator(".columns button:enabled").count() == 0
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    page.locator("#arm-state", has_text="inactive").wait_for(timeout=15_000)
+    assert page.locator(".old .axes").count() == 0
+    assert "Record the starting set" in lights(page)["guide"]
+
+    # a fault: the guide says what happened and names the button that can be pressed
+    until(page, "document.querySelectorAll('.scope canvas').length === 4")
+    client.enable()
+    arms = subprocess.run(
+        ["pgrep", "-f", "pa10d.daemon.simulator"], capture_output=True, text=True, check=True
+    ).stdout.split()
+    own = [int(one) for one in arms if _parent(int(one)) == pid]
+    for one in own:
+        os.kill(one, signal.SIGKILL)
+    page.locator("#arm-state", has_text="fault").wait_for(timeout=15_000)
+    page.locator(".guide", has_text="commands the arm and may reset it").first.wait_for()
+    assert page.get_by_role("button", name="Reset").is_disabled()
+    client.let_others_command()
+    page.locator(".guide", has_text="Remove its cause, then press Reset").first.wait_for()
+    assert lights(page)["card"].lower() == "fault"
+    assert page.get_by_role("button", name="Reset").is_enabled()
+    assert page.locator("#robot .guide a:visible").count() == 0  # it is on this page
+    page.goto(f"{client.url}/#/models")
+    page.locator("#models .guide a", has_text="Reset").click()
+    page.locator("#robot").wait_for()
+    assert not visitor.errors
+
+
+def _parent(pid: int) -> int:
+    with open(f"/proc/{pid}/stat") as file:
+        return int(file.read().rpartition(")")[2].split()[1])
