@@ -9,10 +9,21 @@ from fastapi import APIRouter, Header
 from fastapi.responses import HTMLResponse, Response
 
 from pa10d.api.assets import Assets
+from pa10d.api.deps import TheDaemon
 from pa10d.api.problems import Problem
+from pa10d.api.routes.robot import stop
 
 router = APIRouter(include_in_schema=False)
 assets = Assets()
+HEARD = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="color-scheme" content="light dark">
+<meta name="viewport" content="width=device-width, initial-scale=1"><title>Stop was heard</title></head>
+<body style="font: 20px/1.5 sans-serif; margin: 2em"><h1>Stop was heard</h1>
+<p>The arm is {state}.{advice}</p>
+<form method="post"><button style="font: inherit; font-weight: 700; color: #fff;
+background: #c8102e; padding: 10px 30px">STOP</button></form><p><a href="/">Back to the page</a></p>
+</body></html>
+"""
 FOREVER = "public, max-age=31536000, immutable"
 
 
@@ -22,6 +33,15 @@ async def page() -> HTMLResponse:
     """The page; small, so that the stop button is there at once."""
     text = await asyncio.to_thread(assets.page)
     return HTMLResponse(text, headers={"Cache-Control": "no-cache"})
+
+
+@router.post("/api/v1/robot/stop-page")
+async def stop_without_script(daemon: TheDaemon) -> HTMLResponse:
+    """The stop button's plain form, for the moment before its script is there, and without one."""
+    state = (await stop(daemon))["state"]
+    rest = state in ("holding", "inactive", "fault")
+    advice = "" if rest else " If the arm moves, press the hardware emergency stop."
+    return HTMLResponse(HEARD.format(state=state, advice=advice))
 
 
 @router.get("/assets/{version}/{name:path}")

@@ -21,7 +21,7 @@ const makers = {
 export const block = (b) => makers[b.block](b);
 
 export function section(b, level = "h2") {
-  const head = el(level, {}, b.title, b.mark ? el("small", {}, b.mark) : null);
+  const head = el(level, {}, b.title, " ", b.mark ? el("small", {}, b.mark) : null);
   const inner = b.blocks.map(block);
   if (b.folded === null || b.folded === undefined) return el("div", { class: "block" }, head, inner);
   return el("details", { class: "block", open: !b.folded }, el("summary", {}, head), inner);

@@ -1,7 +1,7 @@
 // The one next step from an empty bench to a lower error, at the head of every section.
 import { el, fill } from "../base/dom.js";
 import { get } from "../base/api.js";
-import { current, state, tagged, watch } from "../base/store.js";
+import { change, current, state, tagged, watch } from "../base/store.js";
 import { running } from "../base/condition.js";
 
 /** Marks of a run that was made to settle a doubt. */
@@ -10,7 +10,7 @@ export const SETTLES = ["fit", "judge"];
 const diagnosed = new Map(); // id of a diagnosis -> its result, or the promise of it
 
 /** The newest diagnosis of this model that is done, with its result; undefined while unknown. */
-export function lastDiagnosis(model, changed = () => {}) {
+export function lastDiagnosis(model) {
   const job = state.diagnoses.find((one) =>
     one.status === "succeeded" && [model.name, model.id].includes(one.request.model));
   if (!job) return null;
@@ -19,7 +19,7 @@ export function lastDiagnosis(model, changed = () => {}) {
   if (!known) {
     diagnosed.set(job.id, get(`diagnoses/${job.id}`).then((whole) => {
       diagnosed.set(job.id, whole);
-      changed();
+      change({ searched: diagnosed.size }); // every heading waits for it
     }, () => diagnosed.delete(job.id)));
   }
   return undefined;
@@ -42,9 +42,9 @@ export function addedOf(diagnosis) {
 }
 
 /** The last search that a version came from: {diagnosis, versions}; null: none; undefined: not known yet. */
-function searchBehind(model, changed) {
+function searchBehind(model) {
   for (let base = parentOf(model); base; base = parentOf(base)) {
-    const diagnosis = lastDiagnosis(base, changed);
+    const diagnosis = lastDiagnosis(base);
     if (diagnosis === undefined) return undefined;
     const versions = diagnosis ? addedOf(diagnosis) : [];
     if (versions.some((one) => one?.id === model.id)) return { diagnosis, versions };
@@ -55,7 +55,7 @@ function searchBehind(model, changed) {
 
 const parentOf = (model) => state.models.find((one) => one.id === model.parent);
 
-function nextStep(again) {
+function nextStep() {
   if (state.condition.next) return state.condition.next;
   const fit = tagged("fit"), judge = tagged("judge"), models = current();
   if (running("identify", "compare", "diagnose", "add", "improve").length) {
@@ -74,11 +74,11 @@ function nextStep(again) {
   if (!models.length) return { go: "models", text: `Fit the first model: rigid bodies and textbook friction, to ${fit.length} run${fit.length > 1 ? "s" : ""}.`, label: "Fit" };
   const newest = models[0];
   const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));
-  const found = lastDiagnosis(newest, again);
+  const found = lastDiagnosis(newest);
   if (found === undefined) return { text: "" };
   if (found) return afterDiagnosis(newest, found);
   if (!compared && !newest.parent) return { go: "compare", at: `of/${newest.name}`, text: `See where ${newest.name} fails on runs that it was not fitted to.`, label: "Compare" };
-  const behind = searchBehind(newest, again);
+  const behind = searchBehind(newest);
   if (behind === undefined) return { text: "" };
   const diagnose = { go: "diagnose", at: `of/${newest.name}`, label: "Diagnose" };
   if (!behind) {
@@ -131,7 +131,7 @@ export function heading(section, title, here = {}) {
   const line = el("p", { role: "status", class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
   const refresh = () => {
     if (!state.ready) return;
-    const step = forSection(nextStep(refresh), section);
+    const step = forSection(nextStep(), section);
     line.style.visibility = step.text ? "visible" : "hidden";
     line.dataset.go = step.go ?? "";
     fill(words, step.text, step.go === section && here[step.label] ? ` ${here[step.label]}` : "");
@@ -139,6 +139,6 @@ export function heading(section, title, here = {}) {
     link.textContent = step.label ?? "";
     link.href = `#/${[step.go ?? section, step.at].filter(Boolean).join("/")}`;
   };
-  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "ready"], refresh);
+  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "ready"], refresh);
   return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);
 }

@@ -77,7 +77,7 @@ function editor(kind, outcome) {
     if (job) fill(checks, verdict(job.result));
   }));
   const box = el("form", { onsubmit: (event) => event.preventDefault() },
-    el("h2", {}, titled(kind.kind), el("small", {}, kind.title)), el("p", { class: "muted" }, kind.description), form.box,
+    el("h2", {}, titled(kind.kind), " ", el("small", {}, kind.title)), el("p", { class: "muted" }, kind.description), form.box,
     el("fieldset", {}, el("legend", {}, "The run"), el("div", { class: "fields" },
       el("div", { class: "field" }, el("label", { htmlFor: "run-name" }, "name"), name, el("small", {}, "under which it is stored")),
       el("div", { class: "field" }, el("label", { htmlFor: "run-controller" }, "controller"), controller, el("small", {}, "that moves the arm")),

@@ -87,14 +87,14 @@ function details(model) {
   const exports = [["urdf", "urdf"], ["python", "py"]].map(([format, ending]) => el("button", {
     type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
   return [
-    el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, el("small", {}, model.change)),
+    el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
       el("div", { class: "row" }, load, "Export", exports)),
     el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
       ? "Every link is a body that can exist."
       : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
     parts.judge.box),
     parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
-    el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters", el("small", {}, "with 95 % intervals"))), parts.parameters),
+    el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters ", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
 }
 

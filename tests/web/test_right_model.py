@@ -1,0 +1,92 @@
+"""The model that the page speaks of is the one that it shows, asks about, exports and loads."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import shutil
+
+import pytest
+from conftest import served
+
+from pa10d.services.library import open_library
+
+FINDINGS = [
+    {"effect": "stribeck", "joints": [4], "next_experiment": None, "confounded_with": []},
+    {"effect": "backlash", "joints": [2], "next_experiment": None, "confounded_with": []},
+]
+SEARCH = {
+    "id": "20260101-000000000-abcdef", "kind": "diagnose", "status": "succeeded", "progress": 1,
+    "message": "done", "error": None, "created": "2026-01-01T00:00:00+00:00", "started": None,
+    "finished": "2026-01-01T00:00:00+00:00",
+    "request": {"model": "m0", "fit": ["train_a"], "validate": ["valid_a"], "frozen": False},
+}  # fmt: skip
+
+
+@pytest.fixture
+def versions(archive, tmp_path):
+    """A daemon with m0, and m1, in which the first of two findings was added."""
+    data = tmp_path / "data"
+    shutil.copytree(archive[1], data, ignore=shutil.ignore_patterns("daemon*", "*.lock", "jobs"))
+    library = open_library(data)
+    _add(library, "m1", "m0", FINDINGS[0])
+    with served(data, f"void-{tmp_path.name[-20:]}") as url:
+        yield url, library
+
+
+def _add(library, name, parent, finding):
+    older = library.models.load(library.models.find(parent))
+    change = f"added {finding['effect']} J{finding['joints'][0]}"
+    library.models.save(dataclasses.replace(older, name=name, parent=parent, change=change))
+
+
+def _searched(page):
+    """A search of m0 that found two things, as the daemon would tell of it."""
+
+    def answer(route):
+        whole = {
+            **SEARCH,
+            "result": {"verdict": "missing", "findings": FINDINGS, "unexplained": []},
+        }
+        listed = {"total": 1, "next": None, "items": [SEARCH]}
+        inside = "/diagnoses/" in route.request.url
+        route.fulfill(body=json.dumps(whole if inside else listed), content_type="application/json")
+
+    page.route("**/api/v1/diagnoses*", answer)
+    page.route(f"**/api/v1/diagnoses/{SEARCH['id']}", answer)
+
+
+def test_what_was_found_and_not_added_comes_before_a_new_search(versions, visit):
+    url, library = versions
+    visitor = visit(url)
+    page = visitor.page
+    _searched(page)
+    visitor.open("robot")
+    guide = page.locator("#robot .guide")
+    guide.get_by_text("backlash in joint 2 is not in m1 yet").wait_for()
+    assert guide.locator("a").get_attribute("href") == f"#/diagnose/{SEARCH['id']}"
+    _add(library, "m2", "m1", FINDINGS[1])
+    page.reload()
+    guide.get_by_text("m2 has what was missing").wait_for()
+    guide.locator("a").click()
+    page.locator("#models h2", has_text="m2").first.wait_for()
+    page.locator("#models .guide a", has_text="Diagnose").click()
+    assert page.locator("#diagnose").get_by_label("Model").input_value() == "m2"
+    assert not visitor.errors
+
+
+def test_a_version_that_is_clicked_is_the_one_that_is_shown_and_exported(versions, visit):
+    visitor = visit(versions[0])
+    page = visitor.page
+    visitor.open("models")
+    title = page.locator("#models .panel h2").nth(1)
+    for name in ("m1", "m0", "m1"):
+        page.click(f"#models [data-model={name}]")
+        page.locator(f"#models [data-model={name}][aria-selected=true]").wait_for()
+        assert title.text_content().split()[0] == name
+        with page.expect_request("**/export?*") as asked, page.expect_download() as given:
+            page.get_by_role("button", name="PYTHON").click()
+        assert given.value.suggested_filename == f"{name}.py"
+        found = versions[1].models.find(name).id
+        assert found in asked.value.url
+    assert not visitor.errors
