@@ -17,7 +17,8 @@ router = APIRouter(include_in_schema=False)
 assets = Assets()
 HEARD = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="color-scheme" content="light dark">
-<meta name="viewport" content="width=device-width, initial-scale=1"><title>Stop was heard</title></head>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Stop was heard</title></head>
 <body style="font: 20px/1.5 sans-serif; margin: 2em"><h1>Stop was heard</h1>
 <p>The arm is {state}.{advice}</p>
 <form method="post"><button style="font: inherit; font-weight: 700; color: #fff;
