@@ -114,13 +114,17 @@ def export(options: argparse.Namespace) -> Answer:
     out = options.out or Path(f"{info.name}.{ENDINGS[options.format]}")
     if out.exists() and not options.replace:
         raise UserError(f"{out}: there is such a file already; expected another or --replace")
-    for line in (*made.warnings, *made.not_carried):
+    said = [*made.warnings, *made.not_carried]
+    if made.loss is not None:
+        said.append(made.loss.sentence)
+    for line in said:
         note(f"warning: {line}")
     write_file(out.absolute(), made.text)
     document = {
         "id": info.id, "name": info.name, "file": out.absolute(), "format": made.format,
         "parameters": made.parameters, "not_carried": list(made.not_carried),
         "warnings": list(made.warnings),
+        "loss": None if made.loss is None else vars(made.loss),
     }  # fmt: skip
     return Answer(document, f"{out} ({made.parameters} parameters)")
 

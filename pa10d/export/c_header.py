@@ -64,7 +64,7 @@ static inline void {id}_gravity(const double q[{n}], double tau[{n}])
 
 def c_header(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     """The header's text, and one line per effect that it cannot carry."""
-    kept, lost = _traceable(model)
+    kept, lost = traceable(model)
     torque, gravity = _predicted(TracedModule(kept))
     name = re.sub(r"\W", "_", model.name)
     name = name if name[0].isalpha() else f"model_{name}"
@@ -141,7 +141,7 @@ def _predicted(module: TracedModule) -> tuple[Traced, Traced]:
     return module.torque(q, dq, ddq), module.gravity(q)
 
 
-def _traceable(model: TorqueModel) -> tuple[TorqueModel, list[str]]:
+def traceable(model: TorqueModel) -> tuple[TorqueModel, list[str]]:
     """The model with what can be written down, and why the rest cannot."""
     bad: dict[str, list[Term]] = {}
     good: list[Term] = []

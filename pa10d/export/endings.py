@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-Format = Literal["urdf", "python", "c", "json"]
+Format = Literal["urdf", "mjcf", "python", "c", "json"]
 FORMATS: tuple[Format, ...] = get_args(Format)
-ENDINGS: dict[Format, str] = {"urdf": "urdf", "python": "py", "c": "h", "json": "json"}
+ENDINGS: dict[Format, str] = {
+    "urdf": "urdf",
+    "mjcf": "xml",
+    "python": "py",
+    "c": "h",
+    "json": "json",
+}

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from pa10d.effects import Context
 from pa10d.errors import UserError
 from pa10d.export.c_header import c_header
 from pa10d.export.endings import FORMATS, Format
 from pa10d.export.json_document import json_document
+from pa10d.export.loss import Loss, loss
+from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.impossible import impossible
@@ -25,30 +28,37 @@ Write = Callable[[TorqueModel, str], tuple[str, list[str]]]
 
 WRITERS: dict[Format, Write] = {
     "urdf": urdf_with_inertia,
+    "mjcf": mjcf,
     "python": python_module,
     "c": c_header,
     "json": json_document,
 }
-BODIES_ONLY: tuple[Format, ...] = ("urdf",)
+BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf")
 """Formats of bodies, which base parameters alone do not make."""
 
 
 @dataclass(frozen=True)
 class Exported:
     """text; parameters: of which fit; not_carried: one line per effect that the format has no place
-    for; warnings: what of a free fit no arm can have."""
+    for; warnings: what of a free fit no arm can have; loss: what that amounts to, where known."""
 
     text: str
     format: Format
     parameters: Parameters
     not_carried: tuple[str, ...]
     warnings: tuple[str, ...]
+    loss: Loss | None = None
 
 
 def export(
-    model: TorqueModel, format: Format, parameters: Parameters = "feasible", about: str = ""
+    model: TorqueModel,
+    format: Format,
+    parameters: Parameters = "feasible",
+    about: str = "",
+    motions: Mapping[str, Context] | None = None,
 ) -> Exported:
-    """The model as text; about: where it comes from."""
+    """The model as text; about: where it comes from; motions: run -> motion, by which what a format
+    does not hold is told in N·m."""
     if format not in FORMATS:
         raise UserError(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     bodies_only = format in BODIES_ONLY
@@ -64,6 +74,10 @@ def export(
             f"identification found some{instead}"
         )
     chosen = model.of(parameters)
-    text, lost = WRITERS[format](chosen, f"{about or model.name}; {WRITTEN[parameters]}")
+    missed = loss(chosen, format, motions or {})
+    about = f"{about or model.name}; {WRITTEN[parameters]}"
+    if missed is not None:
+        about += f"; {missed.sentence}"
+    text, lost = WRITERS[format](chosen, about)
     warnings = impossible(chosen) if parameters == "free" else ()
-    return Exported(text, format, parameters, tuple(lost), warnings)
+    return Exported(text, format, parameters, tuple(lost), warnings, missed)

@@ -116,6 +116,18 @@ def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     return head + source.text() + tail, lost
 
 
+def writable(model: TorqueModel) -> tuple[Term, ...]:
+    """The effects that a module carries."""
+    source, found = Source(), []
+    for term in model.terms:
+        try:
+            _class_of(source, term)
+        except NotWritable:
+            continue
+        found.append(term)
+    return tuple(found)
+
+
 def _class_of(source: Source, term: Term) -> str:
     if term.over:
         raise NotWritable("a map of what nobody understands stays where its range is watched")

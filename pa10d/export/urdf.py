@@ -65,13 +65,18 @@ def inertial_of(parameters: Array) -> tuple[float, Array, Array]:
     return m, c, about_origin - m * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _inertial(parameters: Array, joint: str) -> ET.Element:
+def possible_mass(parameters: Array, joint: str) -> Array:
+    """The same standard parameters (10,); those of no body are refused."""
     if parameters[0] <= 0:
         raise UserError(
             f"joint {joint}: link mass {parameters[0]:g} kg, expected more than zero: the model's "
             "standard parameters are not feasible"
         )
-    mass, com, inertia = inertial_of(parameters)
+    return parameters
+
+
+def _inertial(parameters: Array, joint: str) -> ET.Element:
+    mass, com, inertia = inertial_of(possible_mass(parameters, joint))
     element = ET.Element("inertial")
     ET.SubElement(element, "origin", xyz=" ".join(_text(v) for v in com), rpy="0 0 0")
     ET.SubElement(element, "mass", value=_text(mass))

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from pa10d.export.endings import Format
     from pa10d.export.formats import Exported
 
+JUDGED_BY = 2  # runs, for what an export loses
 Progress = Callable[[float, str], None]
 
 
@@ -165,12 +166,31 @@ def write_report(compared: Compared, path: Path) -> Path:
 def export_model(
     library: Library, model: str, format: Format, parameters: Parameters = "feasible"
 ) -> tuple[ModelInfo, Exported]:
-    """A stored model as text for other programs."""
+    """A stored model as text for other programs; what the format does not hold is told in N·m by
+    runs that the model was judged by or fitted to, as far as they are in the store."""
+    from pa10d.equation import prepare
     from pa10d.export.formats import export
 
     info = library.models.find(model)
+    loaded = library.models.load(info)
     about = f"{info.name} ({info.id}), {info.software}"
-    return info, export(library.models.load(info), format, parameters, about)
+    names = _known_runs(library, (*loaded.held_out, *loaded.runs))[:JUDGED_BY]
+    motions = {
+        run.name: prepare(library.runs.recording(run), loaded.robot, loaded.cutoff).context
+        for run in names
+    }
+    return info, export(loaded, format, parameters, about, motions)
+
+
+def _known_runs(library: Library, names: Sequence[str]) -> list[RunInfo]:
+    found = {}
+    for name in names:
+        try:
+            run = library.runs.find(name)
+        except UserError:
+            continue
+        found[run.id] = run
+    return list(found.values())
 
 
 def write_file(path: Path, text: str) -> Path:

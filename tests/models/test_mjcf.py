@@ -1,0 +1,97 @@
+"""MJCF against what it stands for: read by Pinocchio, by MuJoCo where it is installed, and the
+torque that it cannot hold."""
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import model_examples as examples
+import numpy as np
+import pytest
+
+from pa10d.dynamics import inverse_dynamics
+from pa10d.errors import UserError
+from pa10d.export.formats import export
+
+RNG = np.random.default_rng(4)
+Q, DQ, DDQ = RNG.uniform(-0.9, 0.9, (3, 20, 4))
+
+
+def bodies_only(model):
+    return replace(model, terms=(), notes={})
+
+
+def test_bodies_are_the_models_in_pinocchio(tmp_path):
+    pin = pytest.importorskip("pinocchio")
+    model = bodies_only(examples.textbook())
+    (tmp_path / "arm.xml").write_text(export(model, "mjcf").text)
+    arm = pin.buildModelFromMJCF(str(tmp_path / "arm.xml"))
+    data = arm.createData()
+    expected = inverse_dynamics(model.robot, model.standard, Q, DQ, DDQ)
+    assert [name for name in arm.names][1:] == list(model.robot.joint_names)
+    arm.gravity.linear = model.robot.gravity
+    for k in range(len(Q)):
+        assert pin.rnea(arm, data, Q[k], DQ[k], DDQ[k]) == pytest.approx(expected[k], abs=1e-9)
+
+
+def test_torque_is_the_models_in_mujoco():
+    """Rotors, damping and friction included; dry friction is full while a joint moves."""
+    mujoco = pytest.importorskip("mujoco")
+    model = examples.textbook()
+    made = export(model, "mjcf")
+    arm = mujoco.MjModel.from_xml_string(made.text)
+    arm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    data = mujoco.MjData(arm)
+    fast = np.where(np.abs(DQ) < 0.4, 0.4 * np.sign(DQ), DQ)
+    expected = model.torque(Q, fast, DDQ, parameters="feasible")
+    for k in range(len(Q)):
+        data.qpos, data.qvel, data.qacc = Q[k], fast[k], DDQ[k]
+        mujoco.mj_inverse(arm, data)
+        assert data.qfrc_inverse == pytest.approx(expected[k], rel=1e-6, abs=1e-6)
+
+
+def test_joints_have_their_rotors_and_friction():
+    model = examples.textbook()
+    root = ET.fromstring(export(model, "mjcf").text)
+    joints = {joint.get("name"): joint for joint in root.iter("joint")}
+    found = {t.label: float(t.coefficients[0]) for t in model.possible().terms}
+    for key, effect in (
+        ("armature", "rotor_inertia"), ("damping", "viscous"), ("frictionloss", "coulomb"),
+    ):  # fmt: skip
+        assert float(joints["j3"].get(key)) == found[f"{effect} J3"]
+    assert joints["j3"].get("type") == "slide"
+    assert joints["j2"].get("range") is None
+    assert next(m.get("ctrlrange") for m in root.iter("motor")) == "-100.0 100.0"
+
+
+def test_what_it_cannot_hold_is_told_in_newton_metres():
+    model = examples.with_effects(examples.textbook(), "stribeck", "payload")
+    motion = examples.motion()
+    made = export(model, "mjcf", motions={"held": motion})
+    possible = model.possible()
+    rest = replace(possible, terms=possible.terms[:-2])
+    gone = np.sqrt(np.mean((possible.predict(motion) - rest.predict(motion)) ** 2, axis=0))
+    assert made.loss.rms == pytest.approx(gone)
+    assert "what it does not hold amounts to j1 " in made.text
+    assert f"j2 {gone[1]:.2g} N·m" in made.loss.sentence
+    assert "(RMS on held)" in made.loss.sentence
+    assert [line.split(" not in")[0] for line in made.not_carried] == [
+        "stribeck of joint 2",
+        "payload",
+    ]
+    assert export(model, "python", motions={"held": motion}).loss is None
+    urdf = export(examples.textbook(), "urdf", motions={"held": motion})
+    assert "rotor_inertia" in urdf.not_carried[0]
+    assert urdf.loss.rms.min() > 0.0
+
+
+def test_what_c_forgets_is_told_too():
+    model = examples.with_effects(examples.textbook(), "presliding_hysteresis")
+    made = export(model, "c", motions={"held": examples.motion()})
+    assert made.not_carried == ()
+    assert made.loss.rms[1] > 1e-3
+    assert "presliding_hysteresis of joint 2 remembers the way" in made.text
+
+
+def test_a_free_fit_is_no_body():
+    with pytest.raises(UserError, match="base parameters of a free fit alone do not make"):
+        export(examples.textbook(), "mjcf", "free")
