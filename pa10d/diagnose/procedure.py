@@ -124,8 +124,9 @@ def add(
                 "it was left out"
             )
             continue
-        state.push(best.term)
+        search.state.push(best.term)  # the search may have gone on with a copy
         search.settle(rounds=1)
+    state = search.state
     if len(state.terms) == given:
         raise UserError(
             f"{effect_id}: cannot be told from the model's own terms on this data; "

@@ -11,7 +11,7 @@ from two_links import V0, recordings, robot, state_of, textbook
 from pa10d.diagnose.candidates import Candidate, scan
 from pa10d.diagnose.evidence import judge
 from pa10d.diagnose.partial import Partial
-from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.search import MUCH_WORSE, Judged, Search, harmful, rms
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
@@ -115,6 +115,23 @@ def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(cl
     assert search.take(Judged(best, found, 0.0, change)) is None
     assert len(search.state.terms) == len(clean.terms)
     np.testing.assert_array_equal(search.state.fit.beta, before)
+
+
+def test_what_is_added_to_two_joints_goes_to_the_state_that_the_search_goes_on_with(monkeypatch):
+    """A pruned trial leaves it with a copy: once the second joint's effect was lost with it."""
+    runs = recordings(4, extra=lambda t, q, dq, ddq: np.column_stack([1.5 + 0 * t, -1.0 + 0 * t]))
+    settle = Search.settle
+
+    def with_a_copy(self, *args, **more):
+        found = settle(self, *args, **more)
+        self.state = self.state.copy()
+        return found
+
+    monkeypatch.setattr(Search, "settle", with_a_copy)
+    fit, held = ([runs[f"{kind}_{part}"] for part in "ab"] for kind in ("fit", "valid"))
+    made, warnings = add(textbook(runs), "torque_offset", [0, 1], fit, validate=held, name="m1")
+    assert made.change == "added torque_offset J1, torque_offset J2"
+    assert warnings == []
 
 
 def test_a_corner_is_not_rounded_by_guesswork():
