@@ -12,11 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.errors import UserError
+
 Array = NDArray[np.float64]
 
 STEADY = 0.01  # of a period: stamps this close to equal steps are taken as equal steps
 GAP = 4.0  # periods without a sample: too long for a cubic to be trusted
 UNEVEN = 3.0  # ratio of neighbouring steps from which a cubic would amplify noise
+LATEST = 9e9  # s: nanoseconds are counted in 64 bits
+LARGEST_GRID = 1_000_000  # samples at equal steps that any recording may become
+STRETCH = 20  # times as many samples as were measured, should that be more
 _BLOCK = 1 << 18
 
 
@@ -70,8 +75,10 @@ def merged(values: Array, starts: NDArray[np.int64] | None) -> Array:
 
 def analyse(t: Array, duplicates: int = 0) -> Timing:
     """How the stamps ``t`` (N,) s, strictly rising, lie; N ≥ 2."""
-    steps = np.diff(t)
+    with np.errstate(over="ignore"):
+        steps = np.diff(t)
     median = float(np.median(steps))
+    _refuse_endless(t, steps, median)
     gaps = np.flatnonzero(steps > GAP * median)
     spans = tuple((float(t[k]), float(steps[k])) for k in gaps)
     period, offset = _line(t)
@@ -86,6 +93,21 @@ def analyse(t: Array, duplicates: int = 0) -> Timing:
     length = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-12))) + 1
     jitter = float(np.abs(np.delete(steps, gaps) - median).max(initial=0.0))
     return Timing(float(t[0]), period, length, True, jitter, None, duplicates, spans)
+
+
+def _refuse_endless(t: Array, steps: Array, median: float) -> None:
+    """UserError where equal steps would be hundreds of times as many as there are samples: one
+    wrong stamp, or recordings of different days in one file."""
+    with np.errstate(over="ignore"):
+        count, ratio = float((t[-1] - t[0]) / median) + 1, float(steps.max() / median)
+    if not count <= max(LARGEST_GRID, STRETCH * len(t)):
+        k = int(np.argmax(steps))
+        raise UserError(
+            f"found {t[k]:.9g} s and then {t[k + 1]:.9g} s, {ratio:.3g} times the usual "
+            f"step of {median:.3g} s; expected one recording without such pauses (cut it there)"
+        )
+    if np.abs(t[[0, -1]]).max() > LATEST:
+        raise UserError(f"found a stamp of {t[-1]:.9g} s, expected seconds within some centuries")
 
 
 def _line(t: Array) -> tuple[float, float]:

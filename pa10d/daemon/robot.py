@@ -356,6 +356,8 @@ class RobotProcess:
         if message["event"] == "run":
             info = {k: v for k, v in message.items() if k != "event"}
             self._events.publish("run", info)
+            if info["status"] == "failed" and self.state == "running":
+                self.stop()  # a motion that nobody records goes no further
             future = self._awaited.get(info["id"])
             if future is not None and not future.done():
                 future.set_result(info)

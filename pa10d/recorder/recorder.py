@@ -65,6 +65,7 @@ class Recorder:
             kind=kind,
             tags=tags,
             replace=replace,
+            samples=rows,
         )
         self._session = Session(writer, self._ring.layout, motion, rows)
         self._heard = time.monotonic()
@@ -108,7 +109,11 @@ class Recorder:
         ending = None
         if len(rows):
             self._heard = time.monotonic()
-            ending = session.take(rows, lost)
+            try:
+                ending = session.take(rows, lost)
+            except OSError as error:
+                self._session = None
+                return session.salvage(error)
         elif session.started:
             ending = self._silence(time.monotonic() - self._heard)
         if ending is None:
@@ -116,7 +121,10 @@ class Recorder:
         if ending.status == "aborted":
             ending.reason = str((self._ring.said() or {}).get("sentence", "a fault"))
         self._session = None
-        return session.close(ending)
+        try:
+            return session.close(ending)
+        except OSError as error:
+            return session.salvage(error)
 
 
 def is_alive(pid: int) -> bool:

@@ -70,6 +70,11 @@ class Session:
             )
         return self.writer.close(ending.status, ending.reason, **changes)
 
+    def salvage(self, error: OSError) -> RunInfo:
+        """The disk takes no more: the run ends with what it took."""
+        said = f"{error.strerror} while recording; what was written until then is kept"
+        return self.writer.salvage(f"the run could not be written on: {said}")
+
     def _samples(self, rows: Array) -> Samples:
         get = self._layout.get
         t = get(rows, "time")

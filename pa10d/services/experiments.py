@@ -14,10 +14,13 @@ from pa10d.control.live_model import live_model
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
-from pa10d.experiments.checks import checks_of
+from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.motion import rows_of, whole_motion
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot
+from pa10d.store import Channels
+from pa10d.store.location import data_folder
+from pa10d.store.room import shortage, size_of_run
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
@@ -69,8 +72,10 @@ def prepare_motion(
     live = None if stored is None else live_model(stored)
     rows = rows_of(whole, stored, live)
     np.save(place / ROWS, rows)
+    recorded = Channels(robot.joint_names, commands=True, temperature=True)
+    room = room_check(data_folder(data), size_of_run(recorded, len(rows)))
     return {
-        "checks": [check.document() for check in checks_of(whole, torque, limits)],
+        "checks": [check.document() for check in (*checks_of(whole, torque, limits), room)],
         "start": list(start),
         "live": None if live is None else live.document(),
         "motions": [
@@ -102,3 +107,13 @@ def analyse(data: str, profile: str, kind: str, runs: list[str]) -> dict[str, An
             analysis[name]["boundary_velocity"] = [b.document() for b in linear]
             advice = [*(b.sentence for b in linear), *missing, *advice]
     return {"analysis": analysis, "recommendation": advice}
+
+
+def room_check(folder: Path, needed: int) -> Check:
+    """Whether the disk takes what will be recorded."""
+    said = shortage(folder, needed)
+    return (
+        Check("ok", "disk", f"the run's {needed / 1e6:.0f} MB have room")
+        if said is None
+        else (Check("error", "disk", said))
+    )

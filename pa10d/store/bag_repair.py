@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,7 +64,8 @@ def finish_bag(path: Path) -> Repair:
     with path.open("r+b") as file:
         if size > keep:
             file.seek(keep)
-            path.with_suffix(CUT).write_bytes(file.read())
+            with contextlib.suppress(OSError):  # a full disk: what was torn has no room
+                path.with_suffix(CUT).write_bytes(file.read())
         file.truncate(keep)
         file.seek(keep)
         missing = b"".join(reversed(pending))

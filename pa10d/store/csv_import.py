@@ -16,7 +16,7 @@ from pa10d.errors import UserError
 from pa10d.sampling import Timing
 from pa10d.store.channels import Array, Samples
 from pa10d.store.csv_header import Columns, Header, read_mapping
-from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, rows
+from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, refuse_bombs, rows
 from pa10d.store.equal_steps import equal_steps
 
 FEWEST = 100  # samples; below that nothing can be filtered, let alone fitted
@@ -46,6 +46,7 @@ def read_csv(
     mapping: ``COLUMN=FIELD`` options.
     """
     fields = read_mapping(mapping)
+    refuse_bombs(path)
     header = Header(f"{path}:1", _first_line(path), fields)
     columns = header.columns(n, torque_constants is not None, robot)
     table, warnings = _Table(path, columns), list(columns.warnings)
@@ -60,11 +61,18 @@ def read_csv(
     if table.left_out:
         warnings.append(f"{path}: no numbers in {', '.join(table.left_out)}: left out")
     del table
-    timing, samples = equal_steps(t, samples)
+    timing, samples = _equal_steps(path, t, samples)
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     return CsvRecording(samples, zero, timing, warnings, said)
+
+
+def _equal_steps(path: Path, t: Array, samples: Samples) -> tuple[Timing, Samples]:
+    try:
+        return equal_steps(t, samples)
+    except UserError as error:
+        raise UserError(f"{path}: column time: {error}") from error
 
 
 def timing_sentences(timing: Timing) -> list[str]:

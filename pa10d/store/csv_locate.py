@@ -5,11 +5,14 @@ from __future__ import annotations
 import csv
 import gzip
 import math
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pa10d.errors import UserError
 
+LARGEST = 4 << 30  # bytes of a recording as text
+SMALL, RATIO = 64 << 20, 200  # bytes; times the compressed size
 GZIP = b"\x1f\x8b"
 
 
@@ -17,6 +20,25 @@ def is_gzip(path: Path) -> bool:
     """By content, whatever the file is called."""
     with path.open("rb") as file:
         return file.read(2) == GZIP
+
+
+def refuse_bombs(path: Path) -> None:
+    """UserError where a compressed file would become more than a recording ever is."""
+    if not is_gzip(path):
+        return
+    packed = path.stat().st_size
+    most, size = min(LARGEST, max(SMALL, RATIO * packed)), 0
+    with gzip.open(path) as file:
+        try:
+            while part := file.read(1 << 20):
+                size += len(part)
+                if size > most:
+                    raise UserError(
+                        f"{path}: {packed} compressed bytes become more than {most}; expected a "
+                        "recording, which is a tenth or a twentieth of its size when compressed"
+                    )
+        except (OSError, EOFError, zlib.error):
+            return  # said with the line at which it ends
 
 
 def lines(path: Path) -> Iterator[str]:
@@ -31,7 +53,7 @@ def lines(path: Path) -> Iterator[str]:
             raise UserError(
                 f"{path}:{number}: byte 0x{byte:02x} is not UTF-8; expected a text file"
             ) from error
-        except (OSError, EOFError) as error:
+        except (OSError, EOFError, zlib.error) as error:
             raise UserError(
                 f"{path}:{number + 1}: the compressed data end or are damaged here; "
                 "expected a whole .gz file"

@@ -8,6 +8,7 @@ from pa10d.errors import UserError
 from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import finish_bag
 from pa10d.store.channels import STATES
+from pa10d.store.room import give_back
 from pa10d.store.run_info import BAG, RunInfo
 
 ENDINGS = ("success", "stopped", "aborted", "failed")
@@ -15,6 +16,7 @@ ENDINGS = ("success", "stopped", "aborted", "failed")
 
 def repair_run(folder: Path, info: RunInfo) -> RunInfo:
     """Finish the bag in ``folder``, whose writer is gone, and say what became of the run."""
+    give_back(folder)
     try:
         result = finish_bag(folder / BAG)
     except UserError as error:

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from pa10d.store.bag_repair import END
 from pa10d.store.bag_writer import BagWriter, Block, Stamps
 from pa10d.store.channels import Array, Channels, Samples
 from pa10d.store.folders import hold
+from pa10d.store.room import give_back, reserve
 from pa10d.store.run_info import BAG, RunInfo, Status
+from pa10d.store.run_repair import repair_run
 
 FLUSH = 0.2  # s
 LARGEST = 4096  # samples in a chunk
@@ -37,7 +40,8 @@ class RunWriter:
         """``time_zero_ns``: the stamp that is t = 0 of the recording; None: the first one."""
         self.folder, self.info, self.channels = folder, info, channels
         self.then: Callable[[RunInfo], RunInfo] | None = None  # once it has been closed
-        self._file = (folder / BAG).open("wb", buffering=1 << 16)
+        reserve(folder)
+        self._file = _open(folder / BAG)
         hold(self._file)
         self._waiting: list[tuple[Stamps, dict[str, dict[str, Array]]]] = []
         self._queued = 0  # samples waiting
@@ -112,6 +116,7 @@ class RunWriter:
             **_extent(self._count, self._span),
             **changes,
         )
+        give_back(self.folder)
         self.info.save(self.folder)
         self._file.close()
         if self.then is not None:
@@ -120,8 +125,28 @@ class RunWriter:
                 self.info.save(self.folder)
         return self.info
 
+    def salvage(self, reason: str) -> RunInfo:
+        """End a run that could not be written on: everything that is whole stays readable."""
+        held = os.dup(self._file.fileno())  # nobody takes it for abandoned meanwhile
+        try:
+            self.abandon()
+            give_back(self.folder)
+            repaired = repair_run(self.folder, self.info)
+            self.info = repaired.but(status="failed", reason=reason, repaired=False)
+            if self.then is not None:
+                self.info = self.then(self.info)
+            self.info.save(self.folder)
+        finally:
+            os.close(held)
+        return self.info
+
     def abandon(self) -> None:
-        """Let go of the file as it is."""
+        """Let go of the file as it is; what was not written goes nowhere."""
+        if self._file.closed:
+            return
+        nowhere = os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
+        os.dup2(nowhere, self._file.fileno(), inheritable=False)
+        os.close(nowhere)
         self._file.close()
 
     def _write_origin(self, profile: Profile | None, plan: str, time_zero: int | None) -> None:
@@ -136,6 +161,10 @@ class RunWriter:
             self._bag.add_metadata("pa10d.profile", {"name": profile.name, **texts_read})
         if plan:
             self._bag.add_metadata("pa10d.plan", {"plan": plan})
+
+
+def _open(path: Path) -> BinaryIO:
+    return path.open("wb", buffering=1 << 16)
 
 
 def _extent(count: int, span: tuple[int, int] | None) -> dict[str, float]:

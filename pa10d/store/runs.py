@@ -19,6 +19,7 @@ from pa10d.store.entries import SetAside
 from pa10d.store.folders import NEW, discard, is_held, locked, sweep
 from pa10d.store.location import data_folder
 from pa10d.store.names import checked_name, free_name, resolve
+from pa10d.store.room import refuse_without_room, size_of_run
 from pa10d.store.run_info import BAG, FILE, KeptFinding, RunInfo, load_info, new_info
 from pa10d.store.run_reader import StoredRun, read_run
 from pa10d.store.run_repair import repair_run
@@ -86,12 +87,15 @@ class RunStore:
         kind: str = "",
         tags: tuple[str, ...] = (),
         replace: bool = False,
+        samples: int = 0,
     ) -> RunWriter:
         """A run that is seen from its first sample on, whatever becomes of its writer.
 
         With ``replace`` a run of this name stays until the new one, numbered so long, has ended
-        well: then the new one takes the name, and the old one goes.
+        well: then the new one takes the name, and the old one goes. samples: how many are to come;
+        the disk must have room for them.
         """
+        refuse_without_room(self.folder, size_of_run(channels, samples))
         info = new_info(
             checked_name(name),
             profile.name if profile else "",

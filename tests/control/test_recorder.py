@@ -148,3 +148,22 @@ def test_a_large_plan_is_kept_whole(parts, tmp_path):
     start(arm, recorder, name="large", plan_file=str(plan))
     follow(arm, recorder)
     assert store.read("large").metadata["pa10d.plan"]["plan"] == plan.read_text()
+
+
+def test_a_disk_that_fills_up_ends_the_run_with_its_reason(parts, monkeypatch):
+    arm, _, store, recorder = parts
+    info, _ = start(arm, recorder, name="mine")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    for _ in range(200):
+        arm.cycle()
+    assert recorder.drain() is None
+    monkeypatch.setattr("pa10d.store.bag_writer.BagWriter.write_chunk", full)
+    ended = follow(arm, recorder)
+    assert (ended.id, ended.status) == (info.id, "failed")
+    assert "No space left on device while recording" in ended.reason
+    assert not recorder.busy
+    assert store.find("mine") == ended
+    assert RunStore(store.folder.parent).repaired == []

@@ -11,6 +11,7 @@ import random
 import signal
 import time
 
+import numpy as np
 import pytest
 
 from pa10d.client import JobFailed
@@ -91,6 +92,27 @@ def kill_workers(bench):
     assert pids
     for pid in pids:
         os.kill(pid, signal.SIGKILL)
+
+
+def test_a_signal_stops_the_arm_while_the_daemon_stands_still(bench, took_to_rest):
+    """The way to stop that needs no HTTP."""
+    job = bench.start_moving(0.2)
+    bench.server.send_signal(signal.SIGSTOP)
+    try:
+        os.kill(bench.pid_of("pa10d.control"), signal.SIGUSR1)
+        if bench.goes_on_alone:
+            until = time.monotonic() + 3.0  # before control takes the daemon for gone
+            while True:
+                before = np.array(bench.observer.positions())
+                time.sleep(0.1)
+                if np.abs(np.array(bench.observer.positions()) - before).max() <= 2:
+                    break
+                assert time.monotonic() < until
+    finally:
+        bench.server.send_signal(signal.SIGCONT)
+    with pytest.raises(JobFailed, match="stopped"):
+        bench.client.wait(job)
+    assert wait_for_run(bench).status == "stopped"
 
 
 def test_worker(bench, moment, took_to_rest):

@@ -64,3 +64,10 @@ def test_wrong_requests_are_one_line(tmp_path):
     done = unit(profile="nobody")
     assert done.returncode == 1
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_memory_that_runs_out_takes_a_worker_never_control():
+    found = settings(unit())
+    assert found["OOMPolicy"] == ["continue"]
+    assert int(found["OOMScoreAdjust"][0]) < 0
+    assert found["MemoryMax"] == ["80%"]

@@ -73,3 +73,17 @@ def test_the_daemon_ends_in_any_state(world, state):
     world.run(story())
     assert world.state() == "offline"
     assert world.rests_within(REST) < REST
+
+
+def test_a_signal_stops_the_arm_that_no_daemon_speaks_for(world):
+    """As SIGUSR1 does; the arm is held where it has come to rest."""
+
+    def story():
+        yield from world.moving()
+        world.loop.stop()
+        yield world.is_in("stopping")
+        yield world.is_in("holding", "fault")
+        assert world.state() == "holding"
+
+    world.run(story())
+    assert world.farthest < 0.7
