@@ -24,7 +24,7 @@ def is_gzip(path: Path) -> bool:
 
 def refuse_bombs(path: Path) -> None:
     """UserError where a compressed file would become more than a recording ever is."""
-    if not is_gzip(path):
+    if not path.is_file() or not is_gzip(path):
         return
     packed = path.stat().st_size
     most, size = min(LARGEST, max(SMALL, RATIO * packed)), 0
