@@ -15,6 +15,11 @@ def times(ratio: float) -> str:
     return f"{ratio:.1f} times" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f} times"
 
 
+def times_noise(rms: float, floor: float) -> str:
+    """``1.8 × noise``, or that the noise is not known."""
+    return f"{rms / floor:.1f} × noise" if floor > 0 else "noise not known"
+
+
 def listed(words: Sequence[str], last: str = "and") -> str:
     """``a, b and c``."""
     if len(words) < 2:

@@ -148,7 +148,7 @@ def diagnosed(case: Case) -> dict[str, Any]:
     started = time.perf_counter()
     found = diagnose(asked, case.train, [case.valid])
     seconds = time.perf_counter() - started
-    improved = found.to_store[-1]
+    improved = found.versions[-1]
     before, after = case.rms(plain), case.rms(improved)
     possible = case.rms(improved.possible()) if improved.feasible else after * np.nan
     floor = compare(improved, _all_valid(case.name, case.robot.n)).pooled.noise_floor

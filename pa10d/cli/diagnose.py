@@ -11,7 +11,6 @@ from pa10d.cli.commands import Commands, current, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model, _progress
 from pa10d.errors import UserError
-from pa10d.words import listed, percent
 
 if TYPE_CHECKING:
     from pa10d.diagnose.outcome import Diagnosis
@@ -77,6 +76,7 @@ def diagnose(options: argparse.Namespace) -> Answer:
 
 def add(options: argparse.Namespace) -> Answer:
     """``add``."""
+    from pa10d.diagnose.delivery import delivered
     from pa10d.services.diagnoses import add_effect
 
     info, model, warnings = add_effect(
@@ -93,11 +93,13 @@ def add(options: argparse.Namespace) -> Answer:
         "parent": model.parent,
         "change": model.change,
         "held_out": [float(v) for v in held],
+        **delivered(model),
         "warnings": warnings,
     }
     text = f"{info.name} ({info.id}): {model.change}; held-out RMS " + " ".join(
         f"{v:.4g}" for v in held
     )
+    text += f"\nto undo, go on with {model.parent}: it stays as it is"
     return Answer(document, text)
 
 
@@ -122,6 +124,7 @@ def improve(options: argparse.Namespace) -> Answer:
     text = in_words(made.diagnosis)
     if made.infos:
         text += "\nstored: " + ", ".join(f"{i.name} ({i.change})" for i in made.infos)
+        text += f"\nto undo, go on with {made.infos[0].parent_name}: it stays as it is"
     else:
         text += "\nnothing stored: there is nothing to add"
     document = made.document()
@@ -145,6 +148,8 @@ def _write_report(options: argparse.Namespace, found: Diagnosis, document: dict[
 
 def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
+    import numpy as np
+
     from pa10d.diagnose.next_experiment import as_command
     from pa10d.diagnose.words import nothing
 
@@ -165,16 +170,15 @@ def in_words(found: Diagnosis) -> str:
         lines.append(f"   {finding.term.label}: {values}")
         if finding.next_experiment is not None:
             lines.append(f"   settle the doubt with: {as_command(finding.next_experiment)}")
-    for s in found.unexplained:
-        lines.append(
-            f"Joint {s.joint + 1}: {percent(s.share)} of its squared error depends on "
-            f"{listed(s.variables)}."
-        )
-        if not found.frozen:
+    maps = {s.joint: s for s in found.mapped}
+    for line in found.remaining:
+        lines.append(line.sentence)
+        if line.joint in maps and not found.frozen:
             lines.append(
                 "   a smooth map removes it, and explains nothing: pa10d add … smooth_map --joint "
-                f"{s.joint + 1} --over '{','.join(s.variables)}'"
+                f"{line.joint + 1} --over '{','.join(line.depends_on)}'"
             )
+    lines += [f"warning: {warning}" for warning in found.warnings]
     head = [
         "joint",
         f"RMS {found.model.robot.torque_units()}",
@@ -186,11 +190,12 @@ def in_words(found: Diagnosis) -> str:
             str(j + 1),
             f"{found.rms[j]:.4g}",
             *(f"{f.rms_after[j]:.4g}" for f in found.findings),
-            f"{found.noise_floor[j]:.4g}",
+            f"{found.noise_floor[j]:.4g}" if np.isfinite(found.noise_floor[j]) else "not known",
         ]
         for j in range(n)
     ]
-    lines += [table(head, rows), f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz"]
+    where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {found.left.mask}"
+    lines += [table(head, rows), where]
     return "\n".join(lines)
 
 

@@ -93,7 +93,7 @@ def history(options: argparse.Namespace) -> Answer:
             lines.append(f"  fit       {_several(info.rms)} N·m on {', '.join(info.runs)}")
             continue
         lines.append(f"  error     {_several(found.rms)} N·m")
-        lines.append(f"  noise     {_several(found.floor.values)} N·m")
+        lines.append(f"  noise     {_several(found.floor.values)} N·m".replace("nan", "?"))
     first, last = versions[0].info, versions[-1].judgement
     if last is not None:
         lines.append(

@@ -97,8 +97,8 @@ def compare(options: argparse.Namespace) -> Answer:
     rows = [
         [
             f"{j + 1} {name}",
-            *(f"{pooled[key][j]:.4g}" for key in ("rms", "noise_floor")),
-            f"{pooled['rms'][j] / max(pooled['noise_floor'][j], 1e-300):.2f}",
+            f"{pooled['rms'][j]:.4g}",
+            *_against(pooled["rms"][j], pooled["noise_floor"][j]),
             *(f"{pooled[key][j]:.4g}" for key in ("rms_raw", "max", "nrmse", "r2")),
         ]
         for j, name in enumerate(found.info.joints)
@@ -111,6 +111,10 @@ def compare(options: argparse.Namespace) -> Answer:
         *(places or ["nowhere more than elsewhere: no region stands out"]),
     ]
     return Answer(document, "\n".join(text))
+
+
+def _against(rms: float, floor: float | None) -> tuple[str, str]:
+    return (f"{floor:.4g}", f"{rms / floor:.2f}") if floor else ("not known", "–")
 
 
 def _library(options: argparse.Namespace) -> Library:

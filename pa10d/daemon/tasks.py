@@ -183,6 +183,7 @@ def add(
     force: bool = False,
 ) -> dict[str, Any]:
     """A new version of a model with an effect fitted in."""
+    from pa10d.diagnose.delivery import delivered
     from pa10d.services.diagnoses import add_effect
     from pa10d.services.library import open_library
 
@@ -196,6 +197,7 @@ def add(
         "parent": made.parent,
         "change": made.change,
         "held_out": [float(v) for v in made.held_out["held out"]],
+        **delivered(made),
         "warnings": warnings,
     }
 

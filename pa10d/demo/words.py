@@ -28,15 +28,26 @@ def named(finding: Document, frozen: bool = False) -> str:
 def compared_words(found: Document) -> str:
     """Where the model is worst, against the noise of the sensors."""
     pooled = found["pooled"]
-    ratio = np.array(pooled["rms"]) / np.array(pooled["noise_floor"])
-    worst = int(np.nanargmax(ratio))
-    text = (
-        f"Worst is joint {worst + 1}: its error is {times(ratio[worst])} the noise of its sensors."
+    ratio = np.array(pooled["rms"]) / np.array(pooled["noise_floor"], dtype=float)
+    known = bool(np.any(np.isfinite(ratio)))
+    worst = int(np.nanargmax(ratio if known else np.array(pooled["nrmse"])))
+    size = (
+        f"{times(ratio[worst])} the noise of its sensors"
+        if known
+        else f"{percent(pooled['nrmse'][worst])} of its torque's range"
     )
+    text = f"Worst is joint {worst + 1}: its error is {size}."
     if not pooled["where"]:
         return f"{text} No region stands out."
     sentence = pooled["where"][0]["sentence"]
     return f"{text} {sentence[0].upper()}{sentence[1:].removesuffix('.')}."
+
+
+def _unexplained(s: Document) -> str:
+    start = f"{percent(min(s['share'], 1.0))} of joint {s['joint']}'s squared error"
+    if not s["depends_on"]:
+        return f"{start} is no noise"
+    return f"{start} depends on {' and '.join(s['depends_on'])}"
 
 
 def found_words(found: Document) -> str:
@@ -44,8 +55,7 @@ def found_words(found: Document) -> str:
     if found["verdict"] == "none":
         return nothing(found["rms"], found["noise_floor"], found["frozen"])
     if found["verdict"] == "unknown":
-        places = [f"{percent(s['share'])} of joint {s['joint']}'s squared error depends on "
-                  f"{' and '.join(s['depends_on'])}" for s in found["unexplained"]]  # fmt: skip
+        places = [_unexplained(s) for s in found["unexplained"]]
         what = "has changed" if found["frozen"] else "is missing"
         return f"Something {what} that no effect of the library explains: {listed(places)}."
     verb = "What changed" if found["frozen"] else "Missing in the model"

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.delivery import delivered, warnings
+from pa10d.diagnose.remaining import Remaining, Unexplained
 from pa10d.diagnose.structure import Structure
 from pa10d.effects import Value
+from pa10d.jsonable import plain
+from pa10d.judgement import Judgement
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
@@ -76,32 +80,53 @@ class Finding:
 class Diagnosis:
     """The whole answer.
 
-    rms, noise_floor: (n,) N·m of the given model (refitted, unless frozen) on the held-out side
-    model: with all findings fitted in; versions: one model per step, the given one first
-    to_store: the same fitted to all motion, as identification does, for use outside the search
+    rms: (n,) N·m of the given model, refitted unless frozen, on the held-out side
+    as_given, left: the given model as it came, and the one with all findings, there
+    remaining: what is left on each joint, and what this data can say about it
+    model: with all findings fitted in; versions: one model per step, the given one (refitted
+    unless frozen) first; what was judged is what is stored
     judged_on: in words, which data the fit has not seen
     """
 
     verdict: Verdict
     rms: Array
-    noise_floor: Array
+    as_given: Judgement
+    left: Judgement
     cutoff: float
     findings: tuple[Finding, ...]
-    unexplained: tuple[Structure, ...]
+    unexplained: tuple[Unexplained, ...]
+    remaining: tuple[Remaining, ...]
     model: TorqueModel
     versions: tuple[TorqueModel, ...]
-    to_store: tuple[TorqueModel, ...]
     judged_on: str
     frozen: bool
-    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def noise_floor(self) -> Array:
+        """(n,) N·m; nan where this data does not show it."""
+        return self.left.floor.values
+
+    @property
+    def mapped(self) -> tuple[Structure, ...]:
+        """What is unexplained and of which one or two quantities are known that it depends on."""
+        return tuple(one for one in self.unexplained if isinstance(one, Structure))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be known before the model is used."""
+        return tuple(warnings(self.model)) if self.findings else ()
 
     def document(self) -> dict[str, Any]:
         """JSON of ``diagnose``."""
         return {
             "verdict": self.verdict,
             "rms": self.rms.tolist(),
-            "noise_floor": self.noise_floor.tolist(),
+            "rms_as_given": plain(self.as_given.rms),
+            **self.left.floor.document(),
             "cutoff_hz": self.cutoff,
+            "mask": self.left.mask,
+            "refitted": not self.frozen,
+            "runs": list(self.left.runs),
             "findings": [f.document() for f in self.findings],
             "unexplained": [
                 {
@@ -113,6 +138,9 @@ class Diagnosis:
                 }
                 for s in self.unexplained
             ],
+            "promised": delivered(self.model)["promised"],
+            "achieved": delivered(self.model)["achieved"],
+            "remaining": [line.document() for line in self.remaining],
             "judged_on": self.judged_on,
             "frozen": self.frozen,
             "warnings": list(self.warnings),

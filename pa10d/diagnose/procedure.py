@@ -10,18 +10,21 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pa10d.diagnose.candidates import Candidate, places, suspects
+from pa10d.diagnose.delivery import warnings as said
 from pa10d.diagnose.errors_of import term_covariance
+from pa10d.diagnose.foretold import foretold
 from pa10d.diagnose.next_experiment import settle_doubt
 from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
-from pa10d.diagnose.search import STEPS, Judged, Search, Suspects, rms
+from pa10d.diagnose.remaining import MATERIAL, Unexplained, remaining, unnamed
+from pa10d.diagnose.search import STEPS, Judged, Search, Suspects
 from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
-from pa10d.diagnose.structure import find_structure
-from pa10d.diagnose.versions import snapshot, to_store, versions_of
+from pa10d.diagnose.structure import Structure, find_structure
+from pa10d.diagnose.versions import held_out, snapshot, versions_of
 from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
-from pa10d.judgement import in_band, noise_floor, residual_of
+from pa10d.judgement import Judgement, in_band, judged, repeatable
 from pa10d.model import Term, TorqueModel, in_units_of
 from pa10d.recording import Recording
 
@@ -62,7 +65,7 @@ def diagnose(
     say(0.1, "fitting the given model")
     state = State.start(model, train, held, frozen)
     given = len(state.terms)
-    before = rms(state.held_residual())
+    as_given = held_out(model, state)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
@@ -70,10 +73,19 @@ def diagnose(
         search.contest()
     state = search.state
     say(0.85, "looking for structure that the library does not know")
-    unexplained = tuple(find_structure(state)) if only is None else ()
+    maps = find_structure(state) if only is None else []
     say(0.9, "standard errors and doubts")
-    floor = noise_floor([residual_of(state.model, run) for run in state.held.runs]).values
-    versions = versions_of(model, state, given)
+    versions = versions_of(model, state, given, as_given)
+    seen = held_out(versions[-1], state)
+    left, again = judged(versions[-1].name, seen), repeatable(seen)
+    open_joints = _unsaid(left, maps) if only is None else []
+    more = [one.unnamed() for one in foretold(state, open_joints)]
+    unexplained: tuple[Unexplained, ...] = (
+        *maps,
+        *more,
+        *unnamed(left, again, [*maps, *more]),
+    )
+    units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
@@ -81,14 +93,15 @@ def diagnose(
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]
-        rms=before,
-        noise_floor=floor,
+        rms=versions[0].held_out["held out"],
+        as_given=judged(model.name, as_given),
+        left=left,
         cutoff=model.cutoff,
         findings=findings,
         unexplained=unexplained,
+        remaining=remaining(left, again, unexplained, units),
         model=versions[-1],
         versions=versions,
-        to_store=to_store(state, versions),
         judged_on=words,
         frozen=frozen,
     )
@@ -112,6 +125,7 @@ def add(
     model = in_band(model)
     train, held, _ = two_sides(model, fit, validate)
     state = State.start(model, train, held)
+    as_given = held_out(model, state)
     given = len(state.terms)
     search = Search(state, suspicion((effect_id, joints), model.robot.n), given)
     warnings = []
@@ -141,8 +155,8 @@ def add(
             )
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
-    made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
-    return replace(made, name=name, change=f"added {added}"), warnings
+    made = snapshot(model, state, len(state.terms), as_given)
+    return replace(made, name=name, change=f"added {added}"), [*warnings, *said(made)]
 
 
 def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
@@ -160,6 +174,12 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
             raise UserError(f"{kind.id}: acts on a pair, expected two different joints")
         return [(kind, (min(joints), max(joints)))]
     return [(kind, (j,)) for j in joints]
+
+
+def _unsaid(left: Judgement, maps: Sequence[Structure]) -> list[int]:
+    """Joints that keep more than noise, as far as that is known, and have no map."""
+    named = {s.joint for s in maps}
+    return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL]
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:

@@ -16,7 +16,7 @@ from pa10d.diagnose.sides import two_sides
 from pa10d.diagnose.state import State
 from pa10d.diagnose.stiffness import Problem, stiffness
 from pa10d.diagnose.timing import align
-from pa10d.diagnose.versions import snapshot, to_store
+from pa10d.diagnose.versions import held_out, snapshot
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
 from pa10d.effects.variables import at_joint, values_of
 from pa10d.errors import UserError
@@ -66,6 +66,7 @@ def add_map(
     train, held, _ = two_sides(model, fit, validate)
     say(0.2, "fitting the given model")
     state = State.start(model, train, held)
+    as_given = held_out(model, state)
     align(state)
     say(0.5, f"drawing the map over {' and '.join(names)}")
     shape = dict(kind.shape_over(ranges(train, joint, names), 1.0))
@@ -75,7 +76,7 @@ def add_map(
     _fit_in(state, term)
     evidence = _evidence(state)
     say(0.8, "standard errors")
-    made = to_store(state, [snapshot(model, state, len(state.terms))])[0]
+    made = snapshot(model, state, len(state.terms), as_given)
     made = replace(made, name=name, change=f"added {term.label} ({EXPLAINS_NOTHING})")
     before, after = float(evidence.before[joint]), float(evidence.after[joint])
     warnings = _warnings(term.label, joint, " and ".join(names), evidence)

@@ -103,7 +103,7 @@ def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     asked = list(joints)
     maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j), asked)
     tried = dict(zip(asked, maps_of, strict=True))
-    noise = _noise(state, residual, [p for maps in tried.values() for p in maps])
+    noise = noise_beside(state, residual, [p for maps in tried.values() for p in maps])
     for maps in tried.values():
         judged = (_judge(state, residual, p, n * TRIED_PER_JOINT, noise) for p in maps)
         results = [r for r in judged if r is not None]
@@ -155,7 +155,8 @@ class _Map:
     visited: NDArray[np.bool_]
 
 
-def _rows(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
+def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
+    """(m_j,) a quantity in the rows of a joint's equation."""
     return np.concatenate([m[name][k[:, joint]] for m, k in zip(motion, side.keep, strict=True)])
 
 
@@ -163,7 +164,7 @@ def _fit_map(
     state: State, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
 ) -> _Map:
     fit = state.fit
-    x = [_rows(state.train, motion, name, joint)[::THIN] for name in names]
+    x = [rows_of(state.train, motion, name, joint)[::THIN] for name in names]
     grid = tuple(knots(v, FINE_KNOTS if len(names) == 1 else KNOTS) for v in x)
     basis = basis_of(x, grid)
     columns = basis / fit.sigma[joint]
@@ -184,18 +185,20 @@ def _fit_map(
 
 
 @dataclass
-class _Prediction:
-    """What a map says of the held-out side: values (m_j,) N·m, zero where it knows nothing;
-    inside: where it knows something."""
+class Prediction:
+    """What is foretold of a joint's held-out side: values (m_j,) N·m, zero where nothing is known;
+    inside: where something is; map: that says so, where it is one."""
 
-    map: _Map
+    joint: int
+    names: tuple[str, ...]
     values: Array
     inside: NDArray[np.bool_]
+    map: _Map | None = None
 
 
 def _strongest(
     state: State, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
-) -> list[_Prediction]:
+) -> list[Prediction]:
     """The maps of one joint that help the fit side most, among those that know enough ground."""
     maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
     strongest = sorted(maps, key=lambda m: -m.gain)[:TRIED_PER_JOINT]
@@ -203,58 +206,88 @@ def _strongest(
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
 
-def _predict(state: State, motion: list[dict[str, Array]], m: _Map) -> _Prediction:
-    x = [_rows(state.held, motion, name, m.joint) for name in m.names]
+def _predict(state: State, motion: list[dict[str, Array]], m: _Map) -> Prediction:
+    x = [rows_of(state.held, motion, name, m.joint) for name in m.names]
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
     inside &= basis @ ~m.visited < UNKNOWN_GROUND
     values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
-    return _Prediction(m, np.where(inside, values, 0.0), inside)
+    return Prediction(m.joint, m.names, np.where(inside, values, 0.0), inside, m)
 
 
 @dataclass
-class _Noise:
-    """How uncertain the model is, each joint's noise being the least that any map of it leaves."""
+class Noise:
+    """How uncertain the model is, each joint's noise being the least that any prediction of it
+    leaves."""
 
     state: State
     grams: dict[int, Array]
     own: dict[int, Array]
 
-    def beside(self, prediction: _Prediction) -> Doubt:
-        """With this map added: the noise of its joint is what it leaves."""
-        own = {prediction.map.joint: self.own[id(prediction)]}
+    def beside(self, prediction: Prediction) -> Doubt:
+        """With this one added: the noise of its joint is what it leaves."""
+        own = {prediction.joint: self.own[id(prediction)]}
         return doubt_under(self.state, {**self.grams, **own})
 
 
-def _noise(state: State, residual: PerJoint, predictions: list[_Prediction]) -> _Noise:
+def noise_beside(state: State, residual: PerJoint, predictions: list[Prediction]) -> Noise:
+    """residual: joint -> (m_j,) N·m held out."""
     power = {j: float(np.mean(r**2)) for j, r in residual.items()}
     grams = {
         j: held_noise_gram(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()
     }
     own = {}
     for p in predictions:
-        j = p.map.joint
-        left = residual[j] - p.values
-        own[id(p)] = held_noise_gram(state, j, left, p.inside)
-        if (now := float(np.mean(left[p.inside] ** 2))) < power[j]:
-            power[j], grams[j] = now, own[id(p)]
-    return _Noise(state, grams, own)
+        left = residual[p.joint] - p.values
+        own[id(p)] = held_noise_gram(state, p.joint, left, p.inside)
+        if (now := float(np.mean(left[p.inside] ** 2))) < power[p.joint]:
+            power[p.joint], grams[p.joint] = now, own[id(p)]
+    return Noise(state, grams, own)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A prediction that holds: share of the squared error that it removes where it speaks, what it
+    leaves there, (N·m)², and p, corrected for all that were tried."""
+
+    share: float
+    left: float
+    p_value: float
+    evidence: Evidence
+
+
+def evidence_of(
+    state: State,
+    residual: PerJoint,
+    prediction: Prediction,
+    among: int,
+    noise: Noise,
+    level: float = LEVEL,
+) -> Claim | None:
+    """None where noise alone does as well, or too little is foretold to matter."""
+    joint, values, inside = prediction.joint, prediction.values, prediction.inside
+    doubt = noise.beside(prediction)
+    evidence = judge(state.held, residual, {joint: values}, doubt, {joint: inside})
+    r = residual[joint]
+    left = float(np.mean((r - values)[inside] ** 2))
+    share = 1.0 - left / float(np.mean(r[inside] ** 2))
+    p = min(1.0, evidence.p_value * among)
+    if p > level or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
+        return None
+    return Claim(share, left, p, evidence)
 
 
 def _judge(
-    state: State, residual: PerJoint, prediction: _Prediction, among: int, noise: _Noise
+    state: State, residual: PerJoint, prediction: Prediction, among: int, noise: Noise
 ) -> Structure | None:
-    m, values, inside = prediction.map, prediction.values, prediction.inside
-    doubt = noise.beside(prediction)
-    evidence = judge(state.held, residual, {m.joint: values}, doubt, {m.joint: inside})
-    r = residual[m.joint]
-    share = 1.0 - float(np.mean((r - values)[inside] ** 2) / np.mean(r[inside] ** 2))
-    p = min(1.0, evidence.p_value * among)
-    if p > LEVEL or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
+    claim, m = evidence_of(state, residual, prediction, among, noise), prediction.map
+    if claim is None or m is None:
         return None
-    rms = float(np.sqrt(np.mean(values**2)))
-    left = float(np.mean((r - values)[inside] ** 2))
-    return Structure(m.joint, m.names, share, rms, p, m.grid, m.values, evidence, inside, left)
+    rms = float(np.sqrt(np.mean(prediction.values**2)))
+    return Structure(
+        m.joint, m.names, claim.share, rms, claim.p_value, m.grid, m.values, claim.evidence,
+        prediction.inside, claim.left,
+    )  # fmt: skip
 
 
 def knots(values: Array, count: int) -> Array:

@@ -43,10 +43,15 @@ STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's o
 
 def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
     """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
-    floor = np.asarray(noise_floor, dtype=float)
+    floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
     ratio = np.asarray(rms) / np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
     large = np.flatnonzero(ratio > STILL_LARGE)
     first = "Nothing has changed" if frozen else "Nothing is missing"
+    if not len(large) and not np.all(np.isfinite(ratio)):
+        return (
+            f"{first} that this data can show; but it does not show how strong the noise is. "
+            "Record one motion twice: what differs is noise, and what comes again is none."
+        )
     if not len(large):
         return f"{first}: what the model leaves over on new data is measurement noise."
     joints = listed([str(j + 1) for j in large])

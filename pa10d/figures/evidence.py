@@ -94,7 +94,8 @@ def before_after(
     hover = "%{x}: %{y:.4g} N·m"
     data: list[Trace] = [
         {
-            "type": "bar", "name": name, "x": names, "y": [float(v) for v in values],
+            "type": "bar", "name": name, "x": names,
+            "y": [float(v) if np.isfinite(v) else None for v in values],
             "marker": {"color": color}, "hovertemplate": hover,
         }
         for name, values, color in bars

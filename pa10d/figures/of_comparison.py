@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from pa10d.compare import Comparison
 from pa10d.figures.errors import error_maps
 from pa10d.figures.memory import memory
@@ -29,7 +31,8 @@ def comparison_figures(comparison: Comparison, steps: Sequence[Step] = ()) -> di
 
 def joint_figures(comparison: Comparison, joint: int) -> dict[str, Any]:
     """One joint (0-based): ``time`` (run name -> figure), ``maps``, ``spectra``, ``memory``."""
-    floor = float(comparison.pooled.noise_floor[joint])
+    level = float(comparison.pooled.noise_floor[joint])
+    floor = level if np.isfinite(level) else None
     over_time: dict[str, Figure] = {}
     for run in comparison.residuals:
         name, again = run.name, 1

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.structure import Structure
 from pa10d.figures.decimate import thinned
 from pa10d.figures.errors import binned
 from pa10d.figures.evidence import before_after, evidence
@@ -28,7 +29,8 @@ FEWEST = 50  # samples worth a plot
 
 def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
     """``staircase``; per finding ``findings``: ``joint`` (from 1) that is shown, ``evidence`` (name
-    -> figure, the best first) and ``before_after``; ``unexplained``: one map per entry."""
+    -> figure, the best first) and ``before_after``; ``unexplained``: a map per entry, None where
+    nobody knows what it depends on."""
     names = found.model.robot.joint_names
     return {
         "staircase": staircase(steps_of(found), names, known_floor(found)),
@@ -43,7 +45,9 @@ def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
             }
             for k in range(len(found.findings))
         ],
-        "unexplained": [structure_map(s, seen) for s in found.unexplained],
+        "unexplained": [
+            structure_map(s, seen) if isinstance(s, Structure) else None for s in found.unexplained
+        ],
     }  # fmt: skip
 
 
@@ -58,8 +62,8 @@ def steps_of(found: Diagnosis) -> list[Step]:
 
 
 def known_floor(found: Diagnosis) -> Array | None:
-    """(n,) N·m, or None where it is not known for every joint."""
-    return found.noise_floor if bool(np.all(np.isfinite(found.noise_floor))) else None
+    """(n,) N·m, nan where it is not known; None where it is for no joint."""
+    return found.noise_floor if bool(np.any(np.isfinite(found.noise_floor))) else None
 
 
 def shown_joint(found: Diagnosis, k: int) -> int:

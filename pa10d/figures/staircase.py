@@ -29,7 +29,7 @@ def least_floor(steps: Sequence[Step], floor: Array | None = None) -> Array | No
     the error of a poorer one has that never comes again only adds to its own floor."""
     known = [step.floor for step in steps if step.floor is not None]
     known += [] if floor is None else [floor]
-    return np.min(known, axis=0) if known else None
+    return np.fmin.reduce(known) if known and np.any(np.isfinite(known)) else None
 
 
 def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None = None) -> Figure:
@@ -43,7 +43,7 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
     traces: list[Trace] = [
         {
             "type": "scatter", "mode": "lines+markers", "name": f"{j + 1} {name}",
-            "x": names, "y": [float(v) for v in shown[:, j]],
+            "x": names, "y": [float(v) if np.isfinite(v) else None for v in shown[:, j]],
             "customdata": [
                 [float(value), change] for value, change in zip(rms[:, j], changes, strict=True)
             ],
@@ -60,7 +60,7 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
         yaxis=(
             log_axis("RMS, N·m", shown)
             if floor is None
-            else log_axis("RMS ÷ noise floor", [1.0, *shown.ravel()])
+            else log_axis("RMS ÷ noise floor", [1.0, *shown[np.isfinite(shown)]])
         ),
         shapes=[] if floor is None else [mark(("x", "y"), y=1.0, color=NOISE)],
     )

@@ -3,14 +3,17 @@
 from pa10d.judgement.band import HIGHEST_HZ, band, common_band, in_band
 from pa10d.judgement.judge import MASK, Judgement, judge, judge_alike, judged
 from pa10d.judgement.noise import NoiseFloor, noise_floor
+from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
 from pa10d.judgement.scores import Scores, scores
+from pa10d.judgement.worse import worse
 
 __all__ = [
     "HIGHEST_HZ",
     "MASK",
     "Judgement",
     "NoiseFloor",
+    "Repeatable",
     "RunResidual",
     "Scores",
     "band",
@@ -20,7 +23,9 @@ __all__ = [
     "judge_alike",
     "judged",
     "noise_floor",
+    "repeatable",
     "residual_of",
     "run_residual",
     "scores",
+    "worse",
 ]

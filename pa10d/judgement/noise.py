@@ -8,6 +8,9 @@ strength would leave so much below. The last two are lower bounds (noise may be 
 motion, or at low frequencies), so the larger is taken where no motion comes again; but not a
 standstill whose torque wavers more than the error in motion, because then it is creep or braking.
 And never more than the error itself: friction that jumps at a reversal reaches above any cut-off.
+
+A spectrum that falls on and on above the cut-off shows no noise: a smoothed channel has none left
+there, and neither does one whose steps are coarser than what wavers. Then the floor is not known.
 """
 
 from __future__ import annotations
@@ -33,66 +36,138 @@ REST = 1.0  # s of standstill, at least
 WINDOW = 6.0  # periods of the cut-off: of one look at a joint at rest
 STILL = 1e-3  # of a joint's range: it may move this much and still stand
 SECONDS = 1.0  # of one segment of the spectrum
+ENOUGH = 4  # segments that speak for a run
 BAND = (1.5, 4.0)  # cut-offs between which the error's spectrum is taken as the noise's
+TOP = (0.25, 0.4)  # of the sampling rate: where white noise is as strong as just above the cut-off
+FALLS = 16.0  # times the power there from which on the spectrum is no white noise's: a drive's own
+# filter of first or second order costs a factor of four, smoothing by software hundreds
+COARSE = 4.0  # times the power of rounding below which a spectrum is that of the rounding
 
 
 @dataclass(frozen=True)
 class NoiseFloor:
-    """values (n,) N·m, RMS behind the equation's low-pass; methods (n): how each was found."""
+    """values (n,) N·m, RMS behind the equation's low-pass, nan where this data does not tell;
+    methods (n): how each was found, None where it was not; errors (n,): standard errors, N·m."""
 
     values: Array
-    methods: tuple[str, ...]
+    methods: tuple[str | None, ...]
+    errors: Array
 
     def document(self) -> dict[str, Any]:
-        """As JSON."""
-        return {"noise_floor": plain(self.values), "noise_floor_from": list(self.methods)}
+        """As JSON; null: not known from this data."""
+        return {
+            "noise_floor": plain(self.values),
+            "noise_floor_from": list(self.methods),
+            "noise_floor_std_error": plain(self.errors),
+        }
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A variance (N·m)², from how many looks, and how much these scatter about it (relative)."""
+
+    variance: float
+    looks: int
+    scatter: float
+
+
+NOTHING = _Seen(0.0, 0, 0.0)
 
 
 def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     """Of several runs together, per joint the best way that they allow."""
     runs = list(runs)
     passes = differences(runs)
-    values, methods = [], []
-    for j, found in enumerate(passes):
-        together = np.concatenate(found) if found else np.empty(0)
-        if len(together) >= FEWEST:
-            values.append(float(np.sqrt(np.mean(together**2))))
-            methods.append(REPEATS)
-            continue
-        used = moving(runs, j)
-        above = _pooled([_above(run, j) for run in used])
-        rest, left = _pooled([_at_rest(run, j) for run in used]), float(scores(used).rms[j])
-        rest = rest if rest < left else 0.0
-        values.append(min(max(above, rest), left))
-        methods.append(STANDSTILL if rest > above else ABOVE)
-    return NoiseFloor(np.array(values), tuple(methods))
+    found = [_floor(runs, j, passes[j]) for j in range(len(passes))]
+    values, methods, errors = zip(*found, strict=True)
+    return NoiseFloor(np.array(values), tuple(methods), np.array(errors))
 
 
-def _above(run: RunResidual, joint: int) -> tuple[float, int]:
+def _floor(
+    runs: list[RunResidual], joint: int, passes: list[Array]
+) -> tuple[float, str | None, float]:
+    together = np.concatenate(passes) if passes else np.empty(0)
+    if len(together) >= FEWEST:
+        value = float(np.sqrt(np.mean(together**2)))
+        return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0))
+    used = moving(runs, joint)
+    above = _pooled([_above(run, joint) for run in used])
+    rest, left = _pooled([_at_rest(run, joint) for run in used]), float(scores(used).rms[joint])
+    if not rest.looks or rest.variance >= left**2 or rest.variance <= 0.0:
+        rest = NOTHING
+    best = rest if rest.variance > above.variance else above
+    if not best.looks:
+        return float("nan"), None, float("nan")
+    value = min(float(np.sqrt(best.variance)), left)
+    error = 0.5 * value * best.scatter / np.sqrt(best.looks)
+    return value, STANDSTILL if best is rest else ABOVE, error
+
+
+def _independent(passes: list[Array]) -> float:
+    """How many independent samples these differences are worth (Bartlett)."""
+    worth = 0.0
+    for x in passes:
+        size = scipy.fft.next_fast_len(2 * len(x), real=True)
+        gamma = scipy.fft.irfft(np.abs(scipy.fft.rfft(x, size)) ** 2, size)[: len(x) // 4 + 1]
+        rho = gamma / max(float(gamma[0]), 1e-300)
+        worth += len(x) / (1.0 + 2.0 * float(np.sum(rho[1:] ** 2)))
+    return worth
+
+
+def _above(run: RunResidual, joint: int) -> _Seen:
     """Variance behind the low-pass of white noise as strong as error or torque are just above it,
-    the median over segments, so that a knock does not count; and from how many segments."""
+    the median over segments, so that a knock does not count."""
     lowpass = run.equation.lowpass
-    length = min(len(run.raw_error), max(32, int(SECONDS * lowpass.rate)))
-    counts = run.raw_counts[:, joint]
-    starts = range(0, len(counts) - length + 1, length)
-    segments = [slice(s, s + length) for s in starts if counts[s : s + length].all()]
-    segments = segments or [slice(s, s + length) for s in starts]
+    segments = _segments(run, joint)
     top = min(BAND[1] * lowpass.cutoff, 0.4 * lowpass.rate)
-    levels = []
+    seen = []
     for signal in (run.raw_error[:, joint], run.equation.raw_tau[:, joint]):
         f, power = scipy.signal.periodogram(
             np.array([signal[s] for s in segments]), lowpass.rate, window="hann", detrend="linear"
         )
         band = (f >= min(BAND[0] * lowpass.cutoff, 0.5 * top)) & (f <= top)
-        levels.append(float(np.median(power[:, band].mean(axis=1))))
-    level = min(levels)
+        beyond = (f >= TOP[0] * lowpass.rate) & (f <= TOP[1] * lowpass.rate)
+        each = power[:, band].mean(axis=1)
+        seen.append((float(np.median(each)), float(np.median(power[:, beyond].mean(axis=1))), each))
+    level, least, each = min(seen, key=lambda s: s[0])
+    separate = TOP[0] * lowpass.rate > top
+    if separate and level > FALLS * least:
+        return NOTHING
+    if level * 0.5 * lowpass.rate < COARSE * _step(run.equation.raw_tau[:, joint]) ** 2 / 12.0:
+        return NOTHING
     fine = np.linspace(0.0, 0.5 * lowpass.rate, 4000)
-    return level * float(np.sum(lowpass.gain(fine) ** 2) * (fine[1] - fine[0])), len(segments)
+    gain = float(np.sum(lowpass.gain(fine) ** 2) * (fine[1] - fine[0]))
+    return _Seen(level * gain, len(segments), float(np.std(each) / max(level, 1e-300)))
 
 
-def _at_rest(run: RunResidual, joint: int) -> tuple[float, int]:
+def _segments(run: RunResidual, joint: int) -> list[slice]:
+    """Stretches of raw samples to take a spectrum of: clear of reversals, whose jolt reaches above
+    any cut-off, where there are enough; else in motion; else all."""
+    rate = run.equation.lowpass.rate
+    for seconds, mask in (
+        (0.5 * SECONDS, run.raw_judged[:, joint]),
+        (SECONDS, run.raw_counts[:, joint]),
+        (SECONDS, np.ones(len(run.raw_error), dtype=bool)),
+    ):
+        length = min(len(mask), max(32, int(seconds * rate)))
+        starts = range(0, len(mask) - length + 1, length)
+        found = [slice(s, s + length) for s in starts if mask[s : s + length].all()]
+        if len(found) >= ENOUGH or (found and mask.all()):
+            return found
+    return found
+
+
+def _step(torque: Array) -> float:
+    """N·m: the step in which a torque (N,) is reported; 0 where it takes any value."""
+    levels = np.unique(torque)
+    if len(levels) < 2 or len(levels) > 0.5 * len(torque):
+        return 0.0
+    return float(np.median(np.diff(levels)))
+
+
+def _at_rest(run: RunResidual, joint: int) -> _Seen:
     """Variance of the filtered torque about straight lines while the joint stands still, the
-    median over short windows, and from how many samples.
+    median over short windows.
 
     A servo that hunts within stiction winds its torque up and lets it go: within a window the
     winding is a line, and the median does not see the letting go.
@@ -111,11 +186,20 @@ def _at_rest(run: RunResidual, joint: int) -> tuple[float, int]:
         for begin in range(start, stop - length + 1, length):
             rest = scipy.signal.detrend(run.measured[begin : begin + length, joint])
             variances.append(float(np.mean(rest**2)))
+    if not variances:
+        return NOTHING
     # a line takes two of the 2·WINDOW independent values that a window has in the band
     share = 1.0 - 1.0 / WINDOW
-    return (float(np.median(variances)) / share if variances else 0.0), len(variances) * length
+    level = float(np.median(variances))
+    scatter = float(np.std(variances)) / max(level, 1e-300)
+    return _Seen(level / share, len(variances), scatter)
 
 
-def _pooled(parts: list[tuple[float, int]]) -> float:
-    weight = sum(count for _, count in parts)
-    return float(np.sqrt(sum(v * count for v, count in parts) / weight)) if weight else 0.0
+def _pooled(parts: list[_Seen]) -> _Seen:
+    """Of several runs: each as often as it was looked at."""
+    looks = sum(part.looks for part in parts)
+    if not looks:
+        return NOTHING
+    variance = sum(part.variance * part.looks for part in parts) / looks
+    scatter = sum(part.scatter * part.looks for part in parts) / looks
+    return _Seen(variance, looks, scatter)

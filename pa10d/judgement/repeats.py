@@ -3,6 +3,9 @@ too, and what differs between the two passes is noise."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
@@ -19,30 +22,57 @@ MOVES = 0.02  # rad: joints that move less do not decide
 LEAST = 2.0  # s that two passes must have in common
 
 
-def differences(runs: list[RunResidual]) -> list[list[Array]]:
-    """Per joint: differences of the filtered error (K,) N·m between two passes of one motion,
-    over √2, so that their RMS is the noise's; empty where no motion comes again."""
-    n = runs[0].error.shape[1]
-    out: list[list[Array]] = [[] for _ in range(n)]
+@dataclass(frozen=True)
+class Pass:
+    """Filtered errors (K, n) N·m of two passes of one motion, sample by sample at the raw rate;
+    counts (K, n): where both are judged; rate: Hz; cutoff: Hz of the low-pass; apart: of two runs,
+    so that no noise can remember the other pass."""
+
+    one: Array
+    other: Array
+    counts: NDArray[np.bool_]
+    rate: float
+    cutoff: float
+    apart: bool
+
+    def in_band(self, joint: int) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """One joint at twice the cut-off, where white noise stays white."""
+        step = max(1, int(self.rate / (2.0 * self.cutoff)))
+        return self.one[::step, joint], self.other[::step, joint], self.counts[::step, joint]
+
+
+def passes(runs: list[RunResidual]) -> Iterator[Pass]:
+    """Every motion that comes again: within a run a period later, or in another run."""
     fine = [run.equation.lowpass for run in runs]
     errors = [
         type(low)(low.samples, low.rate, low.cutoff, 1, low.order)(run.raw_error)
         for low, run in zip(fine, runs, strict=True)
     ]
     for i, run in enumerate(runs):
-        lag = period(run.seen.q, fine[i].rate)
+        rate, cutoff = fine[i].rate, fine[i].cutoff
+        lag = period(run.seen.q, rate)
         if lag is not None:
-            _collect(
-                out, errors[i][lag:], errors[i][:-lag], run.raw_judged[lag:] & run.raw_judged[:-lag]
-            )
+            counts = run.raw_judged[lag:] & run.raw_judged[:-lag]
+            yield Pass(errors[i][lag:], errors[i][:-lag], counts, rate, cutoff, apart=False)
         for k in range(i + 1, len(runs)):
-            if abs(fine[i].rate / fine[k].rate - 1.0) > 1e-3:
+            if abs(rate / fine[k].rate - 1.0) > 1e-3:
                 continue
-            shift = same_motion(run.seen.q, runs[k].seen.q, fine[i].rate)
+            shift = same_motion(run.seen.q, runs[k].seen.q, rate)
             if shift is not None:
                 one, other = overlap(len(errors[i]), len(errors[k]), shift)
                 counts = run.raw_judged[one] & runs[k].raw_judged[other]
-                _collect(out, errors[i][one], errors[k][other], counts)
+                yield Pass(errors[i][one], errors[k][other], counts, rate, cutoff, apart=True)
+
+
+def differences(runs: list[RunResidual]) -> list[list[Array]]:
+    """Per joint: differences of the filtered error (K,) N·m between two passes of one motion,
+    over √2, so that their RMS is the noise's; empty where no motion comes again."""
+    out: list[list[Array]] = [[] for _ in range(runs[0].error.shape[1])]
+    for pair in passes(runs):
+        for j, found in enumerate(out):
+            counts = pair.counts[:, j]
+            if counts.any():
+                found.append((pair.one[counts, j] - pair.other[counts, j]) / np.sqrt(2.0))
     return out
 
 
@@ -88,12 +118,6 @@ def overlap(one: int, other: int, shift: int) -> tuple[slice, slice]:
     start, other_start = max(0, -shift), max(0, shift)
     length = max(0, min(one - start, other - other_start))
     return slice(start, start + length), slice(other_start, other_start + length)
-
-
-def _collect(out: list[list[Array]], one: Array, other: Array, counts: NDArray[np.bool_]) -> None:
-    for j, found in enumerate(out):
-        if counts[:, j].any():
-            found.append((one[counts[:, j], j] - other[counts[:, j], j]) / np.sqrt(2.0))
 
 
 def _mean_square(one: Array, other: Array) -> Array:

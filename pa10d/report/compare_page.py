@@ -11,9 +11,10 @@ from pa10d import __version__, figures
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Step
+from pa10d.judgement import MASK
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
-from pa10d.words import times
+from pa10d.words import times, times_noise
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
     return page(
         f"{model.name}: where does it fail?",
         f"{model.robot.name}, {model.robot.n} joints · runs {runs} · both sides low-passed at "
-        f"{model.cutoff:g} Hz · worst joint {_worst(pooled.scores.rms, pooled.noise_floor) + 1}",
+        f"{model.cutoff:g} Hz · worst joint {_worst(pooled) + 1}",
         blocks,
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )
@@ -54,7 +55,7 @@ def figures_sections(comparison: Comparison, steps: Sequence[Step] = ()) -> list
 
 def joint_sections(comparison: Comparison) -> list[Section]:
     """One section per joint; the worst ones are open."""
-    ratio = comparison.pooled.scores.rms / np.maximum(comparison.pooled.noise_floor, 1e-300)
+    ratio = _badness(comparison.pooled)
     first = set(np.argsort(-ratio)[:OPEN].tolist())
     return [joint_section(comparison, j, j not in first) for j in range(comparison.model.robot.n)]
 
@@ -84,14 +85,14 @@ def joint_section(
     ]  # fmt: skip
     name = f"Joint {j + 1}"
     rms = pooled.scores.rms[j]
-    mark = f"{robot.joint_names[j]} · RMS {rms:.3g} {unit}, {rms / max(floor, 1e-300):.1f} × noise"
+    mark = f"{robot.joint_names[j]} · RMS {rms:.3g} {unit}, {times_noise(rms, floor)}"
     return Section(name, blocks, mark, folded)
 
 
 def _summary(comparison: Comparison) -> Section:
     pooled, robot = comparison.pooled, comparison.model.robot
-    ratio = pooled.scores.rms / np.maximum(pooled.noise_floor, 1e-300)
-    worst = _worst(pooled.scores.rms, pooled.noise_floor)
+    ratio = pooled.scores.rms / pooled.noise_floor
+    worst = _worst(pooled)
     place, share = "nowhere", "no region stands out"
     if pooled.where:
         top = pooled.where[0]
@@ -100,7 +101,8 @@ def _summary(comparison: Comparison) -> Section:
     cards = Cards(
         [
             ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
-             f"{times(ratio[worst])} the noise floor"),
+             f"{times(ratio[worst])} the noise floor" if np.isfinite(ratio[worst])
+             else "noise not known"),
             ("joints near the noise", f"{int(np.sum(ratio < 1.2))} of {robot.n}",
              "below 1.2 × noise"),
             ("stands out", place, share),
@@ -137,7 +139,8 @@ def _history(comparison: Comparison, steps: Sequence[Step]) -> Section:
 def _figures(comparison: Comparison) -> Section:
     names = comparison.model.robot.joint_names
     note = Text(
-        "RMS, largest and noise floor in N·m (N for sliding joints), after the low-pass; RMS raw: "
+        f"RMS, largest and noise floor in N·m (N for sliding joints), after the low-pass, {MASK}; "
+        f"RMS raw: "
         "unfiltered torque; NRMSE: RMS over the range of the measured torque.", muted=True,
     )  # fmt: skip
     blocks: list[Block] = [
@@ -153,23 +156,25 @@ def _figures(comparison: Comparison) -> Section:
     return Section("Figures", blocks)
 
 
-def _floor_source(methods: Sequence[str]) -> str:
+def _floor_source(methods: Sequence[str | None]) -> str:
     """``Noise floor from repeated motion (joints 1, 2), high frequencies (joint 3).``"""
     said = []
     for method in dict.fromkeys(methods):
         joints = [str(j + 1) for j, other in enumerate(methods) if other == method]
-        said.append(f"{method} (joint{'s' if len(joints) > 1 else ''} {', '.join(joints)})")
+        where = f"(joint{'s' if len(joints) > 1 else ''} {', '.join(joints)})"
+        said.append(f"{method or 'nothing: this data does not show it'} {where}")
     return f"Noise floor from {', '.join(said)}."
 
 
 def figures_table(entry: RunScores, joints: Sequence[str]) -> Table:
     """The figures of one run, or of all of them."""
-    found, floor = entry.scores, np.maximum(entry.noise_floor, 1e-300)
+    found, floor = entry.scores, entry.noise_floor
     head = ["joint", "RMS", "noise floor", "RMS ÷ noise", "RMS raw", "largest", "NRMSE", "R²"]
     rows = [
         [
-            f"{j + 1} {name}", f"{found.rms[j]:.4g}", f"{floor[j]:.4g}",
-            f"{found.rms[j] / floor[j]:.2f}", f"{found.rms_raw[j]:.4g}",
+            f"{j + 1} {name}", f"{found.rms[j]:.4g}",
+            f"{floor[j]:.4g}" if floor[j] > 0 else "not known",
+            f"{found.rms[j] / floor[j]:.2f}" if floor[j] > 0 else "–", f"{found.rms_raw[j]:.4g}",
             f"{found.max[j]:.4g}", f"{found.nrmse[j]:.2%}", f"{found.r2[j]:.5f}",
         ]
         for j, name in enumerate(joints)
@@ -187,5 +192,13 @@ def _line_advice(j: int, lines: Sequence[tuple[float, float]], unit: str) -> str
     )
 
 
-def _worst(rms: Array, floor: Array) -> int:
-    return int(np.argmax(rms / np.maximum(floor, 1e-300)))
+def _badness(pooled: RunScores) -> Array:
+    """(n,): error over noise; where no noise is known, over the range of the torque."""
+    ratio = pooled.scores.rms / pooled.noise_floor
+    if not np.any(np.isfinite(ratio)):
+        return pooled.scores.nrmse
+    return np.where(np.isfinite(ratio), ratio, 0.0)
+
+
+def _worst(pooled: RunScores) -> int:
+    return int(np.argmax(_badness(pooled)))

@@ -10,6 +10,7 @@ import numpy as np
 
 from pa10d import __version__
 from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.remaining import MATERIAL
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures
@@ -44,6 +45,7 @@ def diagnosis_sections(found: Diagnosis, seen: HeldOut, asked: Asked) -> Diagnos
             for s, figure in zip(found.unexplained, drawn["unexplained"], strict=True)
         ),
         (
+            _remaining(found),
             *([_staircase(drawn)] if found.findings else []),
             _figures(found),
             _judged(found, asked),
@@ -67,21 +69,26 @@ def diagnosis_page(
 
 
 def _glance(found: Diagnosis) -> Section:
-    last = found.versions[-1].held_out["held out"]
-    ratio = last / np.maximum(found.noise_floor, 1e-300)
-    near = int(np.sum(ratio < 1.2)) if np.all(np.isfinite(ratio)) else None
+    last = found.left.rms
+    ratio = found.left.ratio
+    near = int(np.sum(ratio < MATERIAL)) if np.all(np.isfinite(ratio)) else None
     places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),
          listed([finding_words(f, found.frozen) for f in found.findings]) or "none is significant"),
         ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
-         "depends on the motion" if places else "significant"),
+         "is no noise" if places else "significant"),
         ("joints near the noise", "–" if near is None else f"{near} of {len(last)}",
          "below 1.2 × noise, after all that was found"),
     ]  # fmt: skip
     warnings = [("Note:", warning) for warning in found.warnings]
     blocks: list[Block] = [Verdict(headline(found), found.verdict), Cards(cards)]
     return Section("Verdict", [*blocks, Lines(warnings)] if warnings else blocks)
+
+
+def _remaining(found: Diagnosis) -> Section:
+    lines = [("", line.sentence) for line in found.remaining]
+    return Section("What is left on every joint", [Lines(lines)])
 
 
 def _staircase(drawn: Mapping[str, Any]) -> Section:
@@ -105,8 +112,8 @@ def _figures(found: Diagnosis) -> Section:
         ])  # fmt: skip
     note = Text(
         f"RMS error on held-out data; measured and modelled torque both low-passed at "
-        f"{found.cutoff:g} Hz. Noise floor: what a perfect model would leave, from the noise just "
-        "above that band; noise that is stronger at low frequencies leaves more.",
+        f"{found.cutoff:g} Hz; samples {found.left.mask}. Noise floor: what a perfect model would "
+        "leave; how it was found stands with each joint above.",
         muted=True,
     )
     return Section("Figures", [Table(head, rows), note])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.remaining import Unexplained
 from pa10d.diagnose.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
 from pa10d.figures.diagnosis_texts import CURVE, MAP
@@ -18,9 +19,22 @@ INTRO = (
 )
 
 
-def unexplained_section(found: Diagnosis, s: Structure, figure: Figure, asked: Asked) -> Section:
+UNNAMED = (
+    "This part of the error is no noise, but neither an effect of the library nor any one or two "
+    "quantities of the motion say what it is. Look at it over time in a comparison; think of what "
+    "the joint did before, of three or more joints together, and of what changed during the run."
+)
+
+
+def unexplained_section(
+    found: Diagnosis, s: Unexplained, figure: Figure | None, asked: Asked
+) -> Section:
     """One joint's map; unless the model was frozen, also the command that removes it."""
     unit = found.model.robot.torque_unit(s.joint)
+    if not isinstance(s, Structure) or figure is None:
+        said = [Text(found.remaining[s.joint].sentence), Text(UNNAMED)]
+        name = f"Joint {s.joint + 1}: what nobody can name"
+        return Section(name, list(said), f"{s.rms:.3g} {unit}")
     reading = MAP if len(s.variables) == 2 else CURVE
     title = f"{s.rms:.3g} {unit} that no effect explains"
     blocks: list[Block] = [Text(INTRO), Plot(title, figure, reading, structure_words(s) + ".")]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pa10d.diagnose.outcome import Diagnosis, Finding
-from pa10d.diagnose.structure import Structure
+from pa10d.diagnose.remaining import Unexplained
 from pa10d.diagnose.words import nothing
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
@@ -98,7 +98,9 @@ def removed(finding: Finding, joint: int) -> float:
     return 1.0 - (after / max(before, 1e-300)) ** 2
 
 
-def structure_words(s: Structure) -> str:
+def structure_words(s: Unexplained) -> str:
     """``38 % of joint 2's squared error depends on position of joint 2 and …``."""
+    if not s.variables:
+        return f"{percent(min(s.share, 1.0))} of joint {s.joint + 1}'s squared error is no noise"
     named = " and the ".join(variable_words(name) for name in s.variables)
     return f"{percent(s.share)} of joint {s.joint + 1}'s squared error depends on the {named}"

@@ -66,7 +66,8 @@ def torque_over(
     seen = _residual(data, *pair, band)
     _refuse_joint(seen, joint)
     marked = None if place is None else _within(seen, joint - 1, *place)
-    floor = float(_judged(data, pair[0], pair[1:], band).floor.values[joint - 1])
+    level = float(_judged(data, pair[0], pair[1:], band).floor.values[joint - 1])
+    floor = level if np.isfinite(level) else None
     figure = torque_over_time(seen, joint - 1, floor, raw=raw, span=_span(span), marked=marked)
     jump = None if marked is None else _stretch(seen, joint - 1, marked)
     return _plot(figure, TEXTS["time"], jump=jump)
@@ -84,7 +85,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
         for info, one in zip(line, found, strict=True)
     ]
     floor = least_floor(steps)
-    assert floor is not None
+    floor = np.full(len(line[-1].joints), np.nan) if floor is None else floor
     figure = staircase(steps, line[-1].joints, floor)
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(

@@ -59,6 +59,11 @@ def page_of(found: Diagnosis, seen: HeldOut) -> reader.Report:
     return reader.Report(diagnosis_page(found, seen, ASKED))
 
 
+def with_floor(found: Diagnosis, values: np.ndarray) -> Diagnosis:
+    floor = replace(found.left.floor, values=values)
+    return replace(found, left=replace(found.left, floor=floor))
+
+
 def doubtful(found: Diagnosis) -> Diagnosis:
     why = "both act after a <reversal>"
     finding = replace(
@@ -149,9 +154,9 @@ def test_the_staircase_falls_beside_the_noise(stribeck):
 
 def test_an_unknown_noise_floor_is_called_unknown(stribeck):
     found, seen, _ = stribeck
-    unknown = found.noise_floor.copy()
+    unknown = found.left.rms.copy()
     unknown[1] = np.nan
-    page = page_of(replace(found, noise_floor=unknown), seen)
+    page = page_of(with_floor(found, unknown), seen)
     assert page.words.count("unknown") == 1
     assert len(page.canvases) == 3
 
@@ -166,9 +171,8 @@ def test_what_changed_is_not_added_but_undone(stribeck):
 
 def test_nothing_missing_is_said_plainly(stribeck):
     found, seen, _ = stribeck
-    clean = replace(
-        found, verdict="none", findings=(), versions=found.versions[:1], noise_floor=found.rms
-    )
+    bare = replace(found, verdict="none", findings=(), versions=found.versions[:1])
+    clean = with_floor(replace(bare, left=replace(found.left, rms=found.rms)), found.rms)
     page = page_of(clean, seen)
     assert headline(clean) in page.words
     assert "measurement noise" in headline(clean)

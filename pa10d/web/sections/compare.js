@@ -109,8 +109,9 @@ async function open(id, joint, started = null) {
 }
 
 const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;
-const ratios = () => view.result.pooled.rms.map((rms, j) => rms / view.result.pooled.noise_floor[j]);
-const worst = () => ratios().reduce((best, ratio, j, all) => (ratio > all[best] ? j : best), 0) + 1;
+/** Error over noise; NaN where the noise is not known from these runs. */
+const ratios = () => view.result.pooled.rms.map((rms, j) => rms / (view.result.pooled.noise_floor[j] ?? NaN));
+const worst = () => ratios().reduce((best, ratio, j, all) => (ratio > (all[best] || 0) ? j : best), 0) + 1;
 
 function choose(joint) {
   const changed = joint !== view.joint;
@@ -129,7 +130,7 @@ function tabs() {
   fill(parts.joints, names.map((name, j) => el("button", {
     type: "button", role: "tab", "aria-selected": String(j + 1 === view.joint), onclick: () => { view.chosen = true; choose(j + 1); }, dataset: { joint: j + 1 },
     class: known[j] > 1.5 ? "high" : "",
-  }, `${j + 1} ${name}`, el("small", {}, known.length ? `${fixed(known[j], 1)} × noise` : "…"))));
+  }, `${j + 1} ${name}`, el("small", {}, known.length ? (Number.isFinite(known[j]) ? `${fixed(known[j], 1)} × noise` : "noise not known") : "…"))));
 }
 
 function frame() {

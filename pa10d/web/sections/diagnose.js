@@ -106,7 +106,7 @@ function unexplained(section, diagnosis, k) {
       done.textContent = `Removed in ${version.name}: see how far the error fell`;
       done.href = `#/models/${version.name}`;
     }
-    remove.hidden = Boolean(version) || diagnosis.result.frozen;
+    remove.hidden = Boolean(version) || diagnosis.result.frozen || !structure.depends_on.length;
     remove.disabled = running("add").length > 0;
   }, box);
   fill(box, remove, done);

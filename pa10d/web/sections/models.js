@@ -138,7 +138,8 @@ function fell({ steps, noise_floor: floor, units }) {
   const first = steps[0].rms, last = steps.at(-1).rms;
   const j = first.reduce((best, rms, k) => (rms / last[k] > first[best] / last[best] ? k : best), 0);
   if (first[j] <= last[j]) return "No joint's error fell: go back to the parent.";
-  return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} ${units[j]}; the noise is ${number(floor[j])} ${units[j]}.`;
+  const noise = floor[j] === null ? "" : `; the noise is ${number(floor[j])} ${units[j]}`;
+  return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} ${units[j]}${noise}.`;
 }
 
 const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "The same in numbers"),
