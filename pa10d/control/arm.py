@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.protocol import Backend
+from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.faults import Fault, Violation, fault_from
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
+from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import Motion
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
@@ -28,7 +30,6 @@ from pa10d.errors import UserError
 Array = NDArray[np.float64]
 State = ArmState
 
-START_TOLERANCE = 2e-3  # rad between where the arm is held and where a motion begins
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 
@@ -47,6 +48,7 @@ class Arm:
         journal: Journal,
     ) -> None:
         self.backend, self.journal = backend, journal
+        compile_motion_check(limits)
         self.path = TorquePath(limits, backend.period, make_servo)
         self.state = State.OFFLINE
         self.fault: Fault | None = None
@@ -97,6 +99,7 @@ class Arm:
             return
         require("enable", self.state, State.INACTIVE)
         self._require_inside()
+        self._admit("enable", self.path.controller)
         self.path.power_up(self._gravity(self.path.q))
         self._open_since = self.path.time
         self._switch(State.ENABLING)
@@ -136,22 +139,28 @@ class Arm:
             self._on_fault(error)
 
     def use(self, controller: Controller) -> None:
-        """Another control law, without a step in torque."""
+        """Another control law, without a step in torque, or refused."""
         require("controller", self.state, State.INACTIVE, State.HOLDING)
+        self._admit("controller", controller)
+        before = self.path.controller
         self.path.use(controller)
+        if self.state == State.HOLDING and (wrong := self.path.bump()) is not None:
+            self.path.controller = before
+            raise Refused("controller", self.state, (self.state,), wrong)
 
     def run(self, motion: Motion) -> None:
         """holding → running."""
         require("run", self.state, State.HOLDING)
-        held = self.path.reference.q
-        away = np.abs(motion.start - held)
-        if not (away < START_TOLERANCE).all():
-            j = int(np.argmax(away))
-            why = (
-                f"the motion begins with joint {j + 1} at {motion.start[j]:.4f} rad, "
-                f"it is held at {held[j]:.4f}; plan again from where the arm is"
-            )
-            raise Refused("run", self.state, (State.HOLDING,), why)
+        path = self.path
+        wrong = wrong_with_rows(
+            motion.rows, motion.first, motion.last, path.reference.q, path.limits,
+            self.backend.period,
+        )  # fmt: skip
+        if wrong is None and isinstance(path.controller, HasModel):
+            wrong = wrong_along(path.controller, motion.rows, path.limits, self.backend.period)
+        if wrong is not None:
+            raise Refused("run", self.state, (State.HOLDING,), wrong)
+        self._admit("run", path.controller)
         self.motion = motion
         self.state = State.RUNNING
 
@@ -330,6 +339,17 @@ class Arm:
     def _clear_fault(self) -> None:
         self.fault = None
         self.journal.fault(None)
+
+    def _admit(self, command: str, controller: Controller) -> None:
+        """Refused where its model is far beside the torque that holds the arm now; unpowered, of
+        that which gravity is thought to need."""
+        if not isinstance(controller, HasModel):
+            return
+        path = self.path
+        held = path.sent if self.state == State.HOLDING else self._gravity(path.q)
+        wrong = wrong_with_torque(controller, path.q, held, path.limits)
+        if wrong is not None:
+            raise Refused(command, self.state, (self.state,), wrong)
 
     def _require_inside(self) -> None:
         q, limits = self.path.q, self.path.limits

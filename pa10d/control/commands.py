@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.control.admission import wrong_with_model
 from pa10d.control.arm import Arm
 from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.live_model import LiveModel
@@ -58,7 +59,12 @@ class Commands:
         servo = self._make_servo()
         if message["name"] == "pid":
             return servo
-        return ComputedTorque(self._robot, LiveModel.from_document(message["model"]), servo)
+        model = LiveModel.from_document(message["model"])
+        wrong = wrong_with_model(model, self._robot, self._arm.path.limits.velocity)
+        if wrong is not None:
+            state = self._arm.state
+            raise Refused("controller", state, (state,), f"model '{model.name}': {wrong}")
+        return ComputedTorque(self._robot, model, servo)
 
 
 def load_motion(message: dict[str, Any]) -> Motion:

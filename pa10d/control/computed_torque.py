@@ -34,6 +34,10 @@ class ComputedTorque:
         """N·m (n,)."""
         return self._forward(reference, q, dq) + self._feedback.torque(reference, q, dq)
 
+    def model_torque(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """What the model alone gives along a motion (N, n): N·m (N, n)."""
+        return self.model.torque(self._robot, q, dq, dq, ddq)
+
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup of the feedback."""
         self._feedback.applied(wanted, sent)

@@ -64,12 +64,14 @@ class _Instant:
 
 @dataclass(frozen=True)
 class LiveModel:
-    """rigid (n, 10) standard parameters; parameters: of which fit, feasible or free."""
+    """rigid (n, 10) standard parameters; parameters: of which fit, feasible or free; kinematics of
+    the robot that it was identified on, see ``kinematics_of``."""
 
     name: str
     rigid: Array
     parts: tuple[Part, ...] = ()
     parameters: Parameters = "feasible"
+    kinematics: Array | None = None
 
     def torque(self, robot: Robot, q: Array, dq: Array, desired: Array, ddq: Array) -> Array:
         """(N, n) N·m at q, dq; friction at the ``desired`` speed; ddq the desired acceleration."""
@@ -94,6 +96,7 @@ class LiveModel:
             "rigid": self.rigid.tolist(),
             "parts": parts,
             "parameters": self.parameters,
+            "kinematics": None if self.kinematics is None else self.kinematics.tolist(),
         }
 
     @staticmethod
@@ -109,7 +112,9 @@ class LiveModel:
             for part in document["parts"]
         )
         rigid = np.array(document["rigid"], dtype=float)
-        return LiveModel(document["name"], rigid, parts, document["parameters"])
+        seen = document.get("kinematics")
+        kinematics = None if seen is None else np.array(seen, dtype=float)
+        return LiveModel(document["name"], rigid, parts, document["parameters"], kinematics)
 
 
 def live_model(model: TorqueModel) -> LiveModel:
@@ -128,7 +133,16 @@ def live_model(model: TorqueModel) -> LiveModel:
             parts.append(Part(name, joints, np.array([t.coefficients for t in once]), shape))
     rigid = chosen.standard if chosen is not model and chosen.standard is not None else model.rigid
     kept: Parameters = "free" if chosen is model else "feasible"
-    return LiveModel(model.name, np.array(rigid), tuple(parts), kept)
+    kinematics = kinematics_of(model.robot)
+    return LiveModel(model.name, np.array(rigid), tuple(parts), kept, kinematics)
+
+
+def kinematics_of(robot: Robot) -> Array:
+    """(n, 17): parent, orientation, place and axis of every joint, and whether it slides."""
+    n = robot.n
+    return np.column_stack(
+        [robot.parent, robot.rotation.reshape(n, 9), robot.translation, robot.axis, robot.prismatic]
+    ).astype(float)
 
 
 def remainder(

@@ -18,6 +18,7 @@ from pa10d.control.torque_exit import TorqueExit
 
 Array = NDArray[np.float64]
 
+BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
 RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this is none
 
 
@@ -116,6 +117,20 @@ class TorquePath:
         """Another law, bumpless."""
         controller.start(self.reference, self.q, self.dq, self.sent)
         self.controller = controller
+
+    def bump(self) -> str | None:
+        """What is wrong with the step in torque that the law taken last begins with, or None."""
+        try:
+            wanted = self.controller.torque(self.reference, self.q, self.dq)
+        except Exception as error:
+            return f"the control law fails: {type(error).__name__}: {error}"
+        step = np.abs(wanted - self.sent)
+        for j in np.flatnonzero(~(step <= BUMPLESS * self.limits.torque)):
+            return (
+                f"joint {j + 1}: the torque would step by {step[j]:.3g} N·m, allowed are "
+                f"{BUMPLESS * self.limits.torque[j]:.3g} N·m"
+            )
+        return None
 
     def fall_back(self) -> None:
         """Plain joint servo from the measured state on: it needs no model and no plan."""

@@ -205,7 +205,10 @@ def test_following_error_is_noticed():
 
 def test_leaving_the_position_range_is_a_fault():
     arm, _ = holding_arm()
-    arm.run(swing(arm.path.reference.q, amplitude=3.0, seconds=8.0))
+    far = swing(arm.path.reference.q, amplitude=3.0, seconds=8.0)
+    with pytest.raises(Refused, match=r"joint 1 at .* beyond its upper limit of 2 rad"):
+        arm.run(far)
+    arm.motion, arm.state = far, RUNNING  # and should it ever get past that
     until(arm, FAULT, seconds=20)
     assert arm.fault.kind == "position_limit"
     assert np.abs(arm.path.q).max() < limits().upper[0] + 0.2
