@@ -25,6 +25,8 @@ REMEDIES = {
     "interface_down": "the CAN adapter and its cable; 'ip link show' of the interface",
     "timeout": "the drive's statusword and inputs: supply, safe-torque-off, brake supply",
     "torque": "the controller: it asked for something that is not a number",
+    "unaccepted_risk": "what the drive does when the control PC dies; ask its maker",
+    "brake_output": "0x60FE of that drive: what its outputs are configured for",
     "bus_taken": "which program that is ('pa10d serve', 'pa10d check'); end it, or use it",
     "foreign_master": "other control PCs, service tools and gateways; a drive that produces SYNC",
     "ended": "nothing: the recording is over",
@@ -35,6 +37,13 @@ def fault(kind: str, cause: str, axis: int | None = None) -> BackendFault:
     """A named fault; a person sees joints counted from 1."""
     text = cause if axis is None else f"joint {axis + 1}: {cause}"
     return BackendFault(text, axis=axis, remedy=f"check {REMEDIES[kind]}", kind=kind)
+
+
+def refusal(kind: str, causes: dict[int, str]) -> BackendFault:
+    """One fault for all axes that have a cause: who mends one wants to know of the others."""
+    first, *others = causes
+    lines = [f"joint {axis + 1}: {cause}" for axis, cause in causes.items()]
+    return fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
 
 
 # CiA 301 and CiA 402 error codes of EMCY and 0x603F, the most significant digits first

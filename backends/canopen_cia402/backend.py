@@ -12,17 +12,19 @@ from backends.bus_budget import BusBudget, require_fit
 from backends.bus_lock import BusLock
 from backends.by_hand import pacer
 from backends.canopen_cia402 import other_masters, sequence
+from backends.canopen_cia402.brakes import OUTPUTS, PHYSICAL, Brakes
 from backends.canopen_cia402.bring_up import BootWatch, bring_up, let_go
 from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
 from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
+from backends.canopen_cia402.lifeline import not_accepted
 from backends.canopen_cia402.network import PortNetwork
 from backends.canopen_cia402.poll import Poll
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
-from backends.faults import fault
+from backends.faults import fault, refusal
 from backends.ports import Port, drain, open_port
 from backends.protocol import Array, BackendFault, Feedback
 from pa10d.errors import UserError
@@ -100,6 +102,8 @@ class CanopenBackend:
     def begin_enable(self) -> None:
         if latched := self.latched():
             raise latched[0]  # only reset forgets a fault
+        if open_risks := self._open_risks():
+            raise refusal("unaccepted_risk", open_risks)
         self._begin(sequence.Enable(self))
 
     def read(self) -> Feedback:
@@ -116,7 +120,7 @@ class CanopenBackend:
 
     def write(self, torque: Array) -> None:
         self._per_mille = self.scales.per_mille(torque)
-        self._connected().send(self._exchange.pack(self._words, self._per_mille))
+        self._send_words()
 
     def quick_stop(self) -> None:
         self._powered, self._sequence = False, None
@@ -147,6 +151,9 @@ class CanopenBackend:
         try:
             if self._cycle and any(word & 0x6F in (0x27, 0x07) for word in self.statuses()):
                 self._brake_at_last()
+            if self._cycle:
+                self._brakes.set_all(self._feedback.time)
+                self._port.send(self._poll.settings())
             with self._network.listening():
                 let_go(self._network, self._nodes)
         except (OSError, BackendFault):
@@ -171,7 +178,7 @@ class CanopenBackend:
     def command(self, words: list[Control]) -> None:
         """Controlwords of all axes, from the next SYNC on, with the torques as they are."""
         self.set_words(words)
-        self._connected().send(self._exchange.pack(self._words, self._per_mille))
+        self._send_words()
 
     def statuses(self) -> list[int]:
         """The last statusword of every axis."""
@@ -270,7 +277,8 @@ class CanopenBackend:
         nodes = [drive.node for drive in self.drives]
         known = [vendors.TEMPERATURE_OBJECT.get((r.vendor, r.product)) for r in self.reports]
         shown = [report.shows_mode for report in self.reports]
-        self._poll = Poll(nodes, known, shown, self._watch.mode)
+        self._poll = Poll(nodes, known, shown, self._watch.mode, self._watch.refused)
+        self._brakes = Brakes([report.outputs for report in self.reports], self._set_output)
         self._feedback.temperature = self._poll.values if self._poll.measured else None
         self._exchange = Exchange(
             nodes,
@@ -292,6 +300,22 @@ class CanopenBackend:
         self._connected().guarded = [report.node for report in self.reports if report.guarded]
         for axis, report in enumerate(self.reports):
             self._watch.listen_for(axis, report.heard)
+
+    def _open_risks(self) -> dict[int, str]:
+        """What keeps a real arm from being powered, by axis; a simulated one hurts nobody."""
+        if self.profile.simulation is not None:
+            return {}
+        pairs = zip(self.drives, self.reports, strict=True)
+        found = {axis: not_accepted(drive, r.risks) for axis, (drive, r) in enumerate(pairs)}
+        return {axis: "; ".join(risks) for axis, risks in found.items() if risks}
+
+    def _set_output(self, axis: int, value: int) -> None:
+        self._poll.set(axis, OUTPUTS, PHYSICAL, value)
+
+    def _send_words(self) -> None:
+        """Controlwords and torques, as far as the brakes let them pass."""
+        words = self._brakes.let_pass(self._words, self.statuses(), self._feedback.time)
+        self._connected().send(self._exchange.pack(words, self._per_mille))
 
     def _other(self, can_id: int, data: bytes) -> None:
         if 0x580 < can_id <= 0x5FF:

@@ -11,7 +11,7 @@ import canopen
 from backends.canopen_cia402.configure import DriveReport, Wish, configure
 from backends.canopen_cia402.network import PortNetwork
 from backends.canopen_cia402.remote import SetupError
-from backends.faults import fault
+from backends.faults import refusal
 
 START, PRE_OPERATIONAL, RESET_COMMUNICATION = 1, 128, 130
 BOOT_TIMEOUT = 5.0  # s
@@ -57,14 +57,11 @@ def bring_up(
     for number in ids.values():
         network.send_message(0, bytes([RESET_COMMUNICATION, number]))
     silent = boot.wait(list(ids.values()), BOOT_TIMEOUT)
-    _refuse(
-        "no_answer",
-        {
-            axis: f"node {number} does not answer to NMT reset"
-            for axis, number in ids.items()
-            if number in silent
-        },
-    )
+    mute = {axis: number for axis, number in ids.items() if number in silent}
+    if mute:
+        raise refusal(
+            "no_answer", {k: f"node {n} does not answer to NMT reset" for k, n in mute.items()}
+        )
     with ThreadPoolExecutor(max(len(nodes), 1)) as pool:
         running = {axis: pool.submit(configure, nodes[axis], wishes[axis]) for axis in nodes}
     reports, refused = {}, {}
@@ -73,19 +70,11 @@ def bring_up(
             reports[axis] = result.result()
         except SetupError as error:
             refused[axis] = f"node {ids[axis]}: {error}"
-    _refuse("setup", refused)
+    if refused:
+        raise refusal("setup", refused)
     for number in ids.values():
         network.send_message(0, bytes([START, number]))
     return reports
-
-
-def _refuse(kind: str, causes: dict[int, str]) -> None:
-    """One fault for all axes that have a cause: who repairs one wants to know of the others."""
-    if not causes:
-        return
-    first, *others = causes
-    lines = [f"joint {axis + 1}: {cause}" for axis, cause in causes.items()]
-    raise fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
 
 
 def let_go(network: PortNetwork, nodes: dict[int, canopen.RemoteNode]) -> None:

@@ -9,6 +9,7 @@ from math import isfinite, pi
 import canopen
 
 from backends import cia402, vendors
+from backends.canopen_cia402.brakes import take_brake
 from backends.canopen_cia402.layout import Layout
 from backends.canopen_cia402.lifeline import be_watched
 from backends.canopen_cia402.mapping import map_pdos
@@ -57,6 +58,7 @@ class DriveReport:
     heard: bool = True  # it tells that it lives, by heartbeats or when it is asked
     guarded: bool = False  # it is asked by remote frames, as it watches no heartbeat
     risks: dict[Risk, str] = field(default_factory=dict)  # what nobody may overlook; in lacks too
+    outputs: int | None = None  # beside the brake in 0x60FE:1; None: no brake to be set there
     lacks: list[str] = field(default_factory=list)
 
     @property
@@ -72,8 +74,9 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     """Check and set up one drive by SDO; SetupError names every reason to refuse it."""
     remote = Remote(node)
     _require_usable(remote, wish)
+    outputs, brake_lacks = take_brake(remote, wish.drive)
     lifeline = be_watched(remote, wish.master, wish.silence_ms, wish.drive.heartbeat_ms)
-    lacks = [*lifeline.lacks]
+    lacks = [*lifeline.lacks, *brake_lacks]
     lacks += [lack(index) for index in WANTED if not declared(node, index)]
     lacks += untold(remote)
     lacks += _set_up(remote, wish)
@@ -93,6 +96,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         heard=lifeline.heard,
         guarded=lifeline.guarded,
         risks=lifeline.risks,
+        outputs=outputs,
         lacks=list(dict.fromkeys(lacks)),
     )
 

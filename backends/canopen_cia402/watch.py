@@ -131,6 +131,11 @@ class Watch:
             text = f"is in {name} (0x6061), no longer in cyclic synchronous torque"
             self.tell(fault("other_mode", text, axis))
 
+    def refused(self, axis: int, index: int, code: int) -> None:
+        """A drive did not take what was set beside the cycle: its brake's output."""
+        text = f"does not set its brake's output (0x{index:04X}), SDO abort 0x{code:08X}"
+        self.tell(fault("brake_output", text, axis))
+
     def _check_axis(self, axis: int, seen: AxisInput, cycle: int, enabled: bool) -> None:
         if seen.short is not None:
             length, seen.short = seen.short, None

@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 from bus_helpers import make_profile, own_eds_without, running, virtual_arm
 
+from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.frames import REMOTE, frame, frames
+from backends.protocol import BackendFault
 from backends.virtualbus import VirtualBus
 from pa10d.errors import UserError
 
@@ -94,3 +96,24 @@ def test_accepted_risks_are_typed(tmp_path: Path) -> None:
     made = make_profile(tmp_path, 1, drive={"accepted_risks": ["unwatched"]})
     assert made.drives is not None
     assert made.drives[0].accepted_risks == ["unwatched"]
+
+
+def test_a_real_arm_is_not_powered_before_its_risks_are_accepted(tmp_path: Path) -> None:
+    poor = {"eds": str(own_eds_without(tmp_path, 0x6007))}
+    profile = make_profile(tmp_path, 3, each={1: poor, 2: poor})
+    with virtual_arm(profile):
+        arm = CanopenBackend(profile)
+        arm.open()
+        try:
+            arm.profile = profile.model_copy(update={"simulation": None})  # as if it were real
+            with pytest.raises(BackendFault) as caught:
+                arm.begin_enable()
+            assert caught.value.kind == "unaccepted_risk"
+            lines = caught.value.cause.split("\n")
+            assert [line[:9] for line in lines] == ["joint 2: ", "joint 3: "]
+            accepting = {"accepted_risks": ["unknown_reaction"]}
+            arm.drives = [drive.model_copy(update=accepting) for drive in arm.drives]
+            by_hand.enable(arm)
+            by_hand.disable(arm)
+        finally:
+            arm.close()
