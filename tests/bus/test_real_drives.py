@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -96,11 +98,12 @@ def test_identity_is_compared() -> None:
         configure(node, other)
 
 
-@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, EPOS4_RATED), (EROB, 1.0)])
+@pytest.mark.parametrize(("eds", "rated"), [(EPOS4, EPOS4_RATED), (EROB, 1.0), (GENERIC, 1.0)])
 def test_a_virtual_drive_with_a_real_dictionary_lives(
     tmp_path: Path, eds: Path, rated: float
 ) -> None:
-    """The whole way over the bus: boot, configure, enable, move, disable."""
+    """The whole way over the bus: boot, configure, enable, move, disable. What no file can know
+    (the generic one has neither device type nor modes) is told as a drive tells it."""
     profile = make_profile(tmp_path, 2, drive={"eds": str(eds), "rated_torque": rated})
     with virtual_arm(profile):
         arm = CanopenBackend(profile)
@@ -115,6 +118,31 @@ def test_a_virtual_drive_with_a_real_dictionary_lives(
             assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
         finally:
             arm.close()
+
+
+SPEAKS = """
+import sys
+from pathlib import Path
+from backends.eds import load_eds
+from backends.ports import open_port
+from pa10d.errors import UserError
+from pa10d.profile import Can
+for path in sys.argv[1:]:
+    load_eds(Path(path), 5)
+for interface in ("slcan", "pcan", "socketcan", "kvaser"):
+    try:
+        open_port(Can(interface=interface, channel="nowhere0"), "arm.yaml")
+    except UserError as error:
+        assert "cannot be opened" in str(error)
+"""
+
+
+def test_the_libraries_keep_their_remarks_to_themselves() -> None:
+    files = [str(path) for path in (EPOS4, EROB, GENERIC)]
+    done = subprocess.run(
+        [sys.executable, "-c", SPEAKS, *files], capture_output=True, text=True, timeout=60
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_refusal_reaches_the_user_through_the_backend(tmp_path: Path) -> None:
