@@ -83,6 +83,8 @@ def _notes(kind: Effect) -> str:
         notes.append(
             "τ_load, τ_friction and τ_model are torques of the model so far, not measured ones."
         )
+    if kind.remembers:
+        notes.append(f"It remembers {kind.remembers}.")
     return " ".join(notes)
 
 
