@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.dynamics import BaseParameters, Robot
-from pa10d.dynamics.base import parameter_name
+from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.effects import Context, Effect, Value, effect
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed, torque_of
@@ -59,6 +59,14 @@ class Term:
     def torque(self, context: Context) -> Array:
         """(N, n) N·m at the raw rate."""
         return torque_of(self, context)
+
+
+def as_told(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
+    """An effect's values in the units of its joints, with what their torque constants may be off
+    by in the standard errors."""
+    share = robot.gain_share(term.joints)
+    whole = {name: value.with_gain_error(share) for name, value in values.items()}
+    return in_units_of(robot, term, whole)
 
 
 def in_units_of(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
@@ -134,8 +142,18 @@ class TorqueModel:
 
     @property
     def std_errors(self) -> Array:
-        """(p,) standard errors of [h, coefficients]."""
+        """(p,) standard errors of [h, coefficients], torque constants taken as they are stated."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def base_values(self) -> list[Value]:
+        """h with the whole of its doubt, the torque constants' included."""
+        share = self.robot.gain_share(())
+        names = [parameter_name(k) for k in self.base.kept]
+        return [
+            Value(float(v), float(e), parameter_unit(name)).with_gain_error(share)
+            for v, e, name in zip(self.h, self.std_errors, names, strict=False)
+        ]
 
     def possible(self) -> TorqueModel:
         """The same effects on bodies that can exist: ``standard`` instead of ``h``, and with it
@@ -174,7 +192,7 @@ class TorqueModel:
         found = term.effect.values(
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
-        return in_units_of(self.robot, term, found)
+        return as_told(self.robot, term, found)
 
     def contextualise(self, context: Context) -> Context:
         """The same motion with this model's loads and total torque."""

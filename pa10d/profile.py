@@ -131,6 +131,11 @@ class Simulation(_Strict):
     seed: Annotated[int, Field(strict=True, ge=0)] = 0
 
 
+GainError = Annotated[float, Field(ge=0, lt=1)]
+"""Share of its value by which a torque constant (gear ratio and friction-free torque per ampere)
+may be off; every parameter in units of torque or mass is as uncertain."""
+
+
 class Profile(_Strict):
     """One robot. ``path`` and ``urdf`` are absolute once loaded."""
 
@@ -144,6 +149,7 @@ class Profile(_Strict):
     limits: Limits = Limits()
     drives: list[Drive] | None = None
     torque_constants: list[Nonzero] | None = None  # N·m (joint side) per A
+    torque_gain_error: GainError | list[GainError] | None = None  # share; absent: 0.05
     backend: Text = "canopen_cia402"
     can: Can = Can()
     control: Control = Control()
@@ -163,6 +169,9 @@ class Profile(_Strict):
             ("joints",): self.joints,
             ("drives",): self.drives,
             ("torque_constants",): self.torque_constants,
+            ("torque_gain_error",): (
+                self.torque_gain_error if isinstance(self.torque_gain_error, list) else None
+            ),
         }
         sections: dict[Location, BaseModel] = {
             ("limits",): self.limits,

@@ -221,8 +221,12 @@ class Parameter(BaseModel):
 
     name: str = Field(examples=["stribeck J4: Fs"])
     value: float
-    std_error: float | None
+    std_error: float | None = Field(
+        description="Scatter of the data, what the model lacks, and the torque constants' own error"
+    )
+    std_error_random: float | None = Field(description="Without the torque constants")
     unit: str
+    determined: bool = Field(description="False where the data leave the value open")
     meaning: str
 
 

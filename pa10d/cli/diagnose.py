@@ -164,10 +164,13 @@ def in_words(found: Diagnosis) -> str:
     for number, finding in enumerate(found.findings, 1):
         lines.append(f"{number}. {finding.sentence}")
         values = ", ".join(
-            f"{name} = {v.value:.4g} ± {v.std_error:.2g}" + ("" if v.unit == "1" else f" {v.unit}")
-            for name, v in finding.parameters.items()
+            f"{name} = {v}" for name, v in finding.parameters.items() if v.determined
         )
         lines.append(f"   {finding.term.label}: {values}")
+        open_ = [name for name, v in finding.parameters.items() if not v.determined]
+        if open_:
+            would = finding.term.effect.experiment.rstrip(".")
+            lines.append(f"   not determined: {listed(open_)}; would be by: {would}")
         if finding.next_experiment is not None:
             lines.append(f"   settle the doubt with: {as_command(finding.next_experiment)}")
     maps = {s.joint: s for s in found.mapped}

@@ -66,10 +66,7 @@ def show(options: argparse.Namespace) -> Answer:
     model = library.models.load(info)
     details = model_details(model)
     path = library.models.path(info)
-    rows = [
-        [p["name"], f"{p['value']:.5g}", _error(p["std_error"]), p["unit"], p["meaning"]]
-        for p in details["parameters"]
-    ]
+    rows = [[p["name"], *_known(p), p["unit"], p["meaning"]] for p in details["parameters"]]
     lines = [
         f"{info.name} ({info.id}), {info.change}, from {info.parent_name or 'nothing'}",
         f"runs {', '.join(info.runs)}; cut-off {info.cutoff_hz:g} Hz; file {path}",
@@ -133,8 +130,11 @@ def _several(values: Iterable[float]) -> str:
     return " ".join(f"{value:.3g}" for value in values)
 
 
-def _error(value: float | None) -> str:
-    return "" if value is None else f"{value:.2g}"
+def _known(parameter: dict[str, Any]) -> list[str]:
+    """Value and standard error, or that the data leave it open."""
+    if not parameter["determined"]:
+        return ["not determined", ""]
+    return [f"{parameter['value']:.5g}", f"{parameter['std_error']:.2g}"]
 
 
 def _brief(info: ModelInfo) -> dict[str, Any]:

@@ -63,6 +63,7 @@ def found_words(found: Document) -> str:
     sizes = [
         f"{name} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}"
         for name, v in found["findings"][0]["parameters"].items()
+        if v.get("determined", True)
     ]
     text += f" {', '.join(sizes)}."
     if found["unexplained"]:

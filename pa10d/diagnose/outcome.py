@@ -54,10 +54,7 @@ class Finding:
         return {
             "effect": self.term.effect_id,
             "joints": [j + 1 for j in self.term.joints],
-            "parameters": {
-                name: {"value": v.value, "std_error": v.std_error, "unit": v.unit}
-                for name, v in self.parameters.items()
-            },
+            "parameters": {name: v.document() for name, v in self.parameters.items()},
             "rms_before": self.rms_before.tolist(),
             "rms_after": self.rms_after.tolist(),
             "p_value": self.p_value,

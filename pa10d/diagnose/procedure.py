@@ -25,7 +25,7 @@ from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
 from pa10d.errors import Cancelled, UserError
 from pa10d.judgement import Judgement, in_band, judged, repeatable
-from pa10d.model import Term, TorqueModel, in_units_of
+from pa10d.model import Term, TorqueModel, as_told
 from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
@@ -198,7 +198,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         plan = settle_doubt(state.model, own, [r.candidate for r in rivals])
     return Finding(
         term=replace(term, shape_errors=shape_errors),
-        parameters=in_units_of(
+        parameters=as_told(
             state.model.robot,
             term,
             term.effect.values(term.coefficients, covariance, term.shape, shape_errors),

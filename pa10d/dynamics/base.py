@@ -68,6 +68,11 @@ def parameter_name(index: int) -> str:
     return f"{PARAMETER_NAMES[index % 10]}{index // 10 + 1}"
 
 
+def parameter_unit(name: str) -> str:
+    """Of a standard parameter by name: ``Izz4``, ``mx2``, ``m3``."""
+    return "kg·m²" if name[0] == "I" else "kg·m" if name[1] in "xyz" else "kg"
+
+
 def base_parameters(robot: Robot, samples: int = 300, seed: int = 1) -> BaseParameters:
     """The structural base of a robot: what any motion could identify at best."""
     q, dq, ddq = random_motion(robot, samples, seed)

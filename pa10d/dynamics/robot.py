@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
+USUAL_GAIN_ERROR = 0.05  # share of its value to which a torque constant is known unless stated
 PARAMETER_NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 """Standard inertial parameters of one link, in this order everywhere: mass (kg), first moments
 (kg·m) and inertia about the origin of the joint's frame (kg·m²), as Pinocchio orders them."""
@@ -38,6 +40,7 @@ class Robot:
     gravity      (3,) m/s² in the base frame
     parameters   (n, 10) standard parameters as the URDF has them, see PARAMETER_NAMES
     lower … acceleration  (n,) limits, rad, rad/s, N·m, rad/s²; inf where nothing is known
+    gain_error   (n,) share of its value to which each drive's torque constant is known; None: USUAL
     """
 
     name: str
@@ -56,6 +59,15 @@ class Robot:
     effort: Array
     acceleration: Array
     urdf: str
+    gain_error: Array | None = None
+
+    def gain_share(self, joints: Sequence[int]) -> float:
+        """To what share of its value a torque is known: of these joints (0-based; empty: all), as
+        a root mean square."""
+        if self.gain_error is None:
+            return USUAL_GAIN_ERROR
+        own = self.gain_error[list(joints)] if len(joints) else self.gain_error
+        return float(np.sqrt(np.mean(own**2)))
 
     @property
     def n(self) -> int:
@@ -149,6 +161,10 @@ def robot_from_profile(profile: Profile) -> Robot:
     if limits.position is not None:
         bounds = _per_joint(profile, "position", limits.position, n)
         changes["lower"], changes["upper"] = bounds[:, 0].copy(), bounds[:, 1].copy()
+    if profile.torque_gain_error is not None:
+        given = profile.torque_gain_error
+        given = given if isinstance(given, list) else [given] * n
+        changes["gain_error"] = np.array(given, dtype=float)
     if profile.tool is not None:
         tool = profile.tool
         changes["parameters"] = robot.parameters.copy()

@@ -71,6 +71,14 @@ class ShapeParameter:
             return 0.7 if self.scale == "log" else 0.2
         return self.step(shape) if callable(self.step) else self.step
 
+    def determined(self, value: float, error: float) -> bool:
+        """Do the data tell it: more than that it is not negative, or lies within its range?"""
+        if self.scale == "choice":
+            return True
+        return bool(
+            error <= (abs(value) if self.lower >= 0.0 else 0.25 * (self.upper - self.lower))
+        )
+
     def at_edge(self, value: float) -> bool:
         """At the end of a logarithmic range, where the effect has turned into another one."""
         if self.scale != "log" or self.smoothing:
@@ -80,11 +88,44 @@ class ShapeParameter:
 
 @dataclass(frozen=True)
 class Value:
-    """An estimate with its standard error, in the named unit."""
+    """An estimate with its standard error, in the named unit.
+
+    std_error: all that is known of its doubt: scatter between stretches of the data, what the model
+    lacks, and (random: without it) what the torque constants may be off by
+    determined: False where the data leave it open
+    """
 
     value: float
     std_error: float
     unit: str
+    random: float | None = None
+    determined: bool = True
+
+    def with_gain_error(self, share: float) -> Value:
+        """Beside a torque constant that is known to ``share`` of its value: whatever is measured
+        in torque or mass is as uncertain."""
+        if share <= 0.0 or not any(unit in self.unit for unit in ("N", "kg")):
+            return self
+        whole = float(np.hypot(self.std_error, share * self.value))
+        return replace(self, std_error=whole, random=self.std_error)
+
+    def document(self) -> dict[str, object]:
+        """As JSON: std_error is the whole, std_error_random without the torque constants."""
+        random = self.std_error if self.random is None else self.random
+        return {
+            "value": self.value,
+            "std_error": self.std_error,
+            "std_error_random": random,
+            "unit": self.unit,
+            "determined": self.determined,
+        }
+
+    def __str__(self) -> str:
+        """``0.113 ± 0.02 N·m``, or that the data leave it open."""
+        if not self.determined:
+            return "not determined"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.value:.4g} ± {self.std_error:.2g}{unit}"
 
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""
@@ -242,7 +283,8 @@ class Effect(ABC):
             if not c.nuisance
         }
         for s in self.shapes_in(shape):
-            out[s.name] = Value(float(shape[s.name]), float(shape_errors.get(s.name, 0.0)), s.unit)
+            value, error = float(shape[s.name]), float(shape_errors.get(s.name, 0.0))
+            out[s.name] = Value(value, error, s.unit, determined=s.determined(value, error))
         return out
 
 

@@ -113,11 +113,12 @@ def _settle(finding: Finding) -> list[Block]:
 def _parameters(finding: Finding) -> Table:
     rows = []
     for name, v in finding.parameters.items():
-        known = v.std_error > 0
+        known = v.std_error > 0 and v.determined
         low, high = v.value - 1.96 * v.std_error, v.value + 1.96 * v.std_error
         rows.append(
             [
-                name, f"{v.value:.4g}", f"± {v.std_error:.2g}" if known else "–",
+                name, f"{v.value:.4g}" if v.determined else "not determined",
+                f"± {v.std_error:.2g}" if known else "–",
                 f"{low:.4g} … {high:.4g}" if known else "–", "" if v.unit == "1" else v.unit,
             ]
         )  # fmt: skip

@@ -8,7 +8,6 @@ from pa10d.dynamics.base import parameter_name
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
 from pa10d.impossible import impossible
 from pa10d.model import TorqueModel
-from pa10d.store.model_text import parameter_unit
 
 
 def model_details(model: TorqueModel) -> dict[str, Any]:
@@ -19,9 +18,7 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
     parameters = [
         {
             "name": parameter_name(int(k)),
-            "value": float(model.h[i]),
-            "std_error": float(model.std_errors[i]),
-            "unit": parameter_unit(parameter_name(int(k))),
+            **model.base_values[i].document(),
             "meaning": sentences[i],
         }
         for i, k in enumerate(model.base.kept)
@@ -30,9 +27,7 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
         parameters += [
             {
                 "name": f"{term.label}: {name}",
-                "value": value.value,
-                "std_error": value.std_error,
-                "unit": value.unit,
+                **value.document(),
                 "meaning": EXPLAINS_NOTHING if term.over else term.effect.equation,
             }
             for name, value in model.term_values(i).items()

@@ -117,6 +117,9 @@ class _Parser:
         limits: dict[str, Any] = {
             key: self._per_joint(("robot", "limits", key), values) for key, values in entry.limits
         }
+        if entry.torque_gain_error is not None:
+            shares = entry.torque_gain_error
+            limits["gain_error"] = self._per_joint(("robot", "torque_gain_error"), shares)
         if entry.tool is not None:
             tool = self._sized(("robot", "tool"), entry.tool, 10, "standard parameters")
             limits["parameters"] = robot.parameters.copy()

@@ -64,6 +64,7 @@ class RobotEntry(_Strict):
     joints: Annotated[list[Text], Field(min_length=1)]
     gravity: Vector3
     limits: Limits
+    torque_gain_error: list[float] | None = None  # shares, see the profile
     tool: list[Number] | None = None  # standard parameters added to the last link by the profile
 
 

@@ -24,9 +24,10 @@ HEAD = """\
 # A torque model: tau = Y_b(q, dq, ddq) * h_b + sum of effects. SI units, torque at the joint side.
 # Standard parameters of link j, in the frame of joint j: mass m, first moments mx my mz, inertia
 # about the frame's origin Ixx Ixy Iyy Ixz Iyz Izz. 'pa10d model export' makes a URDF or Python.
+# std_error: scatter of the data, what the model lacks, and a torque constant known to 5 % or to
+# 'torque_gain_error' (a share, per joint); the covariance is without that last part.
 """
 ENCODING = "base64 of little-endian float64, lower triangle row by row"
-UNITS = {"m": "kg", "x": "kg·m", "I": "kg·m²"}
 
 
 def model_text(model: TorqueModel, info: ModelInfo) -> str:
@@ -81,15 +82,17 @@ def _robot(robot: Robot) -> dict[str, Any]:
             for key in ("lower", "upper", "velocity", "effort", "acceleration")
         },
     }
+    if robot.gain_error is not None:
+        entry["torque_gain_error"] = row(robot.gain_error)
     return entry | ({"tool": row(tool)} if np.any(tool) else {})
 
 
 def _base(model: TorqueModel) -> list[Flow]:
-    base, errors = model.base, model.std_errors
+    base, values = model.base, model.base_values
     out = []
     for i, k in enumerate(base.kept):
         name = parameter_name(int(k))
-        entry = _estimate(model.h[i], errors[i], parameter_unit(name))
+        entry = _value(values[i])
         used = np.flatnonzero(base.relations[i])
         plus = {parameter_name(int(base.dropped[c])): float(base.relations[i, c]) for c in used}
         loads = {} if model.loads is None else {"in_loads": float(model.loads[i])}
@@ -100,14 +103,14 @@ def _base(model: TorqueModel) -> list[Flow]:
 def _effects(model: TorqueModel) -> list[dict[str, Any]]:
     out, errors = [], model.std_errors
     for i, term in enumerate(model.terms):
-        own = errors[model.term_slice(i)]
+        own, share = errors[model.term_slice(i)], model.robot.gain_share(term.joints)
         kind = term.effect
         entry: dict[str, Any] = {
             "effect": term.effect_id,
             "joints": Row(j + 1 for j in term.joints),
             **({"over": Row(term.over)} if term.over else {}),
             "coefficients": {
-                c.name: _estimate(value, error, c.unit)
+                c.name: _value(Value(float(value), float(error), c.unit).with_gain_error(share))
                 for c, value, error in zip(kind.coefficients, term.coefficients, own, strict=True)
             },
         }
@@ -140,11 +143,6 @@ def _value(value: Value) -> Flow:
 def _estimate(value: float, error: float | None, unit: str) -> Flow:
     known = error is not None and np.isfinite(error)
     return Flow(value=float(value), std_error=float(error) if known else None, unit=unit)  # type: ignore[arg-type]
-
-
-def parameter_unit(name: str) -> str:
-    """Of a standard parameter by name: ``Izz4``, ``mx2``, ``m3``."""
-    return UNITS["I"] if name[0] == "I" else UNITS["x"] if name[1] in "xyz" else UNITS["m"]
 
 
 def _triangle(matrix: Array) -> str:

@@ -51,6 +51,7 @@ def sub_arm(robot: Robot, joints: NDArray[np.int64], pose: Array) -> Robot:
         velocity=robot.velocity[chosen],
         effort=robot.effort[chosen],
         acceleration=robot.acceleration[chosen],
+        gain_error=None if robot.gain_error is None else robot.gain_error[chosen],
         urdf="",
     )
 

@@ -105,12 +105,14 @@ def test_a_person_can_read_it(store):
     assert max(map(len, text.splitlines())) < 200
 
 
-def test_standard_errors_are_those_of_the_covariance(store):
+def test_standard_errors_are_the_covariance_s_and_the_torque_constants(store):
     model = examples.textbook()
     plain = yaml.safe_load(store.path(store.save(model)).read_text())
-    written = [p["std_error"] for p in plain["base_parameters"]]
-    written += [c["std_error"] for e in plain["effects"] for c in e["coefficients"].values()]
-    assert written == pytest.approx(np.sqrt(np.diag(model.covariance)))
+    entries = list(plain["base_parameters"])
+    entries += [c for e in plain["effects"] for c in e["coefficients"].values()]
+    random = np.sqrt(np.diag(model.covariance))
+    gains = [0.05 * e["value"] * (e["unit"] != "1") for e in entries]
+    assert [e["std_error"] for e in entries] == pytest.approx(np.hypot(random, gains))
 
 
 @pytest.mark.parametrize("name", ["true", "1e3", "12", "null", "ä ö", "a: b", "#1", "'x'"])

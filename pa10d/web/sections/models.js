@@ -159,7 +159,7 @@ async function drawVersus(model) {
 
 function parameters(model) {
   return table(["parameter", "value", "± standard error", "95 % interval", "unit"], model.parameters.map((one) => [
-    one.name, number(one.value, 4), number(one.std_error, 2),
-    one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–",
+    one.name, one.determined ? number(one.value, 4) : "not determined", one.determined ? number(one.std_error, 2) : "–",
+    one.determined && one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–",
     one.unit === "1" ? "" : one.unit]));
 }
