@@ -44,16 +44,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("--against", type=Path, help="what an earlier call wrote")
+    parser.add_argument("--only", nargs="+", metavar="SET", help="fewer sets")
     args = parser.parse_args()
-    args.out.write_text(json.dumps(frozen(), indent=1), encoding="utf-8")
+    args.out.write_text(json.dumps(frozen(args.only), indent=1), encoding="utf-8")
     if args.against is not None:
         before, after = (json.loads(p.read_text()) for p in (args.against, args.out))
+        before = {name: before.get(name) for name in after}
         changed = list(differences(before, after))
         print("\n".join(changed) or f"the same to {SAME:g}")
         raise SystemExit(bool(changed))
 
 
-def frozen() -> dict[str, Any]:
+def frozen(only: list[str] | None = None) -> dict[str, Any]:
     """Set -> what came out of it."""
     cases: dict[str, Callable[[], dict[str, Any]]] = {
         name: lambda name=name: simulated(name) for name in HIDDEN
@@ -62,7 +64,7 @@ def frozen() -> dict[str, Any]:
     if folder.is_dir():
         cases |= {name: lambda name=name: sample(folder, name) for name in SAMPLES}
         cases |= {name: lambda name=name: real(name) for name in ROBOTS}
-    return {name: case() for name, case in cases.items()}
+    return {name: case() for name, case in cases.items() if only is None or name in only}
 
 
 def simulated(name: str) -> dict[str, Any]:

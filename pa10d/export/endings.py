@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-Format = Literal["urdf", "mjcf", "python", "c", "json"]
+Format = Literal["urdf", "mjcf", "python", "c", "matlab", "json"]
 FORMATS: tuple[Format, ...] = get_args(Format)
 ENDINGS: dict[Format, str] = {
     "urdf": "urdf",

@@ -11,6 +11,7 @@ from pa10d.export.c_header import c_header
 from pa10d.export.endings import FORMATS, Format
 from pa10d.export.json_document import json_document
 from pa10d.export.loss import Loss, loss
+from pa10d.export.matlab import matlab_function
 from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
 from pa10d.export.urdf import urdf_with_inertia
@@ -31,6 +32,7 @@ WRITERS: dict[Format, Write] = {
     "mjcf": mjcf,
     "python": python_module,
     "c": c_header,
+    "matlab": matlab_function,
     "json": json_document,
 }
 BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf")

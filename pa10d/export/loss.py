@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context
-from pa10d.export.c_header import traceable
 from pa10d.export.endings import Format
 from pa10d.export.mjcf import PROPERTIES
 from pa10d.export.python_module import writable
+from pa10d.export.straight_line import traceable
 from pa10d.export.urdf import CARRIED
 from pa10d.model import Term, TorqueModel
 
@@ -23,12 +23,13 @@ HELD: dict[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
     "mjcf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in PROPERTIES),
     "python": lambda model: writable(model),
     "c": lambda model: traceable(model)[0].terms,
+    "matlab": lambda model: traceable(model)[0].terms,
     "json": lambda model: model.terms,
 }
 """The effects that a format holds."""
 
 NOTHING = 1e-6  # N·m
-FORGETFUL: tuple[Format, ...] = ("c",)  # each call stands for itself
+FORGETFUL: tuple[Format, ...] = ("c", "matlab")  # each call stands for itself
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ class NotTraceable(Exception):
 
 
 class Node:
-    """One operation on further nodes and numbers; ``op`` ``input`` has its name for argument."""
+    """One operation on nodes and numbers; that of an ``input`` are its name and its joint."""
 
     __slots__ = ("args", "op")
     __hash__ = object.__hash__
@@ -180,8 +180,8 @@ def traced(values: Any) -> Any:
 
 
 def inputs(name: str, count: int) -> Traced:
-    """(1, count) symbols ``name[0]`` …: one sample of a motion."""
-    return traced([[_node("input", (f"{name}[{i}]",)) for i in range(count)]])
+    """(1, count) symbols: one sample of a motion."""
+    return traced([[_node("input", (name, i)) for i in range(count)]])
 
 
 def in_order(wanted: Iterable[Any]) -> list[Node]:
