@@ -14,6 +14,7 @@ from pa10d.export.loss import Loss, loss
 from pa10d.export.matlab import matlab_function
 from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
+from pa10d.export.sdf import sdf
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.impossible import impossible
 from pa10d.model import Parameters, TorqueModel
@@ -30,12 +31,13 @@ Write = Callable[[TorqueModel, str], tuple[str, list[str]]]
 WRITERS: dict[Format, Write] = {
     "urdf": urdf_with_inertia,
     "mjcf": mjcf,
+    "sdf": sdf,
     "python": python_module,
     "c": c_header,
     "matlab": matlab_function,
     "json": json_document,
 }
-BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf")
+BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf", "sdf")
 """Formats of bodies, which base parameters alone do not make."""
 
 

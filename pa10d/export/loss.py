@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 HELD: dict[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
     "urdf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in CARRIED),
     "mjcf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in PROPERTIES),
+    "sdf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in CARRIED),
     "python": lambda model: writable(model),
     "c": lambda model: traceable(model)[0].terms,
     "matlab": lambda model: traceable(model)[0].terms,
