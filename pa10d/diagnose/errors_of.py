@@ -16,6 +16,7 @@ from pa10d.diagnose.shapes import free_shapes
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.diagnose.slopes import with_slopes
 from pa10d.diagnose.state import State
+from pa10d.identify.lacking import Stretch, lacking, weight_of
 from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
 
 Array = NDArray[np.float64]
@@ -31,6 +32,14 @@ def full_covariance(state: State, fit: Fit | None = None, noise: PerJoint | None
     """
     fit = state.fit if fit is None else fit
     return _covariance(state, fit, noise_grams(state.train, noise or fit.residual, fit.basis))
+
+
+def honest_covariance(state: State) -> Array:
+    """(p, p) of all coefficients as a model states them: what it lacks itself included. The search
+    asks whether there is more than noise; who reads a model asks how far off it may be."""
+    fit = state.fit
+    grams = noise_grams(state.train, fit.residual, fit.basis)
+    return _covariance(state, fit, _with_lack(state, grams, fit.basis))
 
 
 @dataclass(frozen=True)
@@ -121,7 +130,8 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
         if penalty is not None:
             gram = gram + penalty.T @ penalty
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
-    middle = np.sum(list(noise_grams(state.train, state.fit.residual, left).values()), axis=0)
+    grams = noise_grams(state.train, state.fit.residual, left)
+    middle = np.sum(list(_with_lack(state, grams, left).values()), axis=0)
     covariance = inverse @ middle @ inverse
     if state.knowledge is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
@@ -135,6 +145,19 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
         for s, e in zip(free, errors[k:], strict=True)
     }
     return covariance[:k, :k], shape_errors
+
+
+def _with_lack(state: State, grams: dict[int, Array], columns: PerJoint) -> dict[int, Array]:
+    """The same Gram matrices, with what the model lacks besides the noise (see ``lacking``)."""
+    side, sigma = state.train, state.fit.sigma
+    there = side.scatter(state.fit.residual)
+    stretches = []
+    for run, keep, residual in zip(side.runs, side.keep, there, strict=True):
+        c, factor = run.context, run.lowpass.factor
+        stretches.append(Stretch(residual * sigma, keep, c.q[::factor], c.dq[::factor]))
+    samples = np.sum([k.sum(axis=0) for k in side.keep], axis=0).astype(float)
+    weight = weight_of(lacking(stretches, side.runs[0].lowpass), samples) / sigma**2
+    return {j: g + weight[j] * (columns[j].T @ columns[j]) for j, g in grams.items()}
 
 
 def noise_grams(side: Side, residual: PerJoint, columns: PerJoint) -> dict[int, Array]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.diagnose.delivery import delivery
-from pa10d.diagnose.errors_of import full_covariance, term_covariance
+from pa10d.diagnose.errors_of import honest_covariance, term_covariance
 from pa10d.diagnose.search import rms
 from pa10d.diagnose.settled import Settled
 from pa10d.diagnose.state import State
@@ -56,7 +56,7 @@ def snapshot(
     model = replace(
         part.model,
         terms=tuple(terms),
-        covariance=full_covariance(part),
+        covariance=honest_covariance(part),
         noise=part.fit.rms(),
         shift=part.train.runs[0].shift,
         standard=given.standard if frozen else None,

@@ -23,7 +23,10 @@ Labels = NDArray[np.int64]
 LOOKS = 12.0  # independent values of what a model lacks, per joint: a smooth function of angle (in
 # quarters of its range), direction and slow or fast has about as many
 BLOCK = 4.0  # s: stretches that take turns as the two halves of the data
-SURE = 2.0  # standard errors by which the two halves must agree
+FEWEST_BLOCKS = 6
+FEWEST_STATES = 6  # that both halves visit, to compare them at all
+ALIKE = 0.7  # correlation of the halves' means: as much that comes again as does not
+SURE = 2.0  # standard errors
 LONGEST = 2.0  # s over which a residual may be correlated
 UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as the noise's
 
@@ -40,12 +43,12 @@ class Stretch:
 
 def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:
     """(n,) (N·m)²: mean square of each joint's residual that is not white noise, 0 where two halves
-    of the data do not agree on how it depends on the motion."""
+    of the data would show how it depends on the motion and do not agree: coloured noise."""
     n = stretches[0].residual.shape[1]
     rate = lowpass.rate / lowpass.factor
     out = np.zeros(n)
     for j in range(n):
-        if not _comes_again(stretches, j, rate):
+        if _never_comes_again(stretches, j, rate):
             continue
         own = [(s.residual[:, j], s.keep[:, j]) for s in stretches]
         longest = int(min(LONGEST * rate, min(len(r) for r, _ in own) // 4))
@@ -68,13 +71,12 @@ def weight_of(lack: Array, samples: Array) -> Array:
     return np.asarray(lack * np.maximum(samples / LOOKS, 1.0))
 
 
-def _comes_again(stretches: Sequence[Stretch], joint: int, rate: float) -> bool:
-    """Do both halves of the data show the same mean residual in the same states?"""
+def _never_comes_again(stretches: Sequence[Stretch], joint: int, rate: float) -> bool:
+    """Are the mean residuals of both halves of the data in the same states far from alike?"""
+    samples = sum(len(s.keep) for s in stretches)
+    block = max(1, min(int(BLOCK * rate), samples // FEWEST_BLOCKS))
     halves = np.concatenate(
-        [
-            (np.arange(len(s.keep)) // max(1, int(BLOCK * rate)) + k) % 2
-            for k, s in enumerate(stretches)
-        ]
+        [(np.arange(len(s.keep)) // block + k) % 2 for k, s in enumerate(stretches)]
     )
     keep = np.concatenate([s.keep[:, joint] for s in stretches])
     residual = np.concatenate([s.residual[:, joint] for s in stretches])[keep]
@@ -84,16 +86,18 @@ def _comes_again(stretches: Sequence[Stretch], joint: int, rate: float) -> bool:
         size = int(seen.max(initial=0)) + 1
         count = [np.bincount(seen[h], minlength=size) for h in (first, ~first)]
         both = (count[0] > 0) & (count[1] > 0)
-        if both.sum() < 4:
-            continue
+        if both.sum() < FEWEST_STATES:
+            return False
         means = [
             np.bincount(seen[h], residual[h], size)[both] / c[both]
             for h, c in zip((first, ~first), count, strict=True)
         ]
-        parts = np.minimum(*count)[both] * means[0] * means[1]
-        if parts.sum() > SURE * np.sqrt(np.sum(parts**2)):
-            return True
-    return False
+        size_of = np.minimum(*count)[both]
+        alike = np.sum(size_of * means[0] * means[1])
+        alike /= np.sqrt(np.prod([max(np.sum(size_of * m**2), 1e-300) for m in means]))
+        if alike + SURE / np.sqrt(both.sum()) > ALIKE:
+            return False
+    return True
 
 
 def _states(stretches: Sequence[Stretch], joint: int) -> Iterator[Labels]:

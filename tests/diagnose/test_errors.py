@@ -7,7 +7,7 @@ import pytest
 from bare_sides import ar1
 from two_links import recordings, state_of, textbook
 
-from pa10d.diagnose.errors_of import full_covariance, term_covariance
+from pa10d.diagnose.errors_of import full_covariance, honest_covariance, term_covariance
 from pa10d.diagnose.search import Search
 from pa10d.effects import effect
 from pa10d.model import Term
@@ -40,9 +40,11 @@ def test_errors_of_coefficients_are_their_scatter(colour):
         assert shape_errors == {}
         assert np.all(np.linalg.eigvalsh(covariance) > 0)
         away.append((state.terms[-1].coefficients - SPRING) / np.sqrt(np.diag(covariance)))
-        whole.append(np.diag(full_covariance(state))[-2:] / np.diag(covariance))
+        whole.append(np.diag(honest_covariance(state))[-2:] / np.diag(covariance))
     assert np.abs(np.mean(away, axis=0)) == pytest.approx([0, 0], abs=4 / np.sqrt(30))
-    assert np.std(away, axis=0) == pytest.approx([1, 1], abs=0.45)
+    # slow noise may pass for what the model lacks: then errors are too large, never too small
+    assert np.all(np.std(away, axis=0) < 1.45)
+    assert np.all(np.std(away, axis=0) > (0.55 if colour == "white" else 0.25))
     # two ways to the same, but for what reversals may do beyond noise, here nothing but chance
     assert np.all(np.mean(whole, axis=0) < 1.05)
     assert np.all(np.mean(whole, axis=0) > 0.8)
