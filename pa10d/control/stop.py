@@ -1,4 +1,10 @@
-"""A stop under way: braking along the limits, then rest; or the drives' own quick stop."""
+"""A stop under way: braking along the limits, then rest; or the drives' own quick stop.
+
+How it brakes and when it is over follow from the servo. With the gain rule's three poles at −ω the
+error after a step of the acceleration a is a·t²/2·exp(−ω·t), 0.27·a/ω² at most: a soft servo brakes
+more gently, so that the stop itself is no following error. What is left swings through standstill
+before it dies away: rest is a standstill that lasts, and takes its time.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +18,11 @@ from pa10d.control.states import ArmState
 from pa10d.control.torque_path import TorquePath
 
 REST_SPEED = 0.02  # of the velocity limit: slower is at rest
-REST_TIME = 0.05  # s at rest before a stop is done
-GRACE = 1.0  # s that a stop may take beyond what braking needs
+REST_TIME = 0.05  # s at rest before a stop is done …
+LASTS = 2.0  # … and at least this long, in 1/ω
+GRACE = 1.0  # s that a stop may take beyond what braking needs …
+DIES_AWAY = 14.0  # … and at least this long, in 1/ω: less than a thousandth is left
+GENTLEST = 0.1  # of the acceleration limit, however soft the servo
 DRIVES_STOP = 2.0  # s for the drives' own quick stop
 
 
@@ -33,8 +42,15 @@ class Stop:
     ) -> None:
         self.after, self.by_drives = after, by_drives
         self._path = path
-        self._braking = Braking(path.limits.acceleration, path.reference.dq, period)
-        span = DRIVES_STOP if by_drives else self._braking.duration + GRACE
+        limits, omega = path.limits, path.bandwidth
+        gentle = np.clip(
+            limits.following_error * omega**2, GENTLEST * limits.acceleration, limits.acceleration
+        )
+        hard = after == ArmState.FAULT
+        self._braking = Braking(limits.acceleration if hard else gentle, path.reference.dq, period)
+        self._lasts = REST_TIME if by_drives else max(REST_TIME, LASTS / omega)
+        own = self._braking.duration + max(GRACE, DIES_AWAY / omega)
+        span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
         self._rest_since = path.time
 
@@ -44,7 +60,7 @@ class Stop:
         slow = np.abs(self._path.dq) < REST_SPEED * self._path.limits.velocity
         if not braked or not slow[self._path.live].all():
             self._rest_since = self._path.time
-        if self._path.time - self._rest_since >= REST_TIME:
+        if self._path.time - self._rest_since >= self._lasts:
             return Progress.AT_REST
         return Progress.OVERDUE if self.overtime else Progress.MOVING
 

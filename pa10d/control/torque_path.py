@@ -54,6 +54,16 @@ class TorquePath:
         """Torque sent last."""
         return self.exit.sent
 
+    @property
+    def bandwidth(self) -> float:
+        """ω of the slowest joint's servo, rad/s, as its gains have it: where it has three poles in
+        one place both ratios give it, else the slower one counts."""
+        gains = self._make_servo().gains
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = [gains.kp / gains.kd, 3.0 * gains.ki / gains.kp]
+        known = [float(r) for r in np.concatenate(ratios) if np.isfinite(r) and r > 0]
+        return min(known, default=1.0)
+
     def measure(self, feedback: Feedback) -> None:
         """Take in one cycle's feedback."""
         self.time, self.age, self.status = feedback.time, feedback.age, feedback.status

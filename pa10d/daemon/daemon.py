@@ -28,6 +28,7 @@ from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
 MOVING = ("experiment", "series", "improvement")  # kinds of jobs that move the arm
+LOOK_EVERY = 0.5  # s between looks at the virtual arm
 END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
 BEFORE_JOBS = 5  # niceness of what a request waits for
 FOR_THE_ARM = 4.0  # s of it are kept for control, should jobs not end at once
@@ -78,6 +79,7 @@ class Daemon:
         self.robot.start()
         self._tasks = [
             loop.create_task(self._provide_bus()),
+            loop.create_task(self._look_after_the_arm()),
             loop.create_task(self.telemetry.run()),
             loop.create_task(self.workers.warm_up()),
             loop.create_task(self.desk.warm_up()),
@@ -118,6 +120,27 @@ class Daemon:
         if self.simulator is not None:
             await self.simulator.start()
         self.robot.bus_ready.set()
+
+    async def _look_after_the_arm(self) -> None:
+        """Say so when the virtual arm has died, as no fault of its drives would."""
+        while self.simulator is not None:
+            dead = self.simulator.dead
+            remark = dead and f"the virtual arm's process {dead}; 'reset' starts it anew"
+            if remark != self.robot.remark:
+                self.robot.remark = remark
+                self.events.publish("robot", {"state": self.robot.state, "fault": self.robot.fault})
+            await asyncio.sleep(LOOK_EVERY)
+
+    async def reset(self) -> None:
+        """Leave a fault, and bring back what has died: control, and the virtual arm."""
+        await self.revive()
+        await self.robot.reset()
+
+    async def revive(self) -> None:
+        """A virtual arm that was started here and has died is started again."""
+        if self.simulator is not None and self.simulator.dead:
+            await self.simulator.start()
+            self.robot.remark = None
 
     async def _open_eyes(self) -> None:
         """Have the viewer's libraries loaded before somebody looks."""

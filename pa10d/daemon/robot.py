@@ -29,6 +29,7 @@ CANOPEN = "canopen_cia402"  # the backend that cannot do without drives
 RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
+COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
@@ -65,6 +66,7 @@ class RobotProcess:
         self.recorder: Child | None = None
         self.notes: list[str] = []
         self.why_offline = STARTING
+        self.remark: str | None = None  # what the daemon knows of the arm beside control
         self.controller: Message = {"name": "pid"}
         self.model: str | None = None
         self.inherit: Sequence[int] = ()
@@ -162,7 +164,7 @@ class RobotProcess:
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
-            "notes": [*self.notes, *self._told.get("warnings", ()), *_remarks(axes)],
+            "notes": [*self._notes(), *_remarks(axes)],
             "recording": not offline and last is not None and bool(get(last, "recording")),
             "time": None if offline or last is None else float(get(last, "time")),
             "axes": axes,
@@ -213,10 +215,7 @@ class RobotProcess:
     async def reset(self) -> None:
         """Leave a fault, also the one that control's own death was."""
         if self._gone is not None:
-            self._gone = None
-            self._announce()
-            await self._connect()
-            return
+            await self._bring_back()
         await self._switch("reset")
         if self.state == "fault":
             raise CommandRefused(self._still_in_fault())
@@ -375,6 +374,22 @@ class RobotProcess:
                 self._changed.notify_all()
 
         asyncio.get_running_loop().create_task(wake())
+
+    def _notes(self) -> list[str]:
+        said = [] if self.remark is None else [self.remark]
+        return [*said, *self.notes, *self._told.get("warnings", ())]
+
+    async def _bring_back(self) -> None:
+        """Control had died: the next one connects, and whatever the drives think of that death is
+        acknowledged with the reset that follows."""
+        until = time.monotonic() + COMES_BACK
+        while self.control is None and self._keepers and time.monotonic() < until:
+            await asyncio.sleep(0.1)
+        if self._told["state"] == "offline":
+            await self.bus_ready.wait()
+            await self.connect()
+        self._gone = None
+        self._announce()
 
     def _still_in_fault(self) -> Message:
         fault = self.fault or {}

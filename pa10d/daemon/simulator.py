@@ -35,11 +35,20 @@ def wants_simulator(profile: Profile) -> bool:
 
 
 class Simulator:
-    """Started once; it does not come back by itself: a dead arm is a fault to be seen."""
+    """It does not come back by itself, a dead arm is a fault to be seen; ``start`` starts anew."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
         self.process: asyncio.subprocess.Process | None = None
+        self._alive: int | None = None  # held open as long as it shall live
+
+    @property
+    def dead(self) -> str | None:
+        """How the arm that was started here ended, None while it lives."""
+        code = None if self.process is None else self.process.returncode
+        if code is None:
+            return None
+        return f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
 
     async def start(self) -> None:
         """Until it is on the bus. Where one is there already, that one is used."""
@@ -55,6 +64,7 @@ class Simulator:
             env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
         os.close(reading)
+        self._let_go()
         self._alive = writing
         assert self.process.stdin is not None
         assert self.process.stdout is not None
@@ -67,7 +77,7 @@ class Simulator:
         """End it."""
         if self.process is None:
             return
-        os.close(self._alive)
+        self._let_go()
         with contextlib.suppress(ProcessLookupError):
             self.process.terminate()
         with contextlib.suppress(TimeoutError):
@@ -75,6 +85,12 @@ class Simulator:
         if self.process.returncode is None:
             self.process.kill()
             await self.process.wait()
+
+    def _let_go(self) -> None:
+        """The one that there was may end."""
+        if self._alive is not None:
+            os.close(self._alive)
+            self._alive = None
 
 
 def lock_path(profile: Profile) -> Path:

@@ -54,15 +54,17 @@ async def stop(
 
 @router.post("/reset", response_model=RobotState, responses=COMMAND)
 async def reset(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
-    """Leave a fault, once its cause is gone; the arm stays unpowered."""
-    await daemon.robot.reset()
+    """Leave a fault, once its cause is gone; the arm stays unpowered. A virtual arm that has died
+    is started again."""
+    await daemon.reset()
     await daemon.robot.until("inactive", timeout=3.0)
     return describe(daemon)
 
 
 @router.post("/connect", response_model=RobotState, responses=COMMAND)
 async def connect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
-    """Try to reach the drives now."""
+    """Try to reach the drives now; a virtual arm that has died is started again."""
+    await daemon.revive()
     if daemon.robot.state == "offline":
         await daemon.robot.connect()
     await daemon.robot.until("inactive", timeout=3.0)

@@ -1,0 +1,68 @@
+"""A stop ends at rest, whatever the servo's bandwidth: neither too early nor never."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms import PERIOD, cycles, limits, swing, until
+from fake_backend import FakeBackend, Flywheels
+
+from pa10d.control.arm import Arm
+from pa10d.control.gains import PidGains
+from pa10d.control.journal import Journal
+from pa10d.control.pid import Pid
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+
+
+def arm_with_servo(hertz, viscous=0.05):
+    w = 2 * np.pi * hertz * np.ones(2)
+    backend = FakeBackend(Flywheels(2, viscous=viscous), PERIOD)
+    gains = PidGains(3 * w**2, w**3, 3 * w)
+    arm = Arm(
+        backend,
+        limits(),
+        lambda: Pid(gains, limits().torque, PERIOD),
+        lambda q: np.zeros(2),
+        Journal(Ring.create(2, 256, PERIOD)),
+    )
+    arm.connect()
+    arm.enable()
+    until(arm, ArmState.HOLDING)
+    return arm, backend
+
+
+@pytest.mark.parametrize("moment", [0.25, 0.4, 0.5])
+@pytest.mark.parametrize(("hertz", "seconds"), [(0.4, 8.0), (0.6, 6.0), (1.0, 3.0), (4.0, 3.0)])
+def test_a_stop_ends_at_rest(hertz, seconds, moment):
+    arm, backend = arm_with_servo(hertz)
+    arm.run(swing(arm.path.reference.q, 0.8, seconds))
+    cycles(arm, int(seconds * moment / PERIOD))
+    assert arm.state == ArmState.RUNNING
+    began = arm.path.time
+    arm.stop()
+    until(arm, ArmState.HOLDING, ArmState.FAULT, seconds=60.0)
+    assert arm.state == ArmState.HOLDING, arm.fault.sentence
+    omega = 2 * np.pi * hertz
+    assert arm.path.time - began < 5.0 + 20.0 / omega
+    assert np.abs(backend.plant.dq).max() < 0.05
+    stood = backend.plant.q.copy()
+    cycles(arm, round(10.0 / omega / PERIOD))
+    assert np.abs(backend.plant.q - stood).max() < 0.01
+
+
+def test_a_fast_arm_with_a_slow_servo_stops_too():
+    """At the speed limit: what a stop of a motion that is gone has to brake."""
+    arm, _ = arm_with_servo(1.0)
+    arm.run(swing(arm.path.reference.q, 1.5, 2.8))
+    cycles(arm, 350)
+    assert np.abs(arm.path.reference.dq).max() > 0.8 * limits().velocity[0]
+    arm.stop()
+    until(arm, ArmState.HOLDING, ArmState.FAULT, seconds=20.0)
+    assert arm.state == ArmState.HOLDING, arm.fault.sentence
+
+
+def test_the_bandwidth_is_read_from_the_gains():
+    for hertz in (0.5, 2.0, 5.0):
+        arm, _ = arm_with_servo(hertz)
+        assert arm.path.bandwidth == pytest.approx(2 * np.pi * hertz)

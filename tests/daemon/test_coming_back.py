@@ -1,0 +1,91 @@
+"""After a kill, one reset and one enable: the arm is held again, or the cause is named."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from pa10d.client import local_daemon
+from pa10d.errors import UserError
+
+pytestmark = [pytest.mark.alone, pytest.mark.timeout(300)]
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    with local_daemon(tmp_path_factory.mktemp("data"), clock="simulated") as client:
+        yield client
+
+
+def kill(module):
+    """The only process below this one that runs the module."""
+    mine = {os.getpid()}
+    while True:
+        more = {p for p, parent in _parents().items() if parent in mine} - mine
+        if not more:
+            break
+        mine |= more
+    (pid,) = [p for p in mine if module in _command(p)]
+    os.kill(pid, signal.SIGKILL)
+
+
+def _parents():
+    found = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+            found[int(path.parent.name)] = int(fields[1])
+        except OSError:
+            continue
+    return found
+
+
+def _command(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
+    except OSError:
+        return []
+
+
+@pytest.mark.parametrize("powered", [False, True])
+def test_control_is_killed(arm, powered):
+    if powered:
+        arm.enable()
+    kill("pa10d.control")
+    assert arm.wait_for_robot("fault")["fault"]["kind"] == "control_gone"
+    assert arm.reset()["state"] == "inactive"
+    assert arm.enable()["state"] == "holding"
+    assert arm.disable()["state"] == "inactive"
+
+
+def test_the_virtual_arm_is_killed(arm):
+    arm.enable()
+    kill("pa10d.daemon.simulator")
+    until = time.monotonic() + 30
+    while not any("ended by signal 9" in note for note in arm.robot()["notes"]):
+        assert time.monotonic() < until
+        time.sleep(0.1)
+    try:
+        robot = arm.disable()
+    except UserError:
+        robot = arm.robot()
+    assert robot["state"] == "fault"
+    assert arm.reset()["state"] == "inactive"
+    assert not any("signal 9" in note for note in arm.robot()["notes"])
+    assert arm.enable()["state"] == "holding"
+    assert arm.disable()["state"] == "inactive"
+
+
+def test_what_is_still_away_is_named(arm):
+    """Both at once, and nothing is told twice."""
+    arm.enable()
+    kill("pa10d.daemon.simulator")
+    kill("pa10d.control")
+    arm.wait_for_robot("fault")
+    assert arm.reset()["state"] == "inactive"
+    assert arm.enable()["state"] == "holding"
+    assert arm.disable()["state"] == "inactive"
