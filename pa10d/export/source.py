@@ -148,6 +148,8 @@ def _plain(thing: Any) -> object:
     """Without its compiler; rigid bodies as their stand-in."""
     if isinstance(thing, numba.core.dispatcher.Dispatcher):
         thing = thing.py_func
+    if isinstance(getattr(thing, "__wrapped__", None), FunctionType):
+        thing = thing.__wrapped__  # its source has the decorator
     if isinstance(thing, FunctionType) and thing.__module__.startswith(STOOD_IN_FOR):
         stand_in = getattr(bodies, thing.__name__, None)
         if stand_in is None:

@@ -155,7 +155,8 @@ def test_what_is_not_carried_is_said():
 
 
 def test_the_module_stands_on_numpy_alone(tmp_path):
-    (tmp_path / "arm.py").write_text(python_module(examples.textbook(), "test")[0])
+    model = examples.with_effects(examples.textbook(), *sorted(all_effects()))
+    (tmp_path / "arm.py").write_text(python_module(model, "test")[0])
     script = (
         "import sys, numpy as np, arm\n"
         "print(arm.torque(np.zeros(4), np.zeros(4), np.zeros(4)).shape)\n"
