@@ -279,7 +279,7 @@ class Arm:
             self.path.stand()
             self._power_off()
         else:
-            self.path.fall_back()
+            self.path.fall_back(soft=fault.kind == "oscillation")
             self._begin_stop(State.FAULT)
 
     def _leave_it_to_the_drives(self) -> None:

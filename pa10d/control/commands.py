@@ -11,10 +11,11 @@ import numpy as np
 from pa10d.control.admission import wrong_with_model
 from pa10d.control.arm import Arm
 from pa10d.control.computed_torque import ComputedTorque
+from pa10d.control.gains import PidGains
 from pa10d.control.live_model import LiveModel
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import Motion
-from pa10d.control.states import Refused
+from pa10d.control.states import POWERED, Refused
 from pa10d.dynamics import Robot
 
 
@@ -36,6 +37,8 @@ class Commands:
                 self._arm.run(load_motion(message))
             elif what == "controller":
                 self._arm.use(self._controller(message))
+            elif what == "gains":
+                self._take_gains(message)
             elif what in self._plain:
                 self._plain[what]()
             else:
@@ -54,6 +57,21 @@ class Commands:
             detail = f"{what}: {type(error).__name__}: {error}"
             return {"reply": number, "ok": False, "command": what, "detail": detail}
         return {"reply": number, "ok": True, "state": self._arm.state.label}
+
+    def _take_gains(self, message: dict[str, Any]) -> None:
+        """Other gains for every servo from now on; the law at work stays what it is."""
+        gains = PidGains.from_document(message["gains"])
+        limit, period = self._arm.path.limits.torque, self._arm.backend.period
+        self._make_servo = lambda: Pid(gains, limit, period)
+        law: Controller = self._arm.path.controller
+        servo = self._make_servo()
+        model = law.model if isinstance(law, ComputedTorque) else None
+        law = servo if model is None else ComputedTorque(self._robot, model, servo)
+        if self._arm.state in POWERED:
+            self._arm.use(law)
+        else:
+            self._arm.path.controller = law  # begins when the arm is powered
+        self._arm.path.make_servo = self._make_servo
 
     def _controller(self, message: dict[str, Any]) -> Controller:
         servo = self._make_servo()

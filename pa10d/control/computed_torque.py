@@ -46,4 +46,4 @@ class ComputedTorque:
         live = self.model.torque(
             self._robot, q[None], dq[None], reference.dq[None], reference.ddq[None]
         )
-        return live[0] + reference.extra
+        return np.asarray(live[0])

@@ -14,6 +14,10 @@ REMEDIES = {
     "velocity_limit": "look at the plan's speeds, the gains and the drive's sign and gear ratio",
     "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload",
+    "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
+    "joints and sets them, or lower control.bandwidth_hz",
+    "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
+    "the profile turns angle and torque together and does not mend this",
     "stale": "check cabling, termination and bus load; the axis stopped answering",
     "controller": "report it with the recorded run; the arm was stopped by the joint servo",
     "switching": "look at supply, safe-torque-off and brakes: the drives did not do as asked",
@@ -48,7 +52,7 @@ class Fault:
     @property
     def runs_away(self) -> bool:
         """Whether the torque itself is what moves an axis that shall stand."""
-        return self.kind == "not_held"
+        return self.kind in ("not_held", "wrong_sign")
 
     @property
     def sentence(self) -> str:

@@ -4,59 +4,80 @@ With inertia J and no other dynamics, PID puts three poles of the closed loop at
 kp = 3·J·ω², ki = J·ω³, kd = 3·J·ω; ω = 2π times the profile's ``bandwidth_hz``, which by
 itself is 4 Hz, and less in proportion where the loop is slower than 500 Hz. The loop stays
 stable up to nine times this inertia. It does not far below it: there kd/J outruns the delay of
-the bus and of the speed's filter. So J is the median of M_jj over poses drawn within the limits,
-but at most ``ABOVE_LIGHTEST`` times what the joint moves in its lightest pose, all other joints
-giving way: on the PA10 the third joint of a stretched arm moves a quarter of its median, and
-swings up at 47 Hz if its gains are made for that. Bodies are the URDF's, plus a rotor.
+the bus and of the speed's filter; so J is that of a light pose (``joint_figures``).
+
+Nothing but the URDF says so, until the joints have been measured. Then ω is also as large as
+friction and gravity need, and what is asked is kept within margins (``servo_design``).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.joint_figures import (
+    ROUGH,
+    Inertias,
+    JointFigures,
+    drawn_poses,
+    inertias,
+    presumed_figures,
+)
+from pa10d.control.servo_design import (
+    SLUGGISH,
+    Case,
+    JointGains,
+    LoopTiming,
+    asked_gains,
+    fitting_gains,
+)
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.profile import Control
 
 Array = NDArray[np.float64]
 
-POSES = 256
-ABOVE_LIGHTEST = 1.5  # leaves 4 dB until the loop's delay of 4 ms makes it unstable
-ROTOR = 0.75 / 232.0**1.75  # kg·m² per N·m^1.75: PA10's first axes, scaled by the torque limit
+PUSH = 0.12  # of the torque limit, in a second: by which a joint is pushed that sticks
+NEAR = 0.3  # of the bound of the following error, that friction and gravity may push a joint away
+TURNING = 5.4  # kp·e/C: a joint whose friction turns round goes 2·0.27·C/(J·ω²) astray
+UPRIGHT = 2.5  # kp of what gravity pulls a joint by that stands on it
+WORN = 0.5  # of the measured viscous friction that is there in any case
+BUS_DELAY = 1.5  # periods from a measurement to the middle of the torque that answers it
 
 
 @dataclass(frozen=True)
 class PidGains:
-    """(n,) each: N·m/rad, N·m/(rad·s), N·m·s/rad."""
+    """(n,) each: N·m/rad, N·m/(rad·s), N·m·s/rad.
+
+    push: N·m/s by which the torque on a joint that sticks grows, until it comes loose; the first
+    motion alone needs it.
+    """
 
     kp: Array
     ki: Array
     kd: Array
+    push: Array = field(default_factory=lambda: np.zeros(1))
+
+    def document(self) -> dict[str, list[float]]:
+        """For JSON and the pipe to the control process."""
+        return {key: np.asarray(values).tolist() for key, values in vars(self).items()}
+
+    @staticmethod
+    def from_document(document: Mapping[str, Any]) -> PidGains:
+        """The other way."""
+        return PidGains(**{k: np.array(v, dtype=float) for k, v in document.items()})
+
+    def softened(self, share: float) -> PidGains:
+        """The same poles, slower: ``share`` of the bandwidth."""
+        return PidGains(share**2 * self.kp, share**3 * self.ki, share * self.kd, self.push)
 
 
 def nominal_inertia(robot: Robot) -> Array:
     """(n,) kg·m² that the gains are made for, with a rotor of usual size."""
-    mass = mass_matrices(robot)
-    median = np.median(np.diagonal(mass, axis1=1, axis2=2), axis=0)
-    lightest = np.min(1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2), axis=0)
-    return np.minimum(median, ABOVE_LIGHTEST * lightest)
-
-
-def mass_matrices(robot: Robot) -> Array:
-    """(POSES, n, n) kg·m² in poses drawn within the limits, with rotors."""
-    weightless = robot.with_gravity(np.zeros(3))
-    rng = np.random.default_rng(0)
-    lower, upper = np.maximum(robot.lower, -np.pi), np.minimum(robot.upper, np.pi)
-    q = rng.uniform(lower, upper, (POSES, robot.n))
-    still = np.zeros_like(q)
-    links = [
-        inverse_dynamics(weightless, robot.parameters, q, still, np.broadcast_to(unit, q.shape))
-        for unit in np.eye(robot.n)
-    ]
-    rotor = ROTOR * np.where(np.isfinite(robot.effort), robot.effort, 0.0) ** 1.75
-    return np.stack(links, axis=2) + np.diag(rotor)
+    return inertias(robot, presumed_figures(robot)).usual
 
 
 def pid_gains(robot: Robot, control: Control) -> PidGains:
@@ -72,3 +93,83 @@ def pid_gains(robot: Robot, control: Control) -> PidGains:
         ki=chosen(given.ki, inertia * w**3),
         kd=chosen(given.kd, 3.0 * inertia * w),
     )
+
+
+@dataclass(frozen=True)
+class FittedGains:
+    """gains, and the peak of the sensitivity (n,) in the worst case of each joint."""
+
+    gains: PidGains
+    sensitivity: Array
+
+
+def fitted_gains(
+    robot: Robot, control: Control, following_error: Array, figures: JointFigures
+) -> FittedGains:
+    """What the profile asks for, or friction and gravity need, within margins in every pose.
+
+    following_error: (n,) rad, the bound. Where inertia is only presumed it may be three times as
+    large or small, and friction may be missing: then the gains are soft.
+    """
+    span = inertias(robot, figures)
+    bandwidth = np.full(robot.n, 2.0 * np.pi * control.servo_bandwidth)
+    if control.bandwidth_hz is None:
+        bandwidth = np.maximum(bandwidth, _needed(robot, span, following_error, figures))
+    pull = UPRIGHT * _gravity_slope(robot)
+    made = []
+    for j in range(robot.n):
+        asked = asked_gains(float(span.usual[j]), float(figures.viscous[j]), float(bandwidth[j]))
+        delay = BUS_DELAY / control.rate + float(figures.delay[j])
+        timing = LoopTiming(1.0 / control.rate, delay)
+        made.append(fitting_gains(asked, _cases(span, figures, j), timing, float(pull[j])))
+    return FittedGains(_together(made), np.array([one.sensitivity for one in made]))
+
+
+def first_gains(robot: Robot, control: Control, following_error: Array) -> PidGains:
+    """For an arm that nobody has measured; joints that stick are pushed."""
+    made = fitted_gains(robot, control, following_error, presumed_figures(robot)).gains
+    return replace(made, push=PUSH * robot.effort)
+
+
+def _needed(robot: Robot, span: Inertias, bound: Array, figures: JointFigures) -> Array:
+    """(n,) rad/s with which friction and gravity push no joint further than ``NEAR`` its bound."""
+    if (figures.doubt >= ROUGH).all():
+        return np.zeros(robot.n)
+    away = NEAR * bound
+    turning = np.sqrt(TURNING * figures.coulomb / (3.0 * span.usual * away))
+    damped = figures.viscous / (3.0 * span.usual)
+    load = np.abs(_gravity(robot, drawn_poses(robot))).max(axis=0)
+    lifting = np.cbrt(load * robot.velocity / (span.usual * away))
+    return np.asarray(np.maximum.reduce([turning, damped, lifting]))
+
+
+def _gravity_slope(robot: Robot) -> Array:
+    """(n,) N·m/rad by which gravity pulls a joint further away, at most."""
+    poses, step = drawn_poses(robot), 1e-3
+    worst = np.zeros(robot.n)
+    for j in range(robot.n):
+        moved = poses.copy()
+        moved[:, j] += step
+        worst[j] = ((_gravity(robot, poses) - _gravity(robot, moved))[:, j] / step).max()
+    return np.maximum(worst, 0.0)
+
+
+def _gravity(robot: Robot, q: Array) -> Array:
+    still = np.zeros_like(q)
+    return inverse_dynamics(robot, robot.parameters, q, still, still)
+
+
+def _cases(span: Inertias, figures: JointFigures, j: int) -> list[Case]:
+    doubt, viscous = float(figures.doubt[j]), float(figures.viscous[j])
+    spring = (float(figures.motor[j]), float(figures.stiffness[j]))
+    light, usual, heavy = (float(values[j]) for values in span)
+    return [
+        Case(light / doubt, WORN * viscous, *spring),
+        Case(usual, viscous, *spring),
+        Case(heavy * doubt, WORN * viscous, *spring, allowed=SLUGGISH),
+    ]
+
+
+def _together(made: list[JointGains]) -> PidGains:
+    kp, ki, kd = (np.array([getattr(one, key) for one in made]) for key in ("kp", "ki", "kd"))
+    return PidGains(kp, ki, kd)

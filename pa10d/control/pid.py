@@ -12,6 +12,8 @@ from pa10d.control.reference import Reference
 
 Array = NDArray[np.float64]
 
+AWAY, STILL = 5e-3, 5e-3  # rad from its place, rad/s: such a joint sticks
+
 
 class Controller(Protocol):
     """A control law; every array is (n,)."""
@@ -30,30 +32,39 @@ class Controller(Protocol):
 
 
 class Pid:
-    """kp·e + kd·ė + ∫ki·e; what the exit cut off is fed back into the integral."""
+    """kp·e + kd·ė + ∫ki·e and the motion's own torque; what the exit cut off is fed back into the
+    integral."""
 
     name = "pid"
 
     def __init__(self, gains: PidGains, limit: Array, period: float) -> None:
         self.gains = gains
+        self.pushes = bool(gains.push.any())
         self._limit, self._period = limit, period
         self._integral = np.zeros_like(limit)
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
 
+    def softened(self, share: float) -> Pid:
+        """The same servo with a share of its bandwidth."""
+        return Pid(self.gains.softened(share), self._limit, self._period)
+
     def start(self, reference: Reference, q: Array, dq: Array, torque: Array) -> None:
         """The integral takes the torque that the other terms do not give."""
         error, error_rate = reference.q - q, reference.dq - dq
-        rest = torque - self.gains.kp * error - self.gains.kd * error_rate
+        rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
         """PID on the tracking error."""
         error = reference.q - q
         self._integral += self._period * self.gains.ki * error
+        if self.pushes:
+            stuck = (np.abs(error) > AWAY) & (np.abs(dq) < STILL)
+            self._integral += self._period * self.gains.push * np.sign(error) * stuck
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
-        return self.gains.kp * error + damping + self._integral
+        return self.gains.kp * error + damping + self._integral + reference.extra
 
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup by back-calculation."""

@@ -11,14 +11,18 @@ from backends.protocol import Feedback
 from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.faults import Violation
 from pa10d.control.limits import ArmLimits
+from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import Reference
 from pa10d.control.states import ArmState
 from pa10d.control.torque_exit import TorqueExit
+from pa10d.control.wrong_way import WrongWayWatch
 
 Array = NDArray[np.float64]
 
 BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
+FIRST_SECONDS = 2.0  # s of being held in which a torque of the wrong sign would show
+SOFT = 0.5  # of the bandwidth, for stopping an arm that swings
 RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this is none
 
 
@@ -27,7 +31,7 @@ class TorquePath:
 
     def __init__(self, limits: ArmLimits, period: float, make_servo: Callable[[], Pid]) -> None:
         n = len(limits.torque)
-        self.limits, self._make_servo = limits, make_servo
+        self.limits, self.make_servo = limits, make_servo
         self.controller: Controller = make_servo()
         self.exit = TorqueExit(limits, period)
         self.reference = Reference(n)
@@ -38,6 +42,11 @@ class TorquePath:
         self.status, self.age = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self.temperature: Array | None = None
         self._speed = SpeedEstimator(n, period)
+        self._swings, self._wrong_way = (
+            OscillationWatch(limits, period),
+            WrongWayWatch(limits.torque, period),
+        )
+        self._powered_at = -np.inf
 
     @property
     def q(self) -> Array:
@@ -75,6 +84,7 @@ class TorquePath:
         """While brakes open nothing may move but what gravity does until the servo has it."""
         if self.limp:
             return
+        self._watch_signs()
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
         except Violation as violation:
@@ -88,7 +98,9 @@ class TorquePath:
         if self.limp:
             return
         if not stopping_for_fault:
-            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
+            self._watch_envelope()
+            self._swings.watch(self.dq, self.reference, self.sent)
+            self._watch_signs()
             return
         far = np.abs(self.reference.q - self.q) > RUNAWAY * self.limits.following_error
         fast = np.abs(self.dq) > RUNAWAY * self.limits.velocity
@@ -96,6 +108,27 @@ class TorquePath:
         bad = np.flatnonzero(self.live & (far | fast | gone))
         if len(bad):
             raise Violation("stop", "does not stop as asked", int(bad[0]))
+
+    def _watch_envelope(self) -> None:
+        """A joint that swings is said to, however it leaves its envelope."""
+        try:
+            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
+        except Violation as violation:
+            axis = violation.axis
+            if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):
+                raise
+            raise self._swings.violation(axis) from violation
+
+    def _watch_signs(self) -> None:
+        """While the arm is held for the first time, or stands in a first motion."""
+        pushes = isinstance(self.controller, Pid) and self.controller.pushes
+        new = self.time - self._powered_at < FIRST_SECONDS
+        if not (new or pushes):
+            return
+        if self.reference.dq.any():
+            self._wrong_way.restart()
+        else:
+            self._wrong_way.watch(self.q - self.reference.q, self.dq, self.sent)
 
     def torque(self, state: ArmState) -> Array:
         """What may be sent in this cycle."""
@@ -109,6 +142,9 @@ class TorquePath:
     def power_up(self, gravity: Array) -> None:
         """Hold where the arm is, beginning with the torque that gravity is thought to need."""
         self.limp = False
+        self._powered_at = self.time
+        self._swings.restart()
+        self._wrong_way.restart()
         self.exit.restart()
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)
@@ -142,17 +178,21 @@ class TorquePath:
             )
         return None
 
-    def fall_back(self) -> None:
-        """Plain joint servo from the measured state on: it needs no model and no plan."""
+    def fall_back(self, soft: bool = False) -> None:
+        """Plain joint servo from the measured state on: it needs no model and no plan.
+
+        soft: with lower gains, where it is the servo that swings.
+        """
         self.reference.rest(self.q.copy())
         speed = self.limits.velocity
         self.reference.dq[:] = np.where(self.live, np.clip(self.dq, -speed, speed), 0.0)
-        self.use(self._make_servo())
+        servo = self.make_servo()
+        self.use(servo.softened(SOFT) if soft else servo)
 
     def stand(self) -> None:
         """Plain joint servo that holds the arm where it is."""
         self.reference.rest(self.q.copy())
-        self.use(self._make_servo())
+        self.use(self.make_servo())
 
     def forget(self) -> None:
         """After a reset: every axis is live, and was at rest until now."""

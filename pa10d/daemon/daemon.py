@@ -24,6 +24,7 @@ from pa10d.daemon.workers import TaskFailed, Workers
 from pa10d.dynamics import Robot
 from pa10d.errors import UserError
 from pa10d.profile import Profile
+from pa10d.services.joints import kept_joints
 from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
@@ -61,6 +62,9 @@ class Daemon:
         self.viewer = Workers(of_an_answer(), most=1, niceness=0)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
+        self.robot.joints = kept_joints(data, profile)
+        if self.robot.joints is not None:
+            self.robot.keep_gains(self.robot.joints["gains"])
         self.runtime = runtime
         self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pa10d.daemon.jobs import Job, Progress, Report, part
+from pa10d.daemon.jobs import Progress, part
 from pa10d.daemon.readiness import readiness
 from pa10d.daemon.robot import CommandRefused
 from pa10d.errors import UserError
@@ -21,23 +21,13 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.1  # s
 SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
+SOFTER_TRIES = 2  # with softer gains each
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 STOPPED = 15.0  # s for the arm to come to rest
 PLANNED, CHECKED, MOVED = 0.1, 0.15, 0.9  # progress after each step
 
 log = logging.getLogger("pa10d.experiment")
-
-
-def experiment_job(daemon: Daemon, request: dict[str, Any]) -> Job:
-    """Start one as a job. What is known so far is the job's result, also if it fails."""
-
-    async def work(report: Report) -> Any:
-        experiment = Experiment(daemon, request, report)
-        report.job.result = experiment.result
-        return await experiment.carry_out()
-
-    return daemon.jobs.start("experiment", request, work)
 
 
 def request_of(plan: Mapping[str, Any], **more: Any) -> dict[str, Any]:
@@ -57,7 +47,15 @@ class Experiment:
 
     numbers = itertools.count(1)
 
-    def __init__(self, daemon: Daemon, request: dict[str, Any], report: Progress) -> None:
+    def __init__(
+        self,
+        daemon: Daemon,
+        request: dict[str, Any],
+        report: Progress,
+        figures: dict[str, Any] | None = None,
+    ) -> None:
+        """figures: of the joints, where they are not those that the robot keeps."""
+        self._figures = figures
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
@@ -65,9 +63,41 @@ class Experiment:
         self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
 
     async def carry_out(self) -> dict[str, Any]:
-        """To the end; the arm is left as it was found."""
+        """To the end; the arm is left as it was found. An arm that swings is tried with softer
+        gains, if it was measured."""
+        for _ in range(SOFTER_TRIES):
+            try:
+                return await self._once()
+            except UserError:
+                if not await self._softened():
+                    raise
+        return await self._once()
+
+    async def _softened(self) -> bool:
+        """Whether the arm swung, and has got softer gains; the fault is left for that."""
+        fault, robot = self._robot.fault, self._robot
+        if fault is None or fault["kind"] != "oscillation" or robot.joints is None:
+            return False
+        kept = await self._daemon.workers.run(
+            "pa10d.services.joints:soften",
+            lambda *_: None,
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+        )
+        if kept is None:
+            return False
+        await robot.reset()
+        await robot.use_gains(kept["gains"], keep=True)
+        robot.joints = kept
+        note = f"{fault['cause']}: again with {kept['softer']:.0%} of the bandwidth"
+        self.result.setdefault("notes", []).append(note)
+        self.result["runs"] = []
+        self._request = {**self._request, "replace": self._request["name"] is not None}
+        return True
+
+    async def _once(self) -> dict[str, Any]:
         was_unpowered = not self._robot.moving
-        self._folder.mkdir()
+        self._folder.mkdir(exist_ok=True)
         try:
             await self._plan()
             prepared = await self._prepare()
@@ -103,6 +133,8 @@ class Experiment:
             folder=str(self._folder),
             start=self._robot.pose().tolist(),
             model=self._model(),
+            joints=self._joints(),
+            ahead=self._request["controller"] is None or self._figures is not None,
         )
         self.result["checks"] = [*readiness(self._robot), *prepared["checks"]]
         wrong = [c["sentence"] for c in self.result["checks"] if c["level"] == "error"]
@@ -120,6 +152,13 @@ class Experiment:
         if np.abs(self._robot.pose() - prepared["start"]).max() > SHIFTED:
             return await self._prepare()
         return prepared
+
+    def _joints(self) -> dict[str, Any] | None:
+        """What was measured of the joints, where a plain servo moves them."""
+        if self._figures is not None:
+            return {"figures": self._figures}
+        law = self._request["controller"] or self._robot.controller["name"]
+        return self._robot.joints if law == "pid" else None
 
     def _model(self) -> str | None:
         """Whose torque the motion carries along: the model asked for, or the one that is loaded, so

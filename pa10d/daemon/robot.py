@@ -21,7 +21,7 @@ from pa10d.daemon.events import Events
 from pa10d.daemon.fault_files import keep_fault
 from pa10d.daemon.link import LinkClosed, Message
 from pa10d.dynamics import Robot
-from pa10d.profile import Profile
+from pa10d.profile import Gains, Profile
 
 Array = NDArray[np.float64]
 
@@ -69,6 +69,7 @@ class RobotProcess:
         self.remark: str | None = None  # what the daemon knows of the arm beside control
         self.controller: Message = {"name": "pid"}
         self.model: str | None = None
+        self.joints: Message | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
         self._told: Message = {"state": "offline", "fault": None, "controller": "pid"}
         self._gone: Message | None = None
@@ -225,6 +226,20 @@ class RobotProcess:
         id under which the whole of it is stored."""
         await self.command("controller", **controller)
         self.controller, self.model = controller, model
+
+    async def use_gains(self, gains: Message, keep: bool) -> None:
+        """Gains (``PidGains``) for every servo from now on; keep: also after control's death."""
+        await self.command("gains", gains=gains)
+        if keep:
+            self.keep_gains(gains)
+
+    def keep_gains(self, gains: Message) -> None:
+        """For every control process that starts from now on; what the profile names stays."""
+        given = self.profile.control.gains
+        chosen = {k: getattr(given, k) or gains[k] for k in ("kp", "ki", "kd")}
+        control = self.profile.control.model_copy(update={"gains": Gains(**chosen)})
+        profile = self.profile.model_copy(update={"control": control})
+        (self._runtime / "profile.json").write_text(profile.model_dump_json())
 
     def stop(self) -> None:
         """At once, without waiting for an answer."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from pa10d.daemon.experiment import Experiment
 from pa10d.daemon.jobs import Job, Progress, Report, part
+from pa10d.daemon.motions import experiment_of
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -20,7 +20,7 @@ def series_job(daemon: Daemon, requests: Sequence[dict[str, Any]]) -> Job:
         report.job.result = result
         for k, request in enumerate(requests):
             inner = part(report, k / len(requests), (k + 1) / len(requests))
-            experiment = Experiment(daemon, request, _named(inner, request, k, len(requests)))
+            experiment = experiment_of(daemon, request, _named(inner, request, k, len(requests)))
             result["experiments"].append(experiment.result)
             await experiment.carry_out()
             result["runs"] += experiment.result["runs"]

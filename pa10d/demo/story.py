@@ -105,10 +105,20 @@ class Story:
         runs: dict[str, list[str]] = {FIT: [], JUDGE: []}
         for plan in plans:
             found = self._arm.experiment(plan=plan, progress=self._progress)
+            if plan["kind"] == "first_motion":
+                self._tell_joints(found)
+                continue
             runs[plan["tags"][0]] += found["runs"]
             seconds = found["recorded"][0]["duration"]
             self._tell(f"   {plan['kind']}: {seconds:.0f} s, to {plan['tags'][0]}.")
         return runs[FIT], runs[JUDGE]
+
+    def _tell_joints(self, found: Document) -> None:
+        """What the first motion measured: all in the report, here the odd ones alone."""
+        seconds = sum(run["duration"] for run in found["recorded"])
+        self._tell(f"   first_motion: {seconds:.0f} s, measures each joint and sets the gains.")
+        for line in found.get("notes", []):
+            self._tell(f"   {line}")
 
     def ask(self, model: str, fit: list[str], validate: list[str], frozen: bool) -> Chapter:
         """Diagnose; where the answer is in doubt, run the experiment it asks for, and again."""

@@ -27,6 +27,7 @@ NEXT = {
     "reversals": "look for bristles and gaps: diagnose a model with {runs}",
     "warm_up": "look for friction that falls: diagnose a model with {runs}",
     "chirp": "look for springs and delays: diagnose a model with {runs}",
+    "first_motion": "the gains are set: record the starting set",
     "single_joint": "look at one joint: diagnose a model with {runs}",
 }
 

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.joint_figures import JointFigures
 from pa10d.control.live_model import LiveModel, remainder
 from pa10d.dynamics import Robot
+from pa10d.experiments.shaking import small_torques, torque_ahead
 from pa10d.model import TorqueModel
 from pa10d.trajectory.check import Violation, check
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.motions import Samples
-from pa10d.trajectory.plan import Plan, move
+from pa10d.trajectory.plan import GENTLE, Plan, move
 from pa10d.trajectory.poses import Surroundings
 from pa10d.trajectory.ways import free_way
 
@@ -33,16 +35,16 @@ class Whole:
     violations: tuple[Violation, ...]
 
 
-def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float) -> Whole:
+def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float, pace: float = 1.0) -> Whole:
     """From ``start`` (n,) rad at rest to the end of the plan, and what is wrong with it.
 
-    The way is one on which the arm meets nothing.
+    The way is one on which the arm meets nothing; pace: how many times slower than usual.
     """
     around, pause = Surroundings.of(robot), round(SETTLE * rate)
     lead = _standing(start, pause)
     here = start
     for point in free_way(around, start, plan.start):
-        motion = move(here, point, around.limits)
+        motion = move(here, point, around.limits, GENTLE / pace**2)
         t = np.arange(1.0, np.ceil(motion.duration * rate) + 1) / rate
         lead = _after(lead, motion.at(np.minimum(t, motion.duration)))
         lead = _after(lead, _standing(point, pause))
@@ -61,6 +63,18 @@ def rows_of(whole: Whole, model: TorqueModel | None, live: LiveModel | None) -> 
     if model is not None and live is not None:
         extra = remainder(model, live, q, dq, ddq, float(t[1] - t[0]))
     return np.hstack([q, dq, ddq, extra])
+
+
+def measured_torque(
+    plan: Plan, whole: Whole, robot: Robot, figures: JointFigures, rate: float
+) -> Array:
+    """(N, n) N·m that measured friction and inertia ask for along the motion, and the small torques
+    of a first motion on top."""
+    _, q, dq, ddq = whole.samples
+    ahead = torque_ahead(robot, figures, q, dq, ddq)
+    t = np.arange(1.0, whole.last - whole.first + 1.0) / rate
+    ahead[whole.first : whole.last] += small_torques(plan, robot, figures, t, rate)
+    return ahead
 
 
 def _standing(q: Array, count: int) -> Rows:

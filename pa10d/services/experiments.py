@@ -9,13 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
-from pa10d.experiments.motion import rows_of, whole_motion
+from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
+from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels
@@ -26,7 +29,7 @@ from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
-PLAN, ROWS = "plan.json", "rows.npy"
+PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 
 
 def refuse_wrong_request(robot: Robot, kind: str, parameters: Mapping[str, Any]) -> None:
@@ -57,25 +60,50 @@ def make_plan(
 
 
 def prepare_motion(
-    data: str, profile: str, folder: str, start: list[float], model: str | None
+    data: str,
+    profile: str,
+    folder: str,
+    start: list[float],
+    model: str | None,
+    joints: Mapping[str, Any] | None = None,
+    ahead: bool = True,
 ) -> dict[str, Any]:
-    """The planned motion from where the arm stands, as rows for the loop, with its pre-check."""
+    """The planned motion from where the arm stands, as rows for the loop, with its pre-check.
+
+    joints: figures and gains of a plain servo whose joints were measured; without gains, of a first
+    motion under way. ahead: the servo is given what was measured.
+    """
     found, robot = load_robot(profile)
     place = Path(folder)
     text = (place / PLAN).read_text(encoding="utf-8")
     plan, limits = Plan.from_dict(json.loads(text)), limits_of(robot)
-    arm_limits(found, robot)  # says which limit is missing
-    whole = whole_motion(plan, np.array(start), robot, found.control.rate)
+    rate, bounds = found.control.rate, arm_limits(found, robot)  # says which limit is missing
+    said: list[Check] = []
+    figures = None if joints is None else JointFigures.from_document(joints["figures"])
+    if figures is not None and joints is not None and "gains" in joints:
+        known = Joints(figures, PidGains.from_document(joints["gains"]), ahead)
+        chosen = paced(plan, np.array(start), robot, bounds, rate, known)
+        whole, said = chosen.whole, [chosen.check]
+        if chosen.plan is not plan:
+            plan = chosen.plan
+            kept = {"parameters": json.loads(text)["parameters"], **plan.to_dict()}
+            (place / PACED).write_text(json.dumps(kept), encoding="utf-8")
+    else:
+        whole = whole_motion(plan, np.array(start), robot, rate)
+        if model is None and plan.kind != "first_motion":
+            said = [Check("warning", "tracking", UNKNOWN)]
     _, q, dq, ddq = whole.samples
     torque = inverse_dynamics(robot, robot.parameters, q, dq, ddq)
     stored = None if model is None else open_library(data).models.load(model)
     live = None if stored is None else live_model(stored)
     rows = rows_of(whole, stored, live)
+    if live is None and figures is not None and ahead:
+        rows[:, -robot.n :] += measured_torque(plan, whole, robot, figures, rate)
     np.save(place / ROWS, rows)
     recorded = Channels(robot.joint_names, commands=True, temperature=True)
     room = room_check(data_folder(data), size_of_run(recorded, len(rows)))
     return {
-        "checks": [check.document() for check in (*checks_of(whole, torque, limits), room)],
+        "checks": [c.document() for c in [*checks_of(whole, torque, limits), *said, room]],
         "start": list(start),
         "live": None if live is None else live.document(),
         "motions": [
@@ -85,7 +113,7 @@ def prepare_motion(
                 "first": whole.first,
                 "last": whole.last,
                 "seconds": len(rows) / found.control.rate,
-                "plan_file": str(place / PLAN),
+                "plan_file": str(place / (PACED if (place / PACED).exists() else PLAN)),
             }
         ],
     }

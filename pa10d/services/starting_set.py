@@ -1,4 +1,5 @@
-"""What to record first of an arm: two runs to fit a model to, two others to judge it by."""
+"""What to record first of an arm: its joints' first motion, two runs to fit a model to, two others
+to judge it by."""
 
 from __future__ import annotations
 
@@ -8,6 +9,12 @@ FIT, JUDGE = "fit", "judge"
 """Tags of runs: models are fitted to the one kind and judged by the other."""
 
 STARTING_SET: tuple[dict[str, Any], ...] = (
+    {
+        "kind": "first_motion",
+        "parameters": {},
+        "tags": [],
+        "why": "Each joint by small motions, for gains that fit; skipped where that was done.",
+    },
     {
         "kind": "excitation",
         "parameters": {},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.errors import UserError
 from pa10d.trajectory.limits import MotionLimits
-from pa10d.trajectory.motions import Drawing, Motion, Samples, motion_from_dict, move_time
+from pa10d.trajectory.motions import Drawing, Motion, Samples, Slowed, motion_from_dict, move_time
 from pa10d.trajectory.poses import Surroundings
 from pa10d.trajectory.ways import free_way
 
@@ -86,6 +86,13 @@ class Plan:
                 inside = np.clip(t[rows] - begin, 0.0, segment.motion.duration)
                 q[rows], dq[rows], ddq[rows] = segment.motion.at(inside)
         return q, dq, ddq
+
+    def slowed(self, factor: float) -> Plan:
+        """The same way at a slower pace."""
+        segments = tuple(
+            Segment(Slowed(factor, s.motion.to_dict()), s.label) for s in self.segments
+        )
+        return replace(self, segments=segments)
 
     def sample(self, rate: float) -> Samples:
         """The whole plan at ``rate`` Hz; the last sample is at rest."""

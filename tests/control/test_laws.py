@@ -13,7 +13,8 @@ from backends.virtual.plant import build
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.estimator import SpeedEstimator
-from pa10d.control.gains import ROTOR, nominal_inertia, pid_gains
+from pa10d.control.gains import nominal_inertia, pid_gains
+from pa10d.control.joint_figures import ROTOR
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import LiveModel, Part, kinematics_of, live_model, remainder
 from pa10d.control.pid import Pid

@@ -46,7 +46,7 @@ def test_a_wrong_sign_ends_before_the_joint_is_fast():
     while arm.state != FAULT:
         arm.cycle()
         fastest = max(fastest, abs(backend.plant.dq[0]))
-    assert (arm.fault.kind, arm.fault.axis) == ("not_held", 0)
+    assert (arm.fault.kind, arm.fault.axis) == ("wrong_sign", 0)
     assert "sign" in arm.fault.sentence
     assert not backend.powered
     # it grows as exp(97 t), 8 ms of persistence and 5 ms of filter and bus long
@@ -64,7 +64,7 @@ def test_a_wrong_sign_is_found_before_the_arm_counts_as_held():
         arm.cycle()
         states.add(arm.state)
     assert HOLDING not in states
-    assert arm.fault.kind == "not_held"
+    assert arm.fault.kind == "wrong_sign"
 
 
 def test_a_drive_that_never_enables_is_named():

@@ -10,6 +10,7 @@ from pa10d.trajectory.kinds.base import Kind, validated
 from pa10d.trajectory.kinds.boundary_velocity import BoundaryVelocity
 from pa10d.trajectory.kinds.chirp import ChirpSweep
 from pa10d.trajectory.kinds.excitation import Excitation
+from pa10d.trajectory.kinds.first_motion import FirstMotion
 from pa10d.trajectory.kinds.load_sweep import LoadSweep
 from pa10d.trajectory.kinds.point_to_point import PointToPoint
 from pa10d.trajectory.kinds.reversals import Reversals
@@ -22,7 +23,7 @@ KINDS: dict[str, type[Kind]] = {
     kind.kind: kind
     for kind in (
         BoundaryVelocity, Excitation, Tracking, PointToPoint, VelocitySweep, LoadSweep, Reversals,
-        WarmUp, ChirpSweep, SingleJoint,
+        WarmUp, ChirpSweep, SingleJoint, FirstMotion,
     )
 }  # fmt: skip
 

@@ -6,6 +6,7 @@ from pa10d.trajectory.motions.entered import Entered
 from pa10d.trajectory.motions.fourier import Fourier
 from pa10d.trajectory.motions.knots import Drawing, Knots, move_time, ramp_time
 from pa10d.trajectory.motions.sines import Sines
+from pa10d.trajectory.motions.slowed import Slowed
 
 __all__ = [
     "Chirp",
@@ -16,6 +17,7 @@ __all__ = [
     "Motion",
     "Samples",
     "Sines",
+    "Slowed",
     "motion_from_dict",
     "move_time",
     "ramp_time",

@@ -1,0 +1,118 @@
+"""What is known of each joint: presumed from the URDF and the drive's size, or measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import Robot
+from pa10d.dynamics.mass import mass_matrices
+
+Array = NDArray[np.float64]
+
+POSES = 256
+ABOVE_LIGHTEST = 1.5  # leaves 4 dB until the loop's delay of 4 ms makes it unstable
+ROTOR = 0.75 / 232.0**1.75  # kg·m² per N·m^1.75: PA10's first axes, scaled by the torque limit
+ROUGH, MEASURED = 3.0, 1.25  # by which an inertia may be wrong: a URDF's, a measured one
+
+
+class Inertias(NamedTuple):
+    """(n,) each, kg·m²: in the lightest pose with all other joints giving way; what gains are made
+    for; in the heaviest pose with all others held."""
+
+    light: Array
+    usual: Array
+    heavy: Array
+
+
+@dataclass(frozen=True)
+class JointFigures:
+    """(n,) each.
+
+    rotor      kg·m² that is there in every pose
+    link       by which the URDF's own inertia about the joint is multiplied, in any pose
+    coulomb    N·m
+    viscous    N·m·s/rad
+    delay      s from torque to motion beyond what the loop itself takes; may be a little less
+    stiffness  N·m/rad of a spring between motor and link, inf: none was seen
+    motor      kg·m² on the motor's side of that spring
+    doubt      factor by which the inertia may be wrong, to either side
+    """
+
+    rotor: Array
+    link: Array
+    coulomb: Array
+    viscous: Array
+    delay: Array
+    stiffness: Array
+    motor: Array
+    doubt: Array
+
+    def resonance(self, inertia: Array) -> Array:
+        """(n,) Hz at which motor and link swing against each other, inf: never."""
+        sprung = np.isfinite(self.stiffness)
+        with np.errstate(all="ignore"):
+            rest = 1.0 / self.motor + 1.0 / np.maximum(inertia - self.motor, 1e-9)
+            swing = np.sqrt(self.stiffness * rest) / (2 * np.pi)
+        return np.where(sprung, swing, np.inf)
+
+    def document(self) -> dict[str, list[float | None]]:
+        """For JSON; null for what is infinite."""
+        return {
+            key: [float(v) if np.isfinite(v) else None for v in values]
+            for key, values in vars(self).items()
+        }
+
+    @staticmethod
+    def from_document(document: Mapping[str, Any]) -> JointFigures:
+        """The other way; ValueError where it is none."""
+        names = list(JointFigures.__dataclass_fields__)
+        arrays = {
+            k: np.array([np.inf if v is None else float(v) for v in document[k]]) for k in names
+        }
+        sizes = {len(v) for v in arrays.values()}
+        sound = all((v >= 0).all() for k, v in arrays.items() if k != "delay")  # no number is not
+        sound = sound and bool(np.isfinite(arrays["delay"]).all())
+        if len(sizes) != 1 or not sound:
+            raise ValueError("expected as many figures of 0 or more for each joint")
+        return JointFigures(**arrays)
+
+    def but(self, **values: Array) -> JointFigures:
+        """With other values."""
+        return replace(self, **values)
+
+
+def presumed_figures(robot: Robot) -> JointFigures:
+    """Nobody has measured anything: the URDF's bodies, a rotor of usual size, no friction."""
+    zero, one = np.zeros(robot.n), np.ones(robot.n)
+    rotor = ROTOR * np.where(np.isfinite(robot.effort), robot.effort, 0.0) ** 1.75
+    return JointFigures(
+        rotor, one, zero, zero, zero, np.full(robot.n, np.inf), zero, ROUGH * one
+    )  # fmt: skip
+
+
+def inertias(robot: Robot, figures: JointFigures) -> Inertias:
+    """Over poses drawn within the limits.
+
+    What gains are made for is the median, but at most ``ABOVE_LIGHTEST`` times the lightest: on
+    the PA10 the third joint of a stretched arm moves a quarter of its median, and swings up at
+    47 Hz if its gains are made for that.
+    """
+    scale = np.sqrt(figures.link)
+    bodies = mass_matrices(robot, drawn_poses(robot))
+    mass = bodies * scale[:, None] * scale + np.diag(figures.rotor)
+    own = np.diagonal(mass, axis1=1, axis2=2)
+    light = np.min(1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2), axis=0)
+    usual = np.minimum(np.median(own, axis=0), ABOVE_LIGHTEST * light)
+    return Inertias(light, usual, own.max(axis=0))
+
+
+def drawn_poses(robot: Robot) -> Array:
+    """(POSES, n) rad within the limits."""
+    rng = np.random.default_rng(0)
+    lower, upper = np.maximum(robot.lower, -np.pi), np.minimum(robot.upper, np.pi)
+    return rng.uniform(lower, upper, (POSES, robot.n))

@@ -1,0 +1,180 @@
+"""What joints are like, from the torques that were sent and the angles that came back.
+
+Friction by least squares on sliding samples; inertia, delay and spring from the frequency response
+at the lines of the small torques, in closed loop with a known excitation (Pintelon & Schoukens,
+System Identification: A Frequency Domain Approach, 2012): output over input at each line, both as
+measured, so that the servo does not matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, lsq_linear
+from scipy.signal import butter, sosfiltfilt
+from scipy.signal.windows import hann
+
+from pa10d.control.gains import BUS_DELAY
+from pa10d.control.joint_figures import JointFigures
+from pa10d.control.servo_design import Case
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SMOOTH = 10.0  # Hz below which friction is looked for
+SLIDES = 0.01  # rad/s: slower is stuck
+FEWEST = 30  # samples that slide
+ALIKE = 0.05  # of a response: what no model of ours explains
+PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
+LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
+SPRINGY = 5.0  # by which a spring has to lower the misfit, times ln of the number of points
+DOUBT = (1.25, 3.0)  # least and most
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Of one joint, N·m and N·m·s/rad; moved: rad that it went; effort: N·m, half the range."""
+
+    coulomb: float
+    viscous: float
+    moved: float
+    effort: float
+
+
+def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Friction:
+    """From angle and sent torque (N,) of one joint that went to and fro slowly.
+
+    torque = J·ddq + B·dq + C·sgn(dq) + g0 + g1·q where it slides; J is not asked, it acts little.
+    """
+    low = butter(2, min(SMOOTH, 0.2 * rate), fs=rate, output="sos")
+    angle, effort = (sosfiltfilt(low, x) for x in (q, torque))
+    speed = np.gradient(angle, 1.0 / rate)
+    rise = np.gradient(speed, 1.0 / rate)
+    slides = np.abs(speed) > SLIDES
+    moved, reach = float(np.ptp(q)), 0.5 * float(np.ptp(effort))
+    both = min((slides & (speed > 0)).sum(), (slides & (speed < 0)).sum())
+    if both < FEWEST * rate / 500.0:
+        return Friction(reach, 0.0, moved, reach)
+    columns = np.stack([np.sign(speed), speed, np.ones_like(q), q - q.mean()], axis=1)[slides]
+    wanted = (effort - inertia * rise)[slides]
+    scale = np.linalg.norm(columns, axis=0)
+    lower = np.array([0.0, 0.0, -np.inf, -np.inf])
+    found = lsq_linear(columns / scale, wanted, bounds=(lower, np.inf)).x / scale
+    return Friction(float(found[0]), float(found[1]), moved, reach)
+
+
+@dataclass(frozen=True)
+class Response:
+    """rad per N·m at lines (K,) Hz and its relative error (K,); kg·m² that the URDF has there with
+    all other joints held, and with all of them free to give way."""
+
+    lines: Array
+    value: Complex
+    error: Array
+    held: float = 0.0
+    free: float = 0.0
+
+
+def response_of(q: Array, torque: Array, rate: float, lines: Array, noise: float) -> Response:
+    """From whole periods of angle and sent torque (W, N); noise: N·m of the torque, by its steps.
+
+    Windows are averaged as cross spectra; what differs between them is error.
+    """
+    windows, count = q.shape
+    drift = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), 2)
+    apart = np.eye(count) - drift @ np.linalg.pinv(drift)
+    at = np.outer(lines, np.arange(count) / rate)
+    waves = np.exp(-2j * np.pi * at) * hann(count, sym=False) * 4.0 / count
+    angle, effort = q @ apart @ waves.T, torque @ apart @ waves.T
+    power = (np.abs(effort) ** 2).sum(axis=0)
+    value = (angle * effort.conj()).sum(axis=0) / power
+    differ = np.sqrt((np.abs(angle - value * effort) ** 2).sum(axis=0) / max(windows - 1, 1))
+    small = np.maximum(np.abs(value) * np.sqrt(power / windows), 1e-300)
+    steps = noise * np.sqrt(3.0 / count) / np.sqrt(power / windows)
+    error = np.sqrt((differ / small / np.sqrt(windows)) ** 2 + steps**2 + ALIKE**2)
+    return Response(lines, value, error)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """kg·m², factor, N·m·s/rad, s, N·m/rad (inf: rigid); misfit: RMS in units of the errors."""
+
+    rotor: float
+    link: float
+    viscous: float
+    delay: float
+    stiffness: float
+    misfit: float
+
+
+def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate: float) -> Fitted:
+    """One joint in one or more poses: rotor + link × the URDF's inertia, rigid or with a spring.
+
+    rotor, viscous: what is thought; with one pose alone the two inertias cannot be told apart, and
+    stay in the ratio that is thought. A spring is believed where it lowers the misfit much. Whether
+    the other joints stood still or gave way is taken as it fits better.
+    """
+    fits = [_fitted(seen, attribute, rotor, viscous, rate) for attribute in ("held", "free")]
+    return min(fits, key=lambda fit: fit.misfit)
+
+
+def _fitted(
+    seen: Sequence[Response], attribute: str, rotor: float, viscous: float, rate: float
+) -> Fitted:
+    start = np.log([max(rotor, 1e-9), 1.0])
+    friction = np.log(max(viscous, 1e-2 * rotor))
+
+    def misfit(x: Array) -> Array:
+        parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR]
+        for one in seen:
+            off = np.log(one.value / _model(x, one, getattr(one, attribute), rate)) / one.error
+            parts += [off.real, off.imag]
+        return np.concatenate(parts)
+
+    low = [*(start - 4.0), friction - 3.0, -0.5 / rate]
+    high = [*(start + 4.0), friction + 3.0, LONGEST]
+    first = np.array([*start, friction, 1e-4])
+    best = least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
+    points = 2 * sum(len(one.lines) for one in seen)
+    chosen, cost = best.x, best.cost - 0.5 * SPRINGY * np.log(points)
+    for swing in np.geomspace(seen[0].lines[0], 0.7 * seen[0].lines[-1], 4):
+        stiffness = 2.0 * np.log(2 * np.pi * swing) + start[0]
+        ends = [*low, stiffness - 3.0], [*high, stiffness + 3.0]
+        tried = least_squares(misfit, [*first, stiffness], bounds=ends, loss="soft_l1")
+        if tried.cost < cost:
+            chosen, cost = tried.x, tried.cost
+    stiffness = float(np.exp(chosen[4])) if len(chosen) > 4 else np.inf
+    inertia, link, damping = (float(np.exp(v)) for v in chosen[:3])
+    left = float(np.sqrt(2 * max(cost, 0.0) / points))
+    return Fitted(inertia, link, damping, float(chosen[3]), stiffness, left)
+
+
+def _model(x: Array, one: Response, inertia: float, rate: float) -> Complex:
+    """x: logarithms of rotor, link, viscous; delay; logarithm of stiffness where there is one."""
+    spring = (float(np.exp(x[0])), float(np.exp(x[4]))) if len(x) > 4 else (0.0, np.inf)
+    case = Case(float(np.exp(x[0]) + np.exp(x[1]) * inertia), float(np.exp(x[2])), *spring)
+    s = np.asarray(2j * np.pi * one.lines, dtype=np.complex128)
+    return np.asarray(case.response(s) * np.exp(-s * (BUS_DELAY / rate + x[3])))
+
+
+def with_friction(figures: JointFigures, found: dict[int, Friction]) -> JointFigures:
+    """The same joints, their friction as it was found; joints are 0-based."""
+    coulomb, viscous = figures.coulomb.copy(), figures.viscous.copy()
+    for j, friction in found.items():
+        coulomb[j], viscous[j] = friction.coulomb, friction.viscous
+    return figures.but(coulomb=coulomb, viscous=viscous)
+
+
+def with_response(figures: JointFigures, found: dict[int, Fitted]) -> JointFigures:
+    """The same joints with inertia, delay and spring as they were found."""
+    names = ("rotor", "link", "delay", "stiffness", "motor", "doubt")
+    values = {name: getattr(figures, name).copy() for name in names}
+    for j, fit in found.items():
+        values["rotor"][j], values["link"][j] = fit.rotor, fit.link
+        values["delay"][j], values["stiffness"][j] = fit.delay, fit.stiffness
+        values["motor"][j] = fit.rotor if np.isfinite(fit.stiffness) else 0.0
+        values["doubt"][j] = np.clip(1.0 + 0.25 * fit.misfit, *DOUBT)
+    return figures.but(**values)

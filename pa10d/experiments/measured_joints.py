@@ -1,0 +1,130 @@
+"""From the runs of a first motion to what each joint is like."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures, inertias, presumed_figures
+from pa10d.dynamics import Robot
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.errors import UserError
+from pa10d.experiments.joint_response import (
+    Fitted,
+    Friction,
+    Response,
+    fitted_response,
+    friction_of,
+    response_of,
+    with_friction,
+    with_response,
+)
+from pa10d.experiments.shaking import lines_of
+from pa10d.trajectory.kinds.first_motion import NUDGE, PERIOD, shaken_joint
+from pa10d.trajectory.plan import Plan
+
+Array = NDArray[np.float64]
+
+AROUND = 0.2  # s before and after a stroke that belong to it
+FEW = 0.5  # of a viscous friction that was seen in a few moments of sliding
+BLOCKED = 0.25  # of the way that a joint should have gone to either side
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A part of the first motion as recorded: rate Hz; q rad, sent torque N·m, (N, n); sample k was
+    taken at (k + 1)/rate s of the plan."""
+
+    plan: Plan
+    rate: float
+    q: Array
+    torque: Array
+
+    def between(self, begin: float, end: float) -> slice:
+        """Samples of this stretch of the plan, s."""
+        return slice(max(int(begin * self.rate), 0), int(end * self.rate))
+
+
+def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> JointFigures:
+    """What is known after these parts, ``friction`` first. step: (n,) N·m, the torque's own."""
+    presumed = presumed_figures(robot)
+    nudged = parts["friction"]
+    usual = inertias(robot, presumed).usual
+    friction = {
+        j: friction_of(nudged.q[:, j], nudged.torque[:, j], nudged.rate, float(usual[j]))
+        for j in range(robot.n)
+    }
+    _refuse_blocked(friction)
+    if "response" not in parts:
+        surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
+        return with_friction(presumed, surer)
+    strokes = parts["response"]
+    friction |= {j: _stroke_friction(strokes, robot, j) for j in range(robot.n)}
+    responses = _responses(robot, parts, step)
+    fits: dict[int, Fitted] = {
+        j: fitted_response(seen, float(presumed.rotor[j]), friction[j].viscous, strokes.rate)
+        for j, seen in responses.items()
+    }
+    return with_response(with_friction(presumed, friction), fits)
+
+
+def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]:
+    """One line a joint, for a person."""
+    span = inertias(robot, figures)
+    resonance = figures.resonance(span.usual)
+    lines = []
+    for j in range(robot.n):
+        spring = ""
+        if np.isfinite(figures.stiffness[j]):
+            spring = f", a spring of {figures.stiffness[j]:.3g} N·m/rad ({resonance[j]:.2g} Hz)"
+        lines.append(
+            f"joint {j + 1}: inertia {span.light[j]:.2g} … {span.heavy[j]:.2g} kg·m², friction "
+            f"{figures.coulomb[j]:.2g} N·m + {figures.viscous[j]:.2g} N·m·s/rad{spring}; "
+            f"kp {gains.kp[j]:.3g}, ki {gains.ki[j]:.3g}, kd {gains.kd[j]:.3g}"
+        )
+    return lines
+
+
+def _refuse_blocked(found: Mapping[int, Friction]) -> None:
+    stuck = [j for j, one in found.items() if one.moved < BLOCKED * NUDGE]
+    if stuck:
+        named = ", ".join(f"joint {j + 1} (±{found[j].effort:.3g} N·m)" for j in stuck)
+        raise UserError(
+            f"{named}: did not move; look at its brake, at what it touches, and at its rated_torque"
+        )
+
+
+def _stroke_friction(seen: Seen, robot: Robot, j: int) -> Friction:
+    spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
+    cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
+    own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
+    return friction_of(seen.q[cut, j], seen.torque[cut, j], seen.rate, float(own))
+
+
+def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array) -> dict[int, list[Response]]:
+    """Of each joint, one per pose; the strokes to and fro of a pose belong together."""
+    windows: dict[tuple[int, str], list[tuple[Array, Array, Array]]] = defaultdict(list)
+    rate = parts["response"].rate
+    count = round(PERIOD * rate)
+    for name, seen in parts.items():
+        for span in seen.plan.spans:
+            j = shaken_joint(span.label)
+            if j is not None:
+                end = int(span.end * rate) - 1
+                cut = slice(end - count, end)
+                windows[j, name].append((seen.q[cut, j], seen.torque[cut, j], seen.q[end]))
+    rotors = np.diag(presumed_figures(robot).rotor)
+    found: dict[int, list[Response]] = defaultdict(list)
+    for (j, _), taken in windows.items():
+        q, torque = (np.array([one[k] for one in taken]) for k in (0, 1))
+        noise = float(step[j]) / np.sqrt(12.0)
+        response = response_of(q, torque, rate, lines_of(rate), noise)
+        mass = mass_matrices(robot, taken[0][2][None])[0]
+        free = 1.0 / np.linalg.inv(mass + rotors)[j, j] - rotors[j, j]
+        found[j].append(replace(response, held=float(mass[j, j]), free=float(free)))
+    return dict(found)

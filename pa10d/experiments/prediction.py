@@ -1,0 +1,86 @@
+"""How well a joint servo will follow a motion, before anything moves.
+
+The servo has to give what is not given ahead: gravity, coupling, and friction and inertia where
+they were not measured. With J·ë + (kd + B)·ė + kp·e + ki·∫e = that torque, each joint for itself,
+the error follows from the motion alone; delay is left out, margins (``servo_design``) allow for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import bilinear, lfilter
+
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures, inertias
+from pa10d.control.limits import ArmLimits
+from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.experiments.shaking import torque_ahead
+from pa10d.trajectory.motions import Samples
+
+Array = NDArray[np.float64]
+
+BOUND = 0.7  # of the bound of the following error: a prediction is not exact
+FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
+BEYOND = 0.012  # rad beyond a position limit, braking distance included
+PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """(n,) each: largest tracking error rad, speed rad/s, torque N·m, way beyond a limit rad."""
+
+    error: Array
+    speed: Array
+    torque: Array
+    beyond: Array
+
+    def problem(self, limits: ArmLimits) -> str:
+        """What would end the motion, in words; empty where nothing does."""
+        for values, most, words in (
+            (self.error, BOUND * limits.following_error, "would be {:.2g} rad from its path"),
+            (self.speed, FAST * limits.velocity, "would overshoot to {:.2g} rad/s"),
+            (self.torque, STRONG * limits.torque, "would need {:.3g} N·m with its friction"),
+            (self.beyond, np.full(len(self.beyond), BEYOND), "would stop {:.2g} rad outside"),
+        ):
+            over = values / most
+            if (over > 1.0).any():
+                j = int(np.argmax(over))
+                return f"joint {j + 1} {words.format(values[j])}"
+        return ""
+
+
+def predicted(
+    robot: Robot,
+    limits: ArmLimits,
+    gains: PidGains,
+    figures: JointFigures,
+    motion: Samples,
+    ahead: Array,
+) -> Predicted:
+    """Of a motion (N, n) from rest with the torque ``ahead`` (N, n) N·m that is given with it."""
+    t, q, dq, ddq = motion
+    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
+    rigid = inverse_dynamics(robot, robot.parameters, q, dq, ddq) - own * ddq
+    needed = rigid + torque_ahead(robot, figures, q, dq, ddq)
+    left = needed - ahead
+    inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
+    error, slip = np.zeros_like(q), np.zeros_like(q)
+    for j in range(robot.n):
+        damping = gains.kd[j] + figures.viscous[j]
+        below = [inertia[j], damping, gains.kp[j], gains.ki[j]]
+        push = left[:, j] - left[0, j]
+        error[:, j] = lfilter(*bilinear([1.0, 0.0], below, rate), push)
+        slip[:, j] = lfilter(*bilinear([1.0, 0.0, 0.0], below, rate), push)
+    at, speed = q - error, dq - slip
+    stop = at + speed * np.abs(speed) / (2.0 * limits.acceleration)
+    beyond = np.maximum(stop - limits.upper, limits.lower - stop)
+    return Predicted(
+        np.abs(error).max(axis=0),
+        np.abs(speed).max(axis=0),
+        np.abs(needed).max(axis=0),
+        np.nan_to_num(beyond, neginf=-1.0).max(axis=0),
+    )

@@ -1,0 +1,69 @@
+"""Small torques on top of a first motion: many frequencies at once, while the joint slides.
+
+A joint that slides has friction of one sign, so what the small torques do shows inertia, viscous
+friction, delay and springs alone; at rest it would stick. Amplitudes are such that the joint never
+turns round, be it three times as light as is thought. Schroeder phases keep the peaks low
+(Schroeder, Synthesis of low-peak-factor signals, IEEE Trans. Inf. Theory 16, 1970).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.control.joint_figures import JointFigures
+from pa10d.dynamics import Robot
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.trajectory.kinds.first_motion import PERIOD, shaken_joint
+from pa10d.trajectory.plan import Plan
+
+Array = NDArray[np.float64]
+
+LOWEST, HIGHEST = 2.0, 60.0  # Hz
+OF_RATE = 0.125  # of the loop's rate: highest frequency
+LINES = 16
+APART = 2  # lines of a window's spectrum: Hann's, so that slow drift stays out of the others
+SWING = 0.8  # of the joint's steady speed, that the small torques may take from it or add
+SHARP = 0.02  # rad/s at which friction of the reference has its full size
+
+
+def lines_of(rate: float) -> Array:
+    """(K,) Hz that are looked at, whole periods of the window each."""
+    top = min(HIGHEST, OF_RATE * rate)
+    kept: list[float] = []
+    for line in np.round(np.geomspace(LOWEST, top, LINES) * PERIOD):
+        if not kept or line - kept[-1] >= APART:
+            kept.append(float(line))
+    return np.array(kept) / PERIOD
+
+
+def torque_ahead(robot: Robot, figures: JointFigures, q: Array, dq: Array, ddq: Array) -> Array:
+    """(N, n) N·m of what was measured, along a desired motion (N, n): friction, own inertia."""
+    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
+    friction = figures.coulomb * np.tanh(dq / SHARP) + figures.viscous * dq
+    return np.asarray(friction + (figures.rotor + figures.link * own) * ddq)
+
+
+def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rate: float) -> Array:
+    """(N, n) N·m at times t (N,) s of the plan."""
+    out = np.zeros((len(t), robot.n))
+    for span in plan.spans:
+        j = shaken_joint(span.label)
+        if j is None:
+            continue
+        middle = np.array([0.5 * (span.begin + span.end)])
+        q, dq, _ = plan.at(middle)
+        inertia = figures.rotor[j] + figures.link[j] * mass_matrices(robot, q)[0, j, j]
+        inside = (t >= span.begin) & (t <= span.end)
+        shape = multisine(t[inside], lines_of(rate), inertia / figures.doubt[j])
+        out[inside, j] = SWING * abs(dq[0, j]) * shape
+    return out
+
+
+def multisine(t: Array, lines: Array, inertia: float) -> Array:
+    """(N,) N·m that swing a free inertia, kg·m², by 1 rad/s at the peak; all lines alike."""
+    k, w = np.arange(len(lines)), 2.0 * np.pi * lines
+    phase = np.outer(t, w) - np.pi * k * (k - 1) / len(lines)
+    fine = np.outer(np.arange(0.0, PERIOD, 1e-3), w) - np.pi * k * (k - 1) / len(lines)
+    peak = np.abs(np.cos(fine).sum(axis=1)).max()
+    return np.asarray((-inertia * w * np.sin(phase)).sum(axis=1) / peak)

@@ -1,0 +1,150 @@
+"""What has been measured of an arm's joints: where it is kept, and what follows from it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.scaling import scaling_of
+from pa10d.control.gains import PidGains, first_gains, fitted_gains, pid_gains
+from pa10d.control.joint_figures import JointFigures, inertias
+from pa10d.control.limits import arm_limits
+from pa10d.dynamics import Robot
+from pa10d.errors import UserError
+from pa10d.experiments.measured_joints import Seen, measured_figures, sentences
+from pa10d.profile import Profile
+from pa10d.services.library import open_library
+from pa10d.services.robots import load_robot
+from pa10d.store.folders import write_json
+from pa10d.store.location import data_folder
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.kinds.first_motion import PARTS, FirstMotion
+from pa10d.trajectory.plan import Plan
+from pa10d.trajectory.poses import Surroundings
+
+Array = NDArray[np.float64]
+Document = dict[str, Any]
+
+SCHEMA = "pa10d/joints/1"
+SOFTER = 0.6  # of the bandwidth, after an oscillation
+SOFTEST = 0.2  # of what the rule gives: softer gains hold nothing
+
+
+def kept_joints(data: str | os.PathLike[str] | None, profile: Profile) -> Document | None:
+    """What was measured of this profile's joints, or None; a file that is wrong counts as none.
+
+    It holds for this arm only: see ``fingerprint``.
+    """
+    try:
+        found = json.loads(_place(data, profile).read_text(encoding="utf-8"))
+        fits = found["schema"] == SCHEMA and found["fingerprint"] == fingerprint(profile)
+        JointFigures.from_document(found["figures"])
+        PidGains.from_document(found["gains"])
+        return dict(found) if fits else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def fingerprint(profile: Profile) -> str:
+    """Of all that the measured figures and their gains depend on."""
+    parts = profile.model_dump(
+        mode="json",
+        include={"joints", "base", "gravity", "tool", "limits", "drives", "control", "safety"},
+    )
+    parts["urdf"] = hashlib.sha256(profile.urdf.read_bytes()).hexdigest()
+    if profile.simulation is not None:
+        parts["simulation"] = profile.simulation.model_dump(include={"plant", "options"})
+    text = json.dumps(parts, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def parts_to_run(data: str, profile: str, parameters: Mapping[str, Any]) -> Document:
+    """The parts of a first motion that this arm has, the gains to begin with, and those before."""
+    found, robot = load_robot(profile)
+    asked = read_request({"kind": "first_motion", "parameters": parameters})
+    assert isinstance(asked, FirstMotion)
+    around = Surroundings.of(robot)
+    parts = [part for part in PARTS if asked.model_copy(update={"part": part}).has_any(around)]
+    bound = arm_limits(found, robot).following_error
+    kept = kept_joints(data, found)
+    before = kept["gains"] if kept else pid_gains(robot, found.control).document()
+    first = first_gains(robot, found.control, bound).document()
+    return {"parts": parts, "gains": first, "before": before}
+
+
+def learn(data: str, profile: str, runs: Mapping[str, str], softer: float) -> Document:
+    """Figures and gains from the parts recorded so far; softer: share of the bandwidth."""
+    found, robot = load_robot(profile)
+    library = open_library(data)
+    seen = {}
+    for part, run in runs.items():
+        stored = library.runs.read(library.runs.find(run))
+        sent = stored.samples.commands
+        if sent is None:
+            raise UserError(f"run {run}: no commands in it; expected a run of a first motion")
+        plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
+        seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
+    figures = measured_figures(robot, seen, torque_steps(found, robot))
+    return {"figures": figures.document(), **_gains(found, robot, figures, softer)}
+
+
+def keep_joints(data: str, profile: str, runs: list[str], learnt: Mapping[str, Any]) -> Document:
+    """Write down what was learnt; it holds until the profile or the URDF changes."""
+    found = load_robot(profile)[0]
+    now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    head = {"schema": SCHEMA, "profile": found.name, "fingerprint": fingerprint(found)}
+    document = {**head, "measured": now, "runs": runs, **learnt}
+    place = _place(data, found)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    write_json(place, document)
+    return document
+
+
+def soften(data: str, profile: str) -> Document | None:
+    """Lower gains for an arm that swung, kept; None where they would be too soft."""
+    found, robot = load_robot(profile)
+    kept = kept_joints(data, found)
+    if kept is None or kept["softer"] * SOFTER < SOFTEST:
+        return None
+    figures = JointFigures.from_document(kept["figures"])
+    softer = kept["softer"] * SOFTER
+    learnt = {"figures": kept["figures"], **_gains(found, robot, figures, softer)}
+    return keep_joints(data, profile, kept["runs"], learnt)
+
+
+def torque_steps(profile: Profile, robot: Robot) -> Array:
+    """(n,) N·m, the smallest difference between two torques that a drive can be told."""
+    if profile.drives is None:
+        return np.asarray(1e-3 * robot.effort)
+    return np.array([scaling_of(drive).rated / 1000.0 for drive in profile.drives])
+
+
+def _gains(profile: Profile, robot: Robot, figures: JointFigures, softer: float) -> Document:
+    bound = arm_limits(profile, robot).following_error
+    fitted = fitted_gains(robot, profile.control, bound, figures)
+    gains = fitted.gains.softened(softer) if softer != 1.0 else fitted.gains
+    gains = replace(gains, push=np.zeros(robot.n))
+    span = inertias(robot, figures)
+    return {
+        "gains": gains.document(),
+        "softer": softer,
+        "sensitivity": fitted.sensitivity.tolist(),
+        "inertia": {key: values.tolist() for key, values in span._asdict().items()},
+        "resonance_hz": [
+            float(f) if np.isfinite(f) else None for f in figures.resonance(span.usual)
+        ],
+        "sentences": sentences(robot, figures, gains),
+    }
+
+
+def _place(data: str | os.PathLike[str] | None, profile: Profile) -> Path:
+    return data_folder(data) / "joints" / f"{fingerprint(profile)[:16]}.json"

@@ -1,0 +1,153 @@
+"""The first motion of an arm: small, slow, and enough to tell what each joint is like."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.errors import UserError
+from pa10d.trajectory.kinds.base import Array, Kind
+from pa10d.trajectory.kinds.strokes import RAMP_SHARE, stroke
+from pa10d.trajectory.motions import Drawing
+from pa10d.trajectory.plan import Plan, Segment, joined
+from pa10d.trajectory.poses import Surroundings
+
+Part = Literal["friction", "response", "poses"]
+PARTS: tuple[Part, ...] = ("friction", "response", "poses")
+
+NUDGE = 0.04  # rad (m) to either side, less than any servo may be wrong by
+THERE, WAIT = 1.0, 3.0  # s to a place, and at it until a joint that sticks has come loose
+SLOW, FAST = 0.15, 0.4  # of the speed limit
+SLOW_MOST, FAST_MOST = 0.4, 0.7  # rad/s
+LEAD, PERIOD = 0.2, 1.0  # s of small torques before the window that is looked at, and of that
+RUN = 0.25  # s at the faster speed
+CALM = 0.7  # of the limits of speed and acceleration, on every way of an arm that is not known
+POSES, REACH = 12, 0.4  # poses drawn for the heavy one, of the ranges
+VARIES = 1.4  # a joint that is so much heavier in another pose is measured there, too
+
+
+class FirstMotion(Kind):
+    """Measures each joint: inertia, friction, delay, first resonance; the servo's gains follow.
+
+    All joints are pushed a little to and fro, then one after the other strokes slowly while small
+    torques of many frequencies shake it. Skipped where the joints have been measured.
+    """
+
+    kind: ClassVar[str] = "first_motion"
+    title: ClassVar[str] = "Measures every joint by small motions, and sets the gains from that"
+
+    part: Part | None = Field(
+        default=None,
+        description="friction (all joints, seconds), response (one by one), poses (one more pose "
+        "for joints whose inertia depends on it); all of them where absent",
+    )
+    again: bool = Field(default=False, description="also where the joints have been measured")
+
+    def build(self, around: Surroundings) -> Plan:
+        """Segments named after their joint and what is seen in them."""
+        calm = replace(
+            around,
+            limits=replace(
+                around.limits,
+                velocity=CALM * around.limits.velocity,
+                acceleration=CALM * around.limits.acceleration,
+            ),
+        )
+        joints, home = self.chosen(around), self.home(around)
+        segments: list[Segment] = []
+        if self.part in (None, "friction"):
+            segments.append(self._nudges(calm, joints, home))
+        if self.part in (None, "response"):
+            for j in joints:
+                segments += _shaken(calm, home, j) + _quick(calm, home, j)
+        if self.part in (None, "poses"):
+            segments += self._elsewhere(calm, joints, home)
+        return joined(self.kind, joints, segments, calm)
+
+    def has_any(self, around: Surroundings) -> bool:
+        """Whether this part has anything to do on this arm."""
+        if self.part != "poses":
+            return True
+        return bool(self._elsewhere(around, self.chosen(around), self.home(around)))
+
+    def _nudges(self, around: Surroundings, joints: list[int], home: Array) -> Segment:
+        lower, upper = np.array(home), np.array(home)
+        for j in joints:
+            below, above = around.free_range(home, j)
+            lower[j], upper[j] = max(below, home[j] - NUDGE), min(above, home[j] + NUDGE)
+        drawing = Drawing(home)
+        for place in (upper, lower, upper, home):
+            drawing.to(place, THERE)
+            drawing.rest(WAIT)
+        return Segment(drawing.knots(), "all joints")
+
+    def _elsewhere(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
+        """Empty where one pose is all there is."""
+        heavy = home if self.pose is not None else heavy_pose(around, self.seed)
+        here, there = (_own_inertia(around, pose) for pose in (home, heavy))
+        ratio = np.maximum(there / here, here / there)
+        return [part for j in joints if ratio[j] > VARIES for part in _shaken(around, heavy, j)]
+
+
+def heavy_pose(around: Surroundings, seed: int) -> Array:
+    """(n,) the pose in which most joints carry much, of some that are drawn."""
+    rng = np.random.default_rng(seed)
+    poses = [around.limits.rest_pose()]
+    for _ in range(POSES):
+        try:
+            poses.append(around.random_pose(rng, REACH))
+        except UserError:
+            break
+    inertia = np.diagonal(mass_matrices(around.robot, np.array(poses)), axis1=1, axis2=2)
+    return poses[int(np.argmax(np.log(np.maximum(inertia, 1e-9)).sum(axis=1)))]
+
+
+def shaken_joint(label: str) -> int | None:
+    """The joint (0-based) that is shaken in a segment of this label."""
+    name, _, what = label.rpartition(" ")
+    return int(name.removeprefix("joint ")) - 1 if what == "shaken" else None
+
+
+def _own_inertia(around: Surroundings, pose: Array) -> Array:
+    """(n,) kg·m² with a trifle for the rotor, so that a ratio is one of numbers that count."""
+    mass = np.diagonal(mass_matrices(around.robot, pose[None])[0])
+    return np.asarray(mass + 0.1 * mass.max() * (around.limits.torque / around.limits.torque.max()))
+
+
+def _shaken(around: Surroundings, pose: Array, j: int) -> list[Segment]:
+    speed = min(SLOW * around.limits.velocity[j] / CALM, SLOW_MOST)
+    travel = speed * (LEAD + PERIOD + _ramp(around, j, speed))
+    lower, upper = around.free_range(pose, j)
+    if travel > upper - lower:
+        speed, travel = speed * (upper - lower) / travel, upper - lower
+    begin = float(np.clip(pose[j] - 0.5 * travel, lower, upper - travel))
+    return _to_and_fro(around, pose, j, begin, speed, LEAD + PERIOD, "shaken")
+
+
+def _quick(around: Surroundings, pose: Array, j: int) -> list[Segment]:
+    """Over the way of the slow strokes, where they began."""
+    slow = _shaken(around, pose, j)[0].motion
+    begin, travel = slow.start[j], slow.end[j] - slow.start[j]
+    speed = min(FAST * around.limits.velocity[j] / CALM, FAST_MOST)
+    while (run := travel / speed - _ramp(around, j, speed)) < RUN:
+        speed *= 0.9
+    return _to_and_fro(around, pose, j, begin, speed, run, "quick")
+
+
+def _ramp(around: Surroundings, j: int, speed: float) -> float:
+    return float(max(1.5 * speed / (RAMP_SHARE * around.limits.acceleration[j]), 0.02))
+
+
+def _to_and_fro(
+    around: Surroundings, pose: Array, j: int, begin: float, speed: float, run: float, what: str
+) -> list[Segment]:
+    limit, label = around.limits.acceleration[j], f"joint {j + 1} {what}"
+    end = begin + speed * (run + _ramp(around, j, speed))
+    return [
+        stroke(pose, j, begin, speed, run, limit, label),
+        stroke(pose, j, end, -speed, run, limit, label),
+    ]
