@@ -67,7 +67,7 @@ class TorquePath:
     def bandwidth(self) -> float:
         """ω of the slowest joint's servo, rad/s, as its gains have it: where it has three poles in
         one place both ratios give it, else the slower one counts."""
-        gains = self._make_servo().gains
+        gains = self.make_servo().gains
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = [gains.kp / gains.kd, 3.0 * gains.ki / gains.kp]
         known = [float(r) for r in np.concatenate(ratios) if np.isfinite(r) and r > 0]
