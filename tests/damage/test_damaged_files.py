@@ -1,0 +1,153 @@
+"""Thousands of damaged files: each is one line that says so, or is read; nothing else happens."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from damage import damaged
+from model_examples import textbook
+from store_data import ALL, channels, motion, plain_table, samples, write_csv
+
+from pa10d.dynamics import robot_from_urdf
+from pa10d.errors import UserError
+from pa10d.services.robots import load_robot
+from pa10d.store import RunStore
+from pa10d.store.csv_import import read_csv
+from pa10d.store.models import ModelStore
+from pa10d.store.run_info import BAG, FILE
+
+PROFILES = Path(__file__).resolve().parents[2] / "profiles"
+MOST = 20.0  # s for one file, on a machine that stands still now and then
+
+
+def pytest_generate_tests(metafunc):
+    if "seeds" in metafunc.fixturenames:
+        count = 400 if metafunc.config.getoption("--long") else 20
+        metafunc.parametrize("seeds", [range(count)], ids=[f"{count}-files"])
+
+
+def each(data, seeds, text, read):
+    """``read(damaged bytes)`` for every seed: UserError of one line each, or nothing → how many
+    were refused."""
+    refused = 0
+    for seed in seeds:
+        broken = damaged(data, np.random.default_rng(seed), text)
+        began = time.monotonic()
+        try:
+            read(broken)
+        except UserError as error:
+            refused += 1
+            assert str(error)
+        except Exception as error:
+            raise AssertionError(f"seed {seed}: {type(error).__name__}: {error}") from error
+        assert time.monotonic() - began < MOST, f"seed {seed}"
+    return refused
+
+
+@pytest.fixture
+def run(tmp_path):
+    store = RunStore(tmp_path / "data")
+    writer = store.start("live", channels(**ALL))
+    for k in range(6):
+        writer.append(samples(40, start_ns=10**18 + k * 10**8, seed=k, **ALL))
+        writer.flush()
+    return store, writer.close()
+
+
+@pytest.fixture(autouse=True)
+def _nothing_else_is_touched(tmp_path):
+    before = {path.name for path in tmp_path.parent.iterdir()}
+    (tmp_path / "beside").write_text("kept")
+    yield
+    assert (tmp_path / "beside").read_text() == "kept"
+    assert {path.name for path in tmp_path.parent.iterdir()} == before
+
+
+def test_bags_that_were_being_written(run, seeds):
+    """Opening the store repairs them, or says why not; what it keeps can be read."""
+    store, info = run
+    bag, told = store.path(info) / BAG, store.path(info) / FILE
+    whole = bag.read_bytes()
+
+    def read(broken):
+        bag.write_bytes(broken)
+        info.but(status="started").save(store.path(info))
+        again = RunStore(store.folder.parent)
+        assert len(again.all()) + len(again.set_aside()) == 1
+        assert json.loads(told.read_text())["status"] != "started"
+        again.recording("live")
+
+    assert each(whole, seeds, False, read) > 0
+
+
+def test_bags_that_were_finished(run, seeds):
+    store, info = run
+    bag = store.path(info) / BAG
+
+    def read(broken):
+        bag.write_bytes(broken)
+        store.recording("live")
+
+    assert each(bag.read_bytes(), seeds, False, read) > 0
+
+
+def test_descriptions_of_runs(run, seeds):
+    store, info = run
+    told = store.path(info) / FILE
+    whole = told.read_bytes()
+
+    def read(broken):
+        told.write_bytes(broken)
+        again = RunStore(store.folder.parent)
+        assert len(again.all()) + len(again.set_aside()) == 1
+        again.recording(info.id)
+
+    assert each(whole, seeds, True, read) > 0
+
+
+def test_models(tmp_path, seeds):
+    store = ModelStore(tmp_path / "data")
+    path = store.path(store.save(textbook()))
+    whole = path.read_bytes()
+
+    def read(broken):
+        path.write_bytes(broken)
+        again = ModelStore(tmp_path / "data")
+        assert len(again.all()) + len(again.set_aside()) == 1
+        again.load(again.find("m0"))
+
+    assert each(whole, seeds, True, read) > 0
+
+
+def test_profiles(tmp_path, seeds):
+    shutil.copytree(PROFILES, tmp_path / "profiles")
+    path = tmp_path / "profiles" / "pa10-7c.yaml"
+
+    def read(broken):
+        path.write_bytes(broken)
+        load_robot(path)
+
+    assert each(path.read_bytes(), seeds, True, read) > 0
+
+
+def test_urdfs(seeds):
+    (urdf,) = PROFILES.glob("*.urdf")
+    whole = urdf.read_bytes()
+    assert each(whole, seeds, True, lambda b: robot_from_urdf(b.decode("utf-8", "replace"))) > 0
+
+
+@pytest.mark.parametrize("name", ["r.csv", "r.csv.gz"])
+def test_csv(tmp_path, seeds, name):
+    t, q, tau = motion(300)
+    path = write_csv(tmp_path / name, plain_table(t, q, tau))
+
+    def read(broken):
+        path.write_bytes(broken)
+        read_csv(path, 2, "arm")
+
+    assert each(path.read_bytes(), seeds, not name.endswith("gz"), read) > 0
