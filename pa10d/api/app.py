@@ -87,8 +87,11 @@ def _document_problems(app: FastAPI) -> None:
         schemas.pop("HTTPValidationError", None)
         schemas.pop("ValidationError", None)
         invalid = problems.responses()[422]
+        anywhere = problems.responses("too-large", "crowded", "busy", "no-room")
+        anywhere = {str(status): said for status, said in anywhere.items() if status != 422}
         for path in schema["paths"].values():
             for operation in path.values():
+                operation["responses"] = anywhere | operation["responses"]
                 if "422" in operation["responses"]:
                     operation["responses"]["422"] = invalid
         app.openapi_schema = schema

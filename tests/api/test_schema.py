@@ -61,5 +61,5 @@ def test_some_requests(arm):
 @pytest.mark.long
 @pytest.mark.timeout(1800)
 def test_many_requests(arm):
-    wrong = try_everything(arm.url, 100)
+    wrong = try_everything(arm.url, 60)
     assert not wrong, "\n\n".join(wrong)

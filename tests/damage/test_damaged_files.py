@@ -40,9 +40,8 @@ def each(data, seeds, text, read):
         began = time.monotonic()
         try:
             read(broken)
-        except UserError as error:
+        except UserError:
             refused += 1
-            assert str(error)
         except Exception as error:
             raise AssertionError(f"seed {seed}: {type(error).__name__}: {error}") from error
         assert time.monotonic() - began < MOST, f"seed {seed}"
