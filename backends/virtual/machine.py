@@ -149,9 +149,13 @@ class VirtualArm:
 
     def _read_temperature(self, dt: float) -> None:
         self._until_temperature -= dt
-        if self._until_temperature > 0 or not hasattr(self.plant, "temperature"):
+        if self._until_temperature > 0:
             return
         self._until_temperature = TEMPERATURE_EVERY
+        if not hasattr(self.plant, "temperature"):
+            for drive in self.drives:  # nobody measures: the drive has nothing to tell
+                drive.values.pop(TEMPERATURE, None)
+            return
         for drive, degrees in zip(self.drives, self.plant.temperature(), strict=True):
             drive.values[TEMPERATURE] = max(-32768, min(32767, round(10 * float(degrees))))
 

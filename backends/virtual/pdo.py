@@ -111,7 +111,7 @@ class TransmitPdo(_Pdo):
 
     def _pack(self) -> bytes:
         values = self._values
-        return self._struct.pack(*[values[key] for key in self.keys])
+        return self._struct.pack(*[values.get(key, 0) for key in self.keys])
 
 
 def receive_pdos(dictionary: LiveDictionary) -> list[ReceivePdo]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hmac
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from urllib.parse import parse_qs, urlsplit
@@ -24,6 +25,10 @@ LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "::1"})
 BODY = 1 << 20  # bytes of any request but an upload
 UPLOAD = 512 << 20
 OPEN = ("/healthz",)
+REACH = "pa10d.reach"  # where a request carries how far its token reaches
+
+
+_HOST = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(?::[0-9]{1,5})?")
 
 
 @dataclass(frozen=True)
@@ -67,10 +72,12 @@ class AccessMiddleware:
             await response(scope, receive, send)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[str, str, dict[str, str]] | None:
+        if "transfer-encoding" in headers and "content-length" in headers:
+            return "framing", "Content-Length and Transfer-Encoding, expected one of them", {}
         host = headers.get("host", "")
-        name = urlsplit(f"//{host}").hostname or ""
+        name = _host_name(host)
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
+        if origin is not None and _place(origin) != host:
             return "origin", f"origin {origin[:100]} is not {host[:100]}", {}
         if headers.get("sec-fetch-site") == "cross-site" and scope["path"].startswith("/api"):
             return "origin", "the request was made by a page of another site", {}
@@ -89,7 +96,7 @@ class AccessMiddleware:
         if not given and scope["type"] == "websocket":
             query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
             given = query.get("token", [""])[0]
-        reach = self._access.scope_of(given)
+        reach = scope[REACH] = self._access.scope_of(given)
         needed = needed_scope(scope)
         if reach < 0:
             return "token", "send 'Authorization: Bearer TOKEN'", {}
@@ -117,6 +124,19 @@ class AccessMiddleware:
             return message
 
         return counting
+
+
+def _host_name(host: str) -> str:
+    """Of a Host header, without its port; empty for what is no name of a host."""
+    found = _HOST.fullmatch(host)
+    return found[1].lower() if found else ""
+
+
+def _place(origin: str) -> str | None:
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None
 
 
 def needed_scope(scope: Scope) -> str:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
 
 from fastapi import Depends, Header
 from starlette.requests import HTTPConnection
 
+from pa10d.api.access import REACH, SCOPES
+from pa10d.api.problems import Problem
 from pa10d.daemon.daemon import Daemon
 
 
@@ -43,6 +46,20 @@ async def the_commander(
     return client
 
 
+async def the_right_to_replace(connection: HTTPConnection) -> Callable[[bool], None]:
+    """What replaces a run or a model takes the old one away: it needs what deleting needs."""
+    most = len(SCOPES) - 1
+    reach = connection.scope.get(REACH, most)
+
+    def check(replace: bool) -> None:
+        if replace and reach < most:
+            detail = f"'replace' needs scope '{SCOPES[most]}', the token has '{SCOPES[reach]}'"
+            raise Problem("scope", detail, needed_scope=SCOPES[most])
+
+    return check
+
+
+MayReplace = Annotated[Callable[[bool], None], Depends(the_right_to_replace)]
 TheDaemon = Annotated[Daemon, Depends(the_daemon)]
 Client = Annotated[str, Depends(the_client)]
 Commander = Annotated[str, Depends(the_commander)]

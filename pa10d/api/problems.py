@@ -28,6 +28,7 @@ KINDS = {
     "held": (409, "Another client commands the arm"),
     "conflict": (409, "It conflicts with what there is"),
     "unsound": (409, "A recording has errors against it"),
+    "framing": (400, "It cannot be said where the request ends"),
     "too-large": (413, "The request is too large"),
     "token": (401, "A token is needed"),
     "scope": (403, "The token does not reach that far"),

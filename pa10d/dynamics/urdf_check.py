@@ -121,7 +121,7 @@ def _number(element: ET.Element, name: str, label: str, required: bool = False) 
 
 def _finite(text: str) -> bool:
     try:
-        return math.isfinite(float(text)) and "_" not in text
+        return math.isfinite(float(text)) and "_" not in text and text.isascii()
     except ValueError:
         return False
 

@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.export.urdf import inertial_of, possible_mass
-from pa10d.export.words import grouped
+from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def mjcf(model: TorqueModel, about: str) -> tuple[str, list[str]]:
             motor["ctrlrange"] = _row([-robot.effort[j], robot.effort[j]])
         ET.SubElement(motors, "motor", motor)
     ET.indent(root)
-    comment = f"<!-- identified by pa10d: {about.replace('--', '- -')} -->"
+    comment = f"<!-- identified by pa10d: {in_comment(about)} -->"
     missing = [t for t in model.terms if t.effect.joint_property not in PROPERTIES]
     lost = [
         f"{label} not in the export: MJCF knows rigid bodies, armature, damping and frictionloss"

@@ -98,9 +98,9 @@ def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         for label in grouped(terms)
     ]
     head = HEAD.format(
-        name=model.name,
-        about=about,
-        joints=list(model.robot.joint_names),
+        name=_in_docstring(model.name),
+        about=_in_docstring(about),
+        joints=_in_docstring(", ".join(model.robot.joint_names)),
         remembers=_remembered([term for term, _ in carried]),
         lost="".join(f"\nNOT CARRIED: {line}" for line in lost) + ("\n" if lost else ""),
     )
@@ -114,6 +114,11 @@ def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         terms="\n".join(_term(term, name) for term, name in carried),
     )
     return head + source.text() + tail, lost
+
+
+def _in_docstring(text: str) -> str:
+    """What a person named, where quotes would end the text and a backslash change it."""
+    return text.replace("\\", "\\\\").replace('"""', "'''")
 
 
 def writable(model: TorqueModel) -> tuple[Term, ...]:

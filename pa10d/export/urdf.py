@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.errors import UserError
-from pa10d.export.words import grouped
+from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ def urdf_with_inertia(model: TorqueModel, about: str) -> tuple[str, list[str]]:
             locked.append(f"joint {name} was locked at zero: its links are part of the one below")
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
-    comment = f"<!-- inertias identified by pa10d: {about.replace('--', '- -')} -->"
+    comment = f"<!-- inertias identified by pa10d: {in_comment(about)} -->"
     missing = [t for t in model.terms if t.effect.joint_property not in CARRIED]
     lost = [
         f"{label} not in the export: a URDF knows rigid bodies, Coulomb and viscous friction only"

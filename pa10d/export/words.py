@@ -1,7 +1,8 @@
-"""How exports name what they leave out."""
+"""How exports name what they leave out, and what people wrote within comments."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from pa10d.model import Term
@@ -16,6 +17,11 @@ def grouped(terms: Sequence[Term]) -> list[str]:
         name if not found else f"{name} of joint{'s' if len(found) > 1 else ''} {_listed(found)}"
         for name, found in joints.items()
     ]
+
+
+def in_comment(text: str) -> str:
+    """As an XML comment may hold it: no two hyphens in a row, none at the end."""
+    return re.sub(r"-(?=-|$)", "- ", text)
 
 
 def _listed(numbers: list[int]) -> str:

@@ -158,6 +158,36 @@ def test_tokens_reach_as_far_as_they_say(guarded):
     refused(ask("DELETE", "/api/v1/runs/x", "root"), 404, "not-found")
 
 
+def test_replacing_takes_away_and_needs_what_deleting_needs(guarded):
+    def ask(path, token, **more):
+        headers = {"Authorization": f"Bearer {token}"}
+        return guarded.post(f"/api/v1/{path}", headers=headers, **more)
+
+    fit = {"runs": ["x"], "name": "m", "replace": True}
+    motion = {"kind": "tracking", "name": "x", "replace": True}
+    refused(ask("models", "mover", json=fit), 403, "scope")
+    refused(ask("models", "root", json=fit), 404, "not-found")
+    refused(ask("experiments", "mover", json=motion), 403, "scope")
+    refused(ask("runs?name=x&replace=true", "mover", content=b"time"), 403, "scope")
+    refused(ask("models", "mover", json=fit | {"replace": False}), 404, "not-found")
+
+
+@pytest.mark.parametrize("host", ["[::1", "[", "localhost:x:y", "a" * 5000, "]", "[::1]x"])
+def test_a_host_that_is_none_is_refused(http, host):
+    answer = http.get("/api/v1/robot", headers={"Host": host})
+    assert answer.status_code in (400, 403)
+
+
+def test_a_request_that_says_its_length_twice_is_refused(arm):
+    host, port = arm.url.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=10) as raw:
+        raw.sendall(
+            b"POST /api/v1/robot/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n"
+            b"Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
+        )
+        assert b" 400 " in raw.recv(4096).split(b"\r\n")[0]
+
+
 def test_pages_may_not_fetch_from_elsewhere(http):
     for path in ("/healthz", "/docs", "/api/v1/robot"):
         policy = http.get(path).headers["content-security-policy"]

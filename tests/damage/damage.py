@@ -9,7 +9,8 @@ import numpy as np
 WRONG = [
     b"null", b"true", b"-1", b"0", b"1e999", b".nan", b"[]", b"{}", b"''", b'"../../x"', b"[[1]]",
     b"9" * 400, b"text", b"2001-02-30", b"{a: 1}", b"- 1", b"\xff\xfe", b"*a", b"&a [*a]",
-    b"!!int x",     "٣".encode(), b"1_000", b"0x10", b"1:30", b"-0.0", b"1e-320", b"\x00", b"nan", b"inf", b"%s",
+    b"!!int x", "٣".encode(), b"1_000", b"0x10", b"1:30", b"-0.0", b"1e-320", b"\x00", b"nan",
+    b"inf", b"%s",
 ]  # fmt: skip
 _VALUE = re.compile(rb"(?<=[:,=\[ \"'>])[-+.\w]+(?=[,\]\n\"'< ])")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import time
 from pathlib import Path
@@ -150,3 +151,12 @@ def test_csv(tmp_path, seeds, name):
         read_csv(path, 2, "arm")
 
     assert each(path.read_bytes(), seeds, not name.endswith("gz"), read) > 0
+
+
+@pytest.mark.parametrize("mass", ["٣", "\u0663.5", "1_0", "nan", "1e999", "3½"])
+def test_numbers_that_are_no_plain_numbers(mass):
+    (urdf,) = PROFILES.glob("*.urdf")
+    text = re.sub(r'<mass value="[^"]+"', f'<mass value="{mass}"', urdf.read_text(), count=1)
+    assert mass in text
+    with pytest.raises(UserError, match="mass"):
+        robot_from_urdf(text)

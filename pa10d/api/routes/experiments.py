@@ -8,7 +8,7 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from pa10d.api.deps import Commander, TheDaemon
+from pa10d.api.deps import Commander, MayReplace, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
@@ -47,13 +47,18 @@ async def show_kind(kind: str) -> dict[str, Any]:
     responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
 async def start(
-    daemon: TheDaemon, _client: Commander, request: ExperimentRequest, response: Response
+    daemon: TheDaemon,
+    _client: Commander,
+    may_replace: MayReplace,
+    request: ExperimentRequest,
+    response: Response,
 ) -> Any:
     """Run one: plan, pre-check, enable where needed, move, record, analyse.
 
     Takes a diagnosis' ``next_experiment`` as it stands. The job's result has ``runs`` (ids),
     ``checks``, ``analysis`` and ``recommendation``. The arm is left as it was found.
     """
+    may_replace(request.replace)
     asked = await _checked(daemon, request)
     require_ready(daemon)
     return accepted(experiment_job(daemon, asked), response)
@@ -66,9 +71,14 @@ async def start(
     responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
 async def start_series(
-    daemon: TheDaemon, _client: Commander, request: SeriesRequest, response: Response
+    daemon: TheDaemon,
+    _client: Commander,
+    may_replace: MayReplace,
+    request: SeriesRequest,
+    response: Response,
 ) -> Any:
     """Run several, one after the other; the job's result has all ``runs`` (ids)."""
+    may_replace(any(one.replace for one in request.experiments))
     asked = [await _checked(daemon, one) for one in request.experiments]
     require_ready(daemon)
     return accepted(series_job(daemon, asked), response)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import PlainTextResponse
 
-from pa10d.api.deps import Client, TheDaemon
+from pa10d.api.deps import Client, MayReplace, TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
@@ -72,8 +72,11 @@ async def list_models(
     status_code=202,
     responses=responses("not-found", "conflict", "refused", "unsound"),
 )
-async def identify(daemon: TheDaemon, request: IdentifyRequest, response: Response) -> Any:
+async def identify(
+    daemon: TheDaemon, may_replace: MayReplace, request: IdentifyRequest, response: Response
+) -> Any:
     """Fit the textbook model to runs; the job's result is that of ``pa10d identify``."""
+    may_replace(request.replace)
     await _check(daemon, request.runs, request)
     for effect_id in request.with_effects:
         refuse_wrong_effect(effect_id)
@@ -133,9 +136,16 @@ async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
     status_code=202,
     responses=responses("not-found", "conflict", "refused", "unsound"),
 )
-async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, response: Response) -> Any:
+async def add_effect(
+    daemon: TheDaemon,
+    may_replace: MayReplace,
+    model: str,
+    request: AddRequest,
+    response: Response,
+) -> Any:
     """A new version with the effect fitted in; the old one stays."""
     info = await find_model(daemon, model)
+    may_replace(request.replace)
     await _check(daemon, request.fit, request)
     if request.effect != SmoothMap.id:
         refuse_wrong_effect(request.effect, request.joints, len(info.joints))
@@ -149,13 +159,19 @@ async def add_effect(daemon: TheDaemon, model: str, request: AddRequest, respons
     responses=responses("not-found", "conflict", "unsound", "state", "held", "not-ready"),
 )
 async def improve(
-    daemon: TheDaemon, client: Client, model: str, request: ImproveRequest, response: Response
+    daemon: TheDaemon,
+    client: Client,
+    may_replace: MayReplace,
+    model: str,
+    request: ImproveRequest,
+    response: Response,
 ) -> Any:
     """Diagnose and add until nothing significant is left.
 
     With ``experiments`` the arm is moved to settle doubts: the client must be able to command it.
     """
     info = await find_model(daemon, model)
+    may_replace(request.replace)
     await _check(daemon, [*request.fit, *request.validate_], request)
     asked = {"model": info.id, **_dump(request)}
     if asked.pop("experiments"):

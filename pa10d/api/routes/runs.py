@@ -13,7 +13,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
-from pa10d.api.deps import TheDaemon
+from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.schemas import Run, RunChange, RunPage
@@ -99,6 +99,7 @@ async def delete_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
 async def import_run(
     daemon: TheDaemon,
     request: Request,
+    may_replace: MayReplace,
     filename: Annotated[str, Query(max_length=200)] = "recording.csv",
     name: Text = None,
     replace: bool = False,
@@ -111,6 +112,7 @@ async def import_run(
     ``check`` stores nothing that a fit must not use, unless ``force`` is given, too.
     ``map`` reads a column as a field: ``map=torque_1=tau1``.
     """
+    may_replace(replace)
     if not replace:
         await refuse_taken_run(daemon, name, "; or give replace=true")
     plain = _harmless(filename)
