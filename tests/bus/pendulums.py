@@ -45,3 +45,20 @@ def build(
 ) -> Pendulums:
     """The factory that a profile names."""
     return Pendulums(len(profile.drives), inertia, gravity, noise, seed)
+
+
+class Unmeasured:
+    """A plant that has no thermometer."""
+
+    def __init__(self, inner: Pendulums) -> None:
+        self.n, self.reset, self.step, self.measure = (
+            inner.n,
+            inner.reset,
+            inner.step,
+            inner.measure,
+        )
+
+
+def without_thermometer(profile: Any) -> Unmeasured:
+    """The same arm, but one whose temperature nobody measures."""
+    return Unmeasured(build(profile))

@@ -373,3 +373,13 @@ def test_canopen_as_master(bench: Bench) -> None:
     for word in (0, 0x80):
         node.sdo[0x6040].raw = word
     assert node.emcy.active == [], "the reset is told"
+
+
+def test_a_temperature_that_nobody_measures_is_no_value(make_bench: Callable[..., Bench]) -> None:
+    """Not 0 degrees: the drive says that there is nothing to be read."""
+    bench = make_bench(simulation={"plant": "pendulums:without_thermometer"})
+    bench.sync(3)
+    assert bytes.fromhex(bench.sdo("40102f00" + "00" * 4)).hex() == "80102f0024000008"
+    measured = make_bench()
+    measured.sync(3)
+    assert measured.read(0x2F10) == 250

@@ -12,7 +12,20 @@ from model_examples import textbook
 
 from pa10d.export.formats import export
 
-NAMES = ['a"""b', "--", "a -->b", "---", 'x"', "{0} {name}", "*/ x", "*" + "/" * 3, "7", "ä", "#", "%"]
+NAMES = [
+    'a"""b',
+    "--",
+    "a -->b",
+    "---",
+    'x"',
+    "{0} {name}",
+    "*/ x",
+    "*" + "/" * 3,
+    "7",
+    "ä",
+    "#",
+    "%",
+]
 
 
 def _model(name):
@@ -33,7 +46,7 @@ def test_python_and_c(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("format", ["urdf", "mjcf"])
+@pytest.mark.parametrize("format", ["urdf", "mjcf", "sdf"])
 def test_xml(name, format):
     model = textbook(name)
     model = replace(model, standard=model.robot.parameters, feasible=True)
