@@ -11,6 +11,7 @@ from pa10d.api.schemas import IdentifyRequest
 from pa10d.cli import main
 from pa10d.daemon import tasks
 from pa10d.dynamics import regressor
+from pa10d.export.endings import FORMATS
 from pa10d.services.library import open_library
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "compare"))
@@ -151,7 +152,7 @@ def test_list_show_history(ask):
     assert len(line[0]["noise_floor"]) == 3
 
 
-@pytest.mark.parametrize("kind", ["urdf", "python"])
+@pytest.mark.parametrize("kind", FORMATS)
 def test_export_writes_a_file_once(ask, tmp_path, kind):
     out = tmp_path / "out"
     status, found, _ = ask("model", "export", "m0", "--format", kind, "--out", str(out))
@@ -162,6 +163,36 @@ def test_export_writes_a_file_once(ask, tmp_path, kind):
     assert "there is such a file already" in found["error"]
     assert out.read_text() == written
     assert ask("model", "export", "m0", "--format", kind, "--out", str(out), "--replace")[0] == 0
+
+
+def test_an_export_says_which_parameters_and_what_it_loses(ask, tmp_path):
+    """Feasible ones unless the free fit is asked for; what a format lacks by a run of the store."""
+    ways = {"feasible": (), "free": ("--parameters", "free")}
+    texts = {}
+    for name, more in ways.items():
+        out = tmp_path / f"{name}.py"
+        _, found, _ = ask("model", "export", "m0", "--format", "python", "--out", str(out), *more)
+        assert (found["parameters"], found["loss"]) == (name, None)
+        texts[name] = out.read_text()
+        assert f"{name} parameters" in " ".join(texts[name].split())
+    assert texts["feasible"] != texts["free"]
+    out = str(tmp_path / "arm.urdf")
+    status, found, said = ask("model", "export", "m0", "--format", "urdf", "--out", out)
+    assert status == 0
+    assert found["loss"]["runs"] == ["fit"]
+    assert max(found["loss"]["rms"]) > 1e-3
+    assert found["not_carried"][0].startswith("rotor_inertia of joint")
+    assert any(line.startswith("warning: what it does not hold amounts to") for line in said)
+    status, found, _ = ask("model", "export", "m0", "--format", "urdf", "--parameters", "free")
+    assert status == 1
+    assert "expected --parameters feasible" in found["error"]
+
+
+def test_the_daemon_gives_the_same_text(ask, data, tmp_path):
+    out = tmp_path / "arm.h"
+    ask("model", "export", "m0", "--format", "c", "--out", str(out))
+    found = tasks.model_text(str(data / "store"), "m0", "c", "feasible")
+    assert found["text"] == out.read_text()
 
 
 REFUSED = {
