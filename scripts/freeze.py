@@ -109,7 +109,7 @@ def answer(robot: Any, runs: dict[str, Recording], changed: bool) -> dict[str, A
 
 def told(found: Any, held: Recording) -> dict[str, Any]:
     """All that a person is told, and the torque of the last version on held-out motion."""
-    last = found.to_store[-1]
+    last = found.versions[-1]
     return {
         "verdict": found.verdict,
         "rms": list(map(float, found.rms)),

@@ -77,6 +77,7 @@ def diagnose(
     say(0.9, "standard errors and doubts")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
+    given_error = judged(model.name, as_given)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
     open_joints = _unsaid(left, maps) if only is None else []
     more = [one.unnamed() for one in foretold(state, open_joints)]
@@ -93,8 +94,8 @@ def diagnose(
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]
-        rms=versions[0].held_out["held out"],
-        as_given=judged(model.name, as_given),
+        rms=given_error.rms if frozen else versions[0].held_out["held out"],
+        as_given=given_error,
         left=left,
         cutoff=model.cutoff,
         findings=findings,

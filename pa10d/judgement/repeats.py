@@ -25,19 +25,28 @@ LEAST = 2.0  # s that two passes must have in common
 @dataclass(frozen=True)
 class Pass:
     """Filtered errors (K, n) N·m of two passes of one motion, sample by sample at the raw rate;
-    counts (K, n): where both are judged; rate: Hz; cutoff: Hz of the low-pass; apart: of two runs,
-    so that no noise can remember the other pass."""
+    counts (K, n): where both are judged; rate: Hz; cutoff: Hz of the low-pass; lag: samples
+    from one to the other within a run, None for two runs."""
 
     one: Array
     other: Array
     counts: NDArray[np.bool_]
     rate: float
     cutoff: float
-    apart: bool
+    lag: int | None
+
+    @property
+    def _step(self) -> int:
+        return max(1, int(self.rate / (2.0 * self.cutoff)))
+
+    @property
+    def samples_apart(self) -> int | None:
+        """The lag in samples of the band."""
+        return None if self.lag is None else max(1, self.lag // self._step)
 
     def in_band(self, joint: int) -> tuple[Array, Array, NDArray[np.bool_]]:
         """One joint at twice the cut-off, where white noise stays white."""
-        step = max(1, int(self.rate / (2.0 * self.cutoff)))
+        step = self._step
         return self.one[::step, joint], self.other[::step, joint], self.counts[::step, joint]
 
 
@@ -53,7 +62,7 @@ def passes(runs: list[RunResidual]) -> Iterator[Pass]:
         lag = period(run.seen.q, rate)
         if lag is not None:
             counts = run.raw_judged[lag:] & run.raw_judged[:-lag]
-            yield Pass(errors[i][lag:], errors[i][:-lag], counts, rate, cutoff, apart=False)
+            yield Pass(errors[i][lag:], errors[i][:-lag], counts, rate, cutoff, lag)
         for k in range(i + 1, len(runs)):
             if abs(rate / fine[k].rate - 1.0) > 1e-3:
                 continue
@@ -61,7 +70,7 @@ def passes(runs: list[RunResidual]) -> Iterator[Pass]:
             if shift is not None:
                 one, other = overlap(len(errors[i]), len(errors[k]), shift)
                 counts = run.raw_judged[one] & runs[k].raw_judged[other]
-                yield Pass(errors[i][one], errors[k][other], counts, rate, cutoff, apart=True)
+                yield Pass(errors[i][one], errors[k][other], counts, rate, cutoff, None)
 
 
 def differences(runs: list[RunResidual]) -> list[list[Array]]:
