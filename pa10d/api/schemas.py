@@ -230,8 +230,21 @@ class Parameter(BaseModel):
     meaning: str
 
 
+class Delivery(BaseModel):
+    """RMS per joint on the runs that a search judged by."""
+
+    before: list[float] = Field(description="Of the model that was searched")
+    promised: list[float] = Field(description="By the search, with its findings")
+    achieved: list[float] = Field(description="By this model as it is stored")
+    worse: list[Joint] = Field(description="Joints that are worse than before, significantly")
+    cutoff_hz: float
+
+
 class ModelDetails(Model):
     """With all parameters."""
+
+    torque_units: list[str] = Field(description="Per joint: N·m, or N")
+    delivery: Delivery | None = Field(description="null: it came from no search")
 
     parameters: list[Parameter]
     standard: dict[str, list[float]] | None = Field(

@@ -13,7 +13,8 @@ from pa10d.model import TorqueModel
 def model_details(model: TorqueModel) -> dict[str, Any]:
     """``parameters``: base parameters and effects, each with value, standard error, unit and
     meaning; ``standard``: feasible standard parameters per joint, or null; ``impossible``: what
-    of the free fit no arm can have, in words."""
+    of the free fit no arm can have, in words; ``delivery``: what the search that it came from
+    promised, and what it achieves."""
     sentences = model.base.sentences()
     parameters = [
         {
@@ -40,5 +41,7 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
         "parameters": parameters,
         "standard": standard,
         "shift_s": model.shift,
+        "torque_units": [model.robot.torque_unit(j) for j in range(model.robot.n)],
+        "delivery": model.notes.get("delivery"),
         "impossible": list(impossible(model)),
     }

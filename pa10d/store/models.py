@@ -95,6 +95,19 @@ class ModelStore:
             write_text(self.folder / f"{info.id}.yaml", text)
         return info
 
+    def delete(self, model: str) -> ModelInfo:
+        """Remove the last version of a line: what others were made from stays."""
+        with locked(self.folder):
+            info = self.find(model)
+            later = [other.name for other in self.all() if other.parent == info.id]
+            if later:
+                raise UserError(
+                    f"model {info.name!r}: {', '.join(later)} was made from it; expected the last "
+                    "version of a line"
+                )
+            self.path(info).unlink()
+        return info
+
     def history(self, model: str | ModelInfo) -> list[ModelInfo]:
         """The model and all it was made from, the first ancestor first."""
         info = self.find(model) if isinstance(model, str) else model

@@ -115,10 +115,16 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
     assert not unnamed
 
 
-@pytest.mark.parametrize("width", [1024, 1360])
-def test_nothing_sticks_out_on_a_tablet(archive, visit, width):
+LARGE = """addEventListener("DOMContentLoaded",
+  () => { document.documentElement.style.fontSize = "200%"; })"""
+
+
+@pytest.mark.parametrize(("width", "text"), [(390, 1), (390, 2), (1024, 1), (1360, 2)])
+def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):
     url, _ = archive
     visitor = visit(url, viewport={"width": width, "height": 768})
+    if text == 2:
+        visitor.page.add_init_script(LARGE)
     for section in ("robot", "experiments", "runs", "compare", "diagnose", "models"):
         visitor.open(section)
         visitor.page.wait_for_timeout(150)

@@ -15,6 +15,10 @@ FINDINGS = [
     {"effect": "stribeck", "joints": [4], "next_experiment": None, "confounded_with": []},
     {"effect": "backlash", "joints": [2], "next_experiment": None, "confounded_with": []},
 ]
+DELIVERY = {
+    "before": [1.0] * 7, "promised": [1.0] * 6 + [0.2], "achieved": [1.0] * 5 + [1.5, 0.25],
+    "worse": [6], "cutoff_hz": 10.0, "mask": "all",
+}  # fmt: skip
 SEARCH = {
     "id": "20260101-000000000-abcdef", "kind": "diagnose", "status": "succeeded", "progress": 1,
     "message": "done", "error": None, "created": "2026-01-01T00:00:00+00:00", "started": None,
@@ -37,7 +41,10 @@ def versions(archive, tmp_path):
 def _add(library, name, parent, finding):
     older = library.models.load(library.models.find(parent))
     change = f"added {finding['effect']} J{finding['joints'][0]}"
-    library.models.save(dataclasses.replace(older, name=name, parent=parent, change=change))
+    notes = {**older.notes, "delivery": DELIVERY}
+    library.models.save(
+        dataclasses.replace(older, name=name, parent=parent, change=change, notes=notes)
+    )
 
 
 def _searched(page):
@@ -89,4 +96,22 @@ def test_a_version_that_is_clicked_is_the_one_that_is_shown_and_exported(version
         assert given.value.suggested_filename == f"{name}.py"
         found = versions[1].models.find(name).id
         assert found in asked.value.url
+    assert not visitor.errors
+
+
+def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, visit):
+    visitor = visit(versions[0])
+    page = visitor.page
+    visitor.open("models")
+    page.locator("#models h2", has_text="Promised and achieved").wait_for()
+    rows = page.locator("#models details", has_text="Promised and achieved").locator("tbody tr")
+    sixth, seventh = rows.nth(5).inner_text(), rows.nth(6).inner_text()
+    assert sixth.split("\t")[1:] == ["1", "1", "1.5", "N·m", "worse than before"]
+    assert seventh.split("\t")[1:] == ["1", "0.2", "0.25", "N·m", "fell"]
+    page.get_by_role("button", name="Undo: back to m0").click()
+    page.get_by_role("dialog").get_by_role("button", name="Undo").click()
+    page.locator("[data-model=m1]").wait_for(state="detached")
+    assert [info.name for info in versions[1].models.all()] == ["m0"]
+    assert page.locator("#models .panel h2").nth(1).text_content().split()[0] == "m0"
+    assert page.locator(".undo:visible").count() == 0
     assert not visitor.errors

@@ -21,6 +21,7 @@ from pa10d.api.schemas import (
     IdentifyRequest,
     ImproveRequest,
     Job,
+    Model,
     ModelDetails,
     ModelPage,
 )
@@ -90,6 +91,17 @@ async def identify(
 async def show_model(daemon: TheDaemon, model: str) -> Any:
     """One model with its parameters."""
     return await daemon.answer("model_document", model=(await find_model(daemon, model)).id)
+
+
+@router.delete(
+    "/models/{model}", response_model=Model, responses=responses("not-found", "conflict", "refused")
+)
+async def delete_model(daemon: TheDaemon, model: str) -> Any:
+    """Remove a version that no other was made from, and that the controller does not use."""
+    info = await find_model(daemon, model)
+    if daemon.robot.document()["model"] == info.name:
+        raise Problem("conflict", f"the controller uses {info.name!r}: choose another one first")
+    return vars(await daemon.shelf(lambda: daemon.models.delete(info.id)))
 
 
 @router.get("/models/{model}/history", response_model=History, responses=responses("not-found"))

@@ -52,8 +52,11 @@ export function runPicker(label, tag, onChange = () => {}) {
     onChange();
   };
   watch(["runs"], refresh);
+  const box = el("details", { class: "picker runs" }, summary, list);
+  box.addEventListener("keydown", (event) => { if (event.key === "Escape" && box.open) { box.open = false; summary.focus(); } });
+  document.addEventListener("pointerdown", (event) => { if (!box.contains(event.target)) box.open = false; });
   return {
-    box: el("details", { class: "picker runs" }, summary, list),
+    box,
     get ids() { return chosen().filter((id) => state.runs.some((run) => run.id === id)); },
     set ids(value) { own = value; refresh(); },
   };

@@ -1,8 +1,9 @@
 // Torque models: fit the first one, see the error fall from version to version, use them.
 import { el, fill } from "../base/dom.js";
-import { client, download, get, put } from "../base/api.js";
+import { client, download, get, put, remove } from "../base/api.js";
 import { mayCommand } from "../base/condition.js";
-import { current, loadRobot, state, watch } from "../base/store.js";
+import { current, loadModels, loadRobot, state, watch } from "../base/store.js";
+import { ask } from "../parts/dialog.js";
 import { guarded, notice } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
@@ -72,7 +73,12 @@ function details(model) {
   parts.parameters = el("div", {}, el("p", { class: "muted" }, "Loading …"));
   parts.other = modelPicker("Compare with", () => drawVersus(model));
   if (model.parent_name) parts.other.value = model.parent_name;
-  get(`models/${model.id}`).then((found) => fill(parts.parameters, parameters(found)),
+  parts.delivered = el("div", {});
+  get(`models/${model.id}`).then((found) => {
+    if (detailed !== model.id) return;
+    fill(parts.parameters, parameters(found));
+    fill(parts.delivered, delivered(found));
+  },
     (error) => fill(parts.parameters, el("p", { class: "bad" }, error.message)));
   const load = el("button", { type: "button", class: "load", onclick: guarded("The controller stays as it was.", async () => {
     await put("robot/controller", { controller: "computed_torque", model: model.name });
@@ -88,14 +94,38 @@ function details(model) {
     type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
-      el("div", { class: "row" }, load, "Export", exports)),
+      el("div", { class: "row" }, load, undo(model), "Export", exports)),
     el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
       ? "Every link is a body that can exist."
       : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
     parts.judge.box),
-    parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
+    parts.delivered, parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters ", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
+}
+
+/** What the search promised and what came of it, for every joint. */
+function delivered({ delivery, joints, torque_units: units, name }) {
+  if (!delivery) return null;
+  const { before, promised, achieved, worse } = delivery;
+  return el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Promised and achieved ", el("small", {}, "error on the runs that the search judged by"))),
+    table(["joint", "before", "promised", `achieved by ${name}`, "unit", ""], joints.map((joint, j) => [
+      `${j + 1} ${joint}`, number(before[j]), number(promised[j]), number(achieved[j]), units[j],
+      worse.includes(j + 1) ? el("b", { class: "bad" }, "worse than before") : achieved[j] < 0.95 * before[j] ? el("span", { class: "good" }, "fell") : "as before"])),
+    worse.length ? el("p", { class: "bad" }, "Where a joint became worse, this version is no gain there: undo it, or ask what is missing in it.") : null);
+}
+
+/** The last version of a line can be taken back; nothing else is touched by that. */
+function undo(model) {
+  const button = el("button", { type: "button", class: "undo", onclick: guarded("It could not be undone.", async () => {
+    if (!await ask(`Undo ${model.name}?`, `${model.name} (${model.change}) is removed; ${model.parent_name} and all runs stay as they are.`, "Undo", { danger: true })) return;
+    await remove(`models/${model.id}`);
+    wanted = model.parent_name;
+    await loadModels();
+    notice(`${model.name} is gone.`, { detail: `${model.parent_name} is the last version again.` });
+  }) }, `Undo: back to ${model.parent_name}`);
+  watch(["models"], () => { button.hidden = !model.parent_name || state.models.some((one) => one.parent === model.id); }, button);
+  return button;
 }
 
 /** "coulomb J1", "coulomb J2" … as "coulomb J1-7". */

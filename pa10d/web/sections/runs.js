@@ -66,9 +66,15 @@ function row(run, isSelected, select) {
   const other = run.tags.filter((tag) => !MARKS.includes(tag));
   return el("tr", { class: isSelected ? "selected" : "", onclick: () => select(run) },
     el("td", {}, el("button", { type: "button", class: "link", onclick: (event) => { event.stopPropagation(); select(run); } }, run.name),
-      other.map((tag) => el("span", { class: "tag" }, tag))),
+      other.map((tag) => el("span", { class: "tag" }, tag)), wrong(run)),
     el("td", {}, run.kind ? titled(run.kind) : "–"), el("td", {}, when(run.created)), el("td", {}, seconds(run.duration)),
     el("td", { class: run.status === "success" ? "" : "bad", title: run.reason }, run.status), marks);
+}
+
+/** What keeps a fit from using it. */
+function wrong(run) {
+  const errors = (run.findings ?? []).filter((one) => one.severity === "error");
+  return errors.length ? el("span", { class: "tag bad", title: errors.map((one) => one.sentence).join("; ") }, `not for a fit: ${errors.map((one) => one.code.replaceAll("_", " ")).join(", ")}`) : null;
 }
 
 /** What the checks and the import said; the checks name limits, too. */
