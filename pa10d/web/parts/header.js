@@ -19,8 +19,10 @@ export function header(box) {
   lease.addEventListener("click", guarded("The command could not be given back.", giveBack));
   watch(["section"], () => {
     for (const link of links) {
-      if (link.hash === `#/${state.section}`) link.setAttribute("aria-current", "page");
-      else link.removeAttribute("aria-current");
+      if (link.hash === `#/${state.section}`) {
+        link.setAttribute("aria-current", "page");
+        link.scrollIntoView({ block: "nearest", inline: "nearest" }); // on a narrow screen the row is longer than it
+      } else link.removeAttribute("aria-current");
     }
   });
   watch(["robot", "condition"], () => showArm(arm, lease));
