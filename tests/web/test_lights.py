@@ -81,6 +81,8 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     client.let_others_command()
     page.locator(".guide", has_text="Remove its cause, then press Reset").first.wait_for()
     assert lights(page)["card"].lower() == "fault"
+    page.locator(".old .axes").wait_for()
+    assert "last values before the fault" in page.locator(".panel .warn").first.inner_text()
     assert page.get_by_role("button", name="Reset").is_enabled()
     assert page.locator("#robot .guide a:visible").count() == 0  # it is on this page
     page.goto(f"{client.url}/#/models")

@@ -24,20 +24,22 @@ export const running = (...kinds) =>
 /** The job that moves the arm, or will. */
 export const moves = () => running(...MOVES).sort((a, b) => (a.status === "running" ? -1 : 0) - (b.status === "running" ? -1 : 0))[0];
 
-/** kind, word, meaning, and `next` where it comes before the story; `old`: s since anything was heard. */
+/** kind, word, meaning, and `next` where it comes before the story; `old`: s since anything was
+ * heard; `frozen`: nothing is read any more, the values are those from before the fault. */
 function judged() {
   const { robot, heard } = state;
   const since = heard === null ? Infinity : performance.now() - heard;
   if (!robot) return { kind: "unknown", word: "…", meaning: "", old: 0, next: null };
   if (!state.connected || since > OLD) return lost(Math.round(since / 1000));
   const job = moves();
-  const found = { kind: robot.state, word: robot.state, meaning: MEANS[robot.state] ?? `The arm is ${robot.state}.`, old: 0, next: null };
+  const found = { kind: robot.state, word: robot.state, meaning: MEANS[robot.state] ?? `The arm is ${robot.state}.`, old: 0, next: null,
+                  frozen: robot.state === "fault" && (performance.now() - state.ticked > OLD || (robot.axes.length > 0 && robot.axes.every(silent))) };
   if (robot.state === "fault") {
     const cause = closed(robot.fault?.sentence ?? MEANS.fault), holder = robot.lease.holder;
     const way = mayCommand(client) ? "Remove its cause, then press Reset."
       : `Remove its cause; ${holder} commands the arm and may reset it, you as soon as the command is given back.`;
     return { ...found, meaning: `${cause} ${way}`,
-             next: { go: "robot", text: `A fault has stopped the arm: ${cause} ${way}`, label: mayCommand(client) ? "Reset" : "Look" } };
+             next: { go: "robot", text: `A fault has stopped the arm: ${closed(inShort(cause))} ${way}`, label: mayCommand(client) ? "Reset" : "Look" } };
   }
   if (robot.state === "offline") {
     found.meaning = `No drive answers: ${closed(robot.offline_reason ?? "it is not known why")} You can work with recordings all the same: import them in Runs.`;
@@ -53,6 +55,14 @@ const lost = (seconds) => {
   return { kind: "lost", word: "no connection", old: seconds,
            meaning: `The daemon does not answer. What is shown here is ${age} old; what the arm does now is not known. ${EMERGENCY}`,
            next: { text: `The daemon does not answer, so nothing here is known to be true now. See that it still runs on the arm's machine; this page comes back by itself. ${EMERGENCY}` } };
+};
+/** An axis of which nothing was heard for half a second of the loop. */
+export const silent = (axis) => axis.age > 0.5 * state.robot.rate;
+
+/** The first of several lines, and how many more there are. */
+const inShort = (text) => {
+  const [first, ...more] = text.split("\n");
+  return more.length ? `${first} (and ${more.length} more)` : first;
 };
 const closed = (sentence) => (/[.!?]$/.test(sentence) ? sentence : `${sentence}.`);
 

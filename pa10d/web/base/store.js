@@ -5,6 +5,7 @@ export const state = {
   connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
   jobs: new Map(), comparisons: [], diagnoses: [], ready: false,
   heard: null, // when the daemon last told of the arm, by performance.now()
+  ticked: 0, // when the loop's clock was last seen to go on
   condition: { kind: "unknown", word: "…", meaning: "", old: 0, next: null }, // see condition.js
 };
 const SOON = 2500; // ms within which a living daemon tells of its arm
@@ -38,7 +39,9 @@ const everything = async (path) => {
 
 export const loadRobot = async () => {
   const robot = await get("robot", undefined, SOON);
-  change({ robot, connected: true, heard: performance.now() });
+  const heard = performance.now();
+  const ticked = robot.time === state.robot?.time ? state.ticked : heard;
+  change({ robot, connected: true, heard, ticked });
 };
 export const loadRuns = async () => change({ runs: await everything("runs") });
 export const loadModels = async () => change({ models: await everything("models") });

@@ -1,7 +1,7 @@
 // The arm: state, commands, axes, live plots.
 import { el, fill, say } from "../base/dom.js";
 import { client, post, put } from "../base/api.js";
-import { mayCommand } from "../base/condition.js";
+import { mayCommand, silent } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
@@ -32,9 +32,9 @@ export function mount(box) {
     commands.refresh();
     showAxes(axes, robot.axes);
     const lost = condition.kind === "lost";
-    table.classList.toggle("old", lost);
-    age.hidden = !lost;
-    say(age, lost ? `These values are ${condition.old} s old.` : "");
+    table.classList.toggle("old", lost || Boolean(condition.frozen));
+    age.hidden = !lost && !condition.frozen;
+    say(age, lost ? `These values are ${condition.old} s old.` : condition.frozen ? "These are the last values before the fault: nothing is read now." : "");
   });
 }
 
@@ -100,7 +100,9 @@ function showAxes(body, axes) {
   }
   axes.forEach((axis, k) => {
     const texts = [`${axis.joint} ${axis.name}`, fixed(axis.position, 4), fixed(axis.target, 4), fixed(axis.velocity, 3),
-                   fixed(axis.torque, 2), axis.temperature === null ? "–" : fixed(axis.temperature, 1), axis.drive_state ?? "no answer"];
+                   fixed(axis.torque, 2), axis.temperature === null ? "–" : fixed(axis.temperature, 1),
+                   silent(axis) ? `no answer for ${fixed(axis.age / state.robot.rate, 1)} s` : axis.drive_state ?? "no answer"];
+    body.children[k].classList.toggle("silent", silent(axis));
     texts.forEach((text, c) => say(body.children[k].children[c], text));
   });
 }
