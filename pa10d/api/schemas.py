@@ -233,9 +233,9 @@ class Parameter(BaseModel):
 class Delivery(BaseModel):
     """RMS per joint on the runs that a search judged by."""
 
-    before: list[float] = Field(description="Of the model that was searched")
-    promised: list[float] = Field(description="By the search, with its findings")
-    achieved: list[float] = Field(description="By this model as it is stored")
+    before: list[float | None] = Field(description="Of the model that was searched")
+    promised: list[float | None] = Field(description="By the search, with its findings")
+    achieved: list[float | None] = Field(description="By this model as it is stored")
     worse: list[Joint] = Field(description="Joints that are worse than before, significantly")
     cutoff_hz: float
 
@@ -245,6 +245,7 @@ class ModelDetails(Model):
 
     torque_units: list[str] = Field(description="Per joint: N·m, or N")
     delivery: Delivery | None = Field(description="null: it came from no search")
+    formats: dict[str, str] = Field(description="It can be exported as: format -> file ending")
 
     parameters: list[Parameter]
     standard: dict[str, list[float]] | None = Field(

@@ -6,6 +6,7 @@ from typing import Any
 
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
+from pa10d.export.endings import ENDINGS
 from pa10d.impossible import impossible
 from pa10d.model import TorqueModel
 
@@ -43,5 +44,6 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
         "shift_s": model.shift,
         "torque_units": [model.robot.torque_unit(j) for j in range(model.robot.n)],
         "delivery": model.notes.get("delivery"),
+        "formats": ENDINGS,
         "impossible": list(impossible(model)),
     }

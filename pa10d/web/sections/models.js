@@ -78,6 +78,7 @@ function details(model) {
     if (detailed !== model.id) return;
     fill(parts.parameters, parameters(found));
     fill(parts.delivered, delivered(found));
+    fill(parts.exports, "Export", exporters(found));
   },
     (error) => fill(parts.parameters, el("p", { class: "bad" }, error.message)));
   const load = el("button", { type: "button", class: "load", onclick: guarded("The controller stays as it was.", async () => {
@@ -90,11 +91,10 @@ function details(model) {
     load.disabled = loaded || !mayCommand(client) || !["inactive", "holding"].includes(state.robot?.state);
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
   }, load);
-  const exports = [["urdf", "urdf"], ["python", "py"]].map(([format, ending]) => el("button", {
-    type: "button", class: "small", onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
+  parts.exports = el("div", { class: "row" });
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
-      el("div", { class: "row" }, load, undo(model), "Export", exports)),
+      el("div", { class: "row" }, load, undo(model), parts.exports)),
     el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
       ? "Every link is a body that can exist."
       : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
@@ -103,6 +103,10 @@ function details(model) {
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters ", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
 }
+
+const exporters = (model) => Object.entries(model.formats).map(([format, ending]) => el("button", {
+  type: "button", class: "small", title: `Export ${model.name} as ${format}`,
+  onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
 
 /** What the search promised and what came of it, for every joint. */
 function delivered({ delivery, joints, torque_units: units, name }) {
