@@ -18,6 +18,7 @@ from pa10d.effect_kit.conduct import (
 )
 from pa10d.effect_kit.found import found_again
 from pa10d.effect_kit.numbers import alone, smooth, units
+from pa10d.effect_kit.roles import played
 from pa10d.effects import Effect
 from pa10d.profile import load_profile
 
@@ -33,6 +34,7 @@ CHECKS: dict[str, Check] = {
     "units": units,
     "derivative": smooth,
     "prediction": alone,
+    "roles": played,
     "export": carried,
 }
 DRAWS = 20

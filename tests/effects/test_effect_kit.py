@@ -69,6 +69,11 @@ RETURN = "        return stretch[:, None]\n"
             "prediction",
             "IndexError",
         ),
+        ('View("q"', 'View("angle"', "roles", "'view' is against 'angle', expected one of q, dq"),
+        ('{"spring"', '{"sprung"', "roles", "'confounders' names 'sprung'"),
+        ("    view =", '    line_order = "N"\n    view =', "roles", "no shape parameter"),
+        ("    view =", "    live = True\n    view =", "roles", "may use dq and ddq only"),
+        ('"point_to_point"', '"wiggle"', "roles", "'experiment_kind' is 'wiggle'"),
         (
             "fading(moved, kept)",
             "__import__('math').exp(0) * lfilter([1.0], [1.0, -kept], moved)",
