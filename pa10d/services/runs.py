@@ -10,11 +10,18 @@ from pa10d.checks import Finding, beyond_limits, check_recording
 from pa10d.dynamics.robot import Robot
 from pa10d.errors import UserError
 from pa10d.profile import Profile
+from pa10d.readers import read_recording
 from pa10d.recording import Recording
 from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
-from pa10d.store.csv_import import CsvRecording, read_csv
+from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
+
+PACKED = (".gz", ".bz2", ".zst")
+KNOWN = (
+    ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".parquet", ".feather", ".arrow", ".mat",
+    ".npz", ".blf", ".asc", ".log", ".trc",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -38,13 +45,11 @@ def import_run(
     check: bool = False,
     force: bool = False,
 ) -> Imported:
-    """Store a CSV recording as a run; nothing is stored where the file is broken.
+    """Store a recording as a run; nothing is stored where the file is broken.
 
     check: look at all that can go wrong in a recording, and store none that a fit must not use
     (Unsound), unless forced. What the checks say stays with the run."""
-    if not file.is_file():
-        raise UserError(f"{file}: no such file; expected a recording (.csv, .csv.gz)")
-    found = read_csv(file, robot.n, robot.name, profile.torque_constants, mapping)
+    found = read_recording(file, profile, robot, mapping)
     recording = _recording(found, name or file.name)
     findings = check_recording(recording, found.timing, robot, delay=check)
     errors = [finding for finding in findings if finding.severity == "error"]
@@ -90,7 +95,7 @@ def _kept(finding: Finding) -> KeptFinding:
 
 def _stem(file: Path) -> str:
     name = file.name
-    for ending in (".gz", ".csv"):
+    for ending in (*PACKED, *KNOWN):
         name = name[: -len(ending)] if name.lower().endswith(ending) else name
     return name.strip().lstrip(".-") or "run"
 

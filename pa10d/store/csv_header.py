@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from pa10d.errors import UserError
+from pa10d.store.column_guess import guess
+from pa10d.store.column_mapping import FIELD
 
-FIELD = re.compile(r"(time)|(q|dq|tau|i|temp)([1-9]\d*)")
 _ALIASES = {"t", "stamp", "timestamp", "time_s", "time[s]", "time [s]", "seconds", "sec"}
 
 
@@ -24,6 +25,7 @@ class Columns:
     current: list[int | None] | None = None  # None within: not measured, and not needed
     temperature: list[int] | None = None
     extra: dict[str, int] = field(default_factory=dict)
+    factors: dict[int, float] = field(default_factory=dict)  # SI units per unit of a column
     warnings: list[str] = field(default_factory=list)
 
     def required(self) -> list[int]:
@@ -38,23 +40,6 @@ class Columns:
         return [self.time, *(k for some in lists for k in some if k is not None)]
 
 
-def read_mapping(pairs: Sequence[str]) -> dict[str, str]:
-    """``COL=FIELD`` options as column -> field."""
-    mapping: dict[str, str] = {}
-    for pair in pairs:
-        column, sign, name = pair.rpartition("=")
-        if not sign or not column or not FIELD.fullmatch(name):
-            raise UserError(
-                f"--map {pair}: expected COLUMN=FIELD, FIELD being time, q1, tau1, dq1, i1, temp1 …"
-            )
-        if column in mapping or name in mapping.values():
-            raise UserError(
-                f"--map {pair}: found a second time, expected each column and field once"
-            )
-        mapping[column] = name
-    return mapping
-
-
 class Header:
     """The names of a file's first line, with the user's mapping applied."""
 
@@ -63,11 +48,6 @@ class Header:
         self.where = where
         self.names = tuple(name.strip() for name in names)
         self._check_it_is_one()
-        for column in mapping:
-            if column not in self.names:
-                raise UserError(
-                    f"{where}: no column {column!r}, expected by --map; found {self._found()}"
-                )
         self._place: dict[str, int] = {}
         for k, name in enumerate(self.names):
             meaning = mapping.get(name, name)
@@ -152,6 +132,9 @@ class Header:
                 break
         if not hint and missing[0].startswith("tau") and f"i{missing[0][3:]}" in have:
             hint = "; motor currents need 'torque_constants' in the profile"
+        options = guess(self.names, n)
+        if len(options) > 1:
+            hint = "; perhaps --map " + " ".join(map(shlex.quote, options))
         some = ", ".join(missing[:8]) + (" …" if len(missing) > 8 else "")
         return f"{self.where}: no column {some}; found {self._found()}; expected {wanted}{hint}"
 

@@ -15,7 +15,8 @@ import numpy as np
 from pa10d.errors import UserError
 from pa10d.sampling import Timing
 from pa10d.store.channels import Array, Samples
-from pa10d.store.csv_header import Columns, Header, read_mapping
+from pa10d.store.column_mapping import read_mapping, resolve
+from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, refuse_bombs, rows
 from pa10d.store.equal_steps import equal_steps
 
@@ -45,10 +46,13 @@ def read_csv(
     torque_constants: (n,) N·m per A, used for joints that have a motor current but no torque.
     mapping: ``COLUMN=FIELD`` options.
     """
-    fields = read_mapping(mapping)
+    rules = read_mapping(mapping)
     refuse_bombs(path)
-    header = Header(f"{path}:1", _first_line(path), fields)
+    names = [name.strip() for name in _first_line(path)]
+    given = resolve(rules, names, n, f"{path}:1")
+    header = Header(f"{path}:1", names, given.fields)
     columns = header.columns(n, torque_constants is not None, robot)
+    columns.factors = {names.index(name): factor for name, factor in given.factors.items()}
     table, warnings = _Table(path, columns), list(columns.warnings)
     t = table.take(columns.time)
     if len(t) < FEWEST:
@@ -114,7 +118,8 @@ class _Table:
         array: Array = values.to_numpy().astype(np.float64, copy=False)
         if values.null_count or not np.isfinite(array).all():
             raise UserError(_fault(self.path, self._columns, "a cell that is no finite number"))
-        return array
+        factor = self._columns.factors.get(column, 1.0)
+        return array if factor == 1.0 else array * factor
 
     def block(self, columns: Sequence[int]) -> Array:
         """(N, n), one column per joint."""

@@ -27,7 +27,7 @@ def refuse_bombs(path: Path) -> None:
     if not path.is_file() or not is_gzip(path):
         return
     packed = path.stat().st_size
-    most, size = min(LARGEST, max(SMALL, RATIO * packed)), 0
+    most, size = most_unpacked(path), 0
     with gzip.open(path) as file:
         try:
             while part := file.read(1 << 20):
@@ -39,6 +39,11 @@ def refuse_bombs(path: Path) -> None:
                     )
         except (OSError, EOFError, zlib.error):
             return  # said with the line at which it ends
+
+
+def most_unpacked(path: Path) -> int:
+    """Bytes that a recording in this file may become."""
+    return min(LARGEST, max(SMALL, RATIO * path.stat().st_size))
 
 
 def lines(path: Path) -> Iterator[str]:

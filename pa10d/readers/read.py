@@ -1,0 +1,143 @@
+"""Which reader a file or folder needs: by its name, and by its first bytes where those lie."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from pa10d.dynamics.robot import Robot
+from pa10d.errors import UserError
+from pa10d.profile import Profile
+from pa10d.readers.table import Table, recording_of
+from pa10d.store.column_mapping import read_mapping
+from pa10d.store.csv_import import CsvRecording, read_csv
+from pa10d.store.csv_locate import is_gzip
+from pa10d.store.run_info import BAG
+from pa10d.store.run_reader import read_run
+
+CAN_LOGS = (".blf", ".asc", ".trc")
+PLAIN = (".csv", ".gz", "")
+
+
+def read_recording(
+    path: Path, profile: Profile, robot: Robot, mapping: Sequence[str] = ()
+) -> CsvRecording:
+    """Samples at equal steps; UserError names file, place and what was expected.
+
+    mapping: ``COLUMN=FIELD`` options, see ``pa10d.store.column_mapping``.
+    """
+    if not path.exists():
+        raise UserError(f"{path}: no such file; expected a recording")
+    rules, constants = read_mapping(mapping), profile.torque_constants
+    if _is_plain_csv(path):
+        return read_csv(path, robot.n, robot.name, constants, mapping)
+    return recording_of(path, _table(path, profile, robot), robot.n, robot.name, constants, rules)
+
+
+def _table(path: Path, profile: Profile, robot: Robot) -> Table:
+    from pa10d.readers import arrays, bags, can_logs, text
+
+    kind = path.suffix.lower()
+    if path.is_dir():
+        if (path / "meta" / "info.json").is_file():
+            return _lerobot(path)
+        if (path / BAG).is_file():
+            return _own(path / BAG) or bags.read_bag(path, robot.joint_names)
+        return bags.read_bag(path, robot.joint_names)
+    head = text.first_bytes(path, 16)
+    if kind == ".mcap" or head.startswith(b"\x89MCAP"):
+        return _own(path) or bags.read_bag(path, robot.joint_names)
+    if kind == ".db3" or head.startswith(b"SQLite format 3"):
+        return bags.read_bag(path, robot.joint_names)
+    if head.startswith((b"PAR1", b"ARROW1")):
+        return arrays.read_arrow(path)
+    if kind == ".mat" or head.startswith(b"MATLAB"):
+        return arrays.read_mat(path)
+    if kind in (".npz", ".npy"):
+        return arrays.read_npz(path)
+    if kind in CAN_LOGS or (kind == ".log" and head.startswith(b"(")):
+        return can_logs.read_can_log(path, profile)
+    return _with_stamps(text.read_text(path))
+
+
+def _own(path: Path) -> Table | None:
+    """A run that this program exported, exactly; None where it is somebody else's bag."""
+    from pa10d.readers.arrays import spread
+
+    try:
+        run = read_run(path)
+    except UserError:
+        return None
+    if "pa10d.run" not in run.metadata:
+        return None
+    samples = run.samples
+    content = {
+        "time": (samples.stamps - run.time_zero_ns) * 1e-9, "q": samples.q, "tau": samples.tau,
+        "dq": samples.dq, "temperature": samples.temperature, "current": samples.current,
+    }  # fmt: skip
+    return Table({**spread(content), **samples.extra})
+
+
+def _lerobot(path: Path) -> Table:
+    """A LeRobot data set of version 3: its first episode."""
+    import numpy as np
+
+    from pa10d.readers.arrays import read_arrow
+
+    files = sorted((path / "data").glob("**/*.parquet"))
+    if not files:
+        raise UserError(f"{path}: no data/**/*.parquet; expected a LeRobot data set")
+    try:
+        version = json.loads((path / "meta" / "info.json").read_text()).get("codebase_version")
+    except ValueError as error:
+        raise UserError(f"{path}/meta/info.json: {error}; expected JSON") from error
+    table = read_arrow(files[0])
+    columns = dict(table.columns)
+    remarks = [f"a LeRobot data set ({version})"]
+    if "episode_index" in columns:
+        first = columns["episode_index"] == columns["episode_index"][0]
+        count = len(np.unique(columns["episode_index"]))
+        columns = {name: values[first] for name, values in columns.items()}
+        remarks.append(f"the first of {count} episodes in {files[0].name}")
+    if "timestamp" in columns:
+        columns["time"] = columns.pop("timestamp")
+    return Table(columns, remarks)
+
+
+def _with_stamps(table: Table) -> Table:
+    """Seconds and nanoseconds in two columns are one time."""
+    columns = dict(table.columns)
+    for sec in [name for name in columns if name.lower().rpartition(".")[2] in ("sec", "secs")]:
+        for fine in ("nanosec", "nsec", "nsecs", "nanosecs"):
+            nano = sec[: len(sec) - len(sec.rpartition(".")[2])] + fine
+            if nano in columns and "time" not in columns:
+                whole = columns.pop(sec)
+                columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
+                break
+    return Table(columns, table.remarks)
+
+
+def _is_plain_csv(path: Path) -> bool:
+    """Commas, UTF-8, a header in the first line: the reader for it names the wrong cell."""
+    if path.is_dir() or path.suffix.lower() not in (*PLAIN, ".txt"):
+        return False
+    if path.suffix.lower() == ".gz" or is_gzip(path):
+        return True
+    with path.open("rb") as file:
+        first = file.read(1 << 16).split(b"\n", 1)[0]
+    try:
+        line = first.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return False
+    if "\0" in line or line.lstrip().startswith(("#", "%", "//")):
+        return False
+    names = [cell.strip() for cell in line.split(",")]
+    return not (len(names) < 3 or any(sign in line for sign in (";", "\t")) or _all_numbers(names))
+
+
+def _all_numbers(names: list[str]) -> bool:
+    try:
+        return bool([float(name) for name in names])
+    except ValueError:
+        return False

@@ -1,0 +1,114 @@
+"""Named columns from any kind of file, as samples of a robot at equal steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from pa10d.errors import UserError
+from pa10d.store.channels import Array, Samples
+from pa10d.store.column_mapping import Rule, resolve
+from pa10d.store.csv_header import Columns, Header
+from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences
+from pa10d.store.equal_steps import equal_steps
+
+
+@dataclass
+class Table:
+    """columns: name -> (N,); remarks: what the reader has to say."""
+
+    columns: Mapping[str, Array]
+    remarks: list[str] = field(default_factory=list)
+
+
+def recording_of(
+    path: Path,
+    table: Table,
+    n: int,
+    robot: str,
+    constants: Sequence[float] | None,
+    rules: Sequence[Rule],
+) -> CsvRecording:
+    """See ``pa10d.store.csv_import.read_csv``; the same for columns that are in memory."""
+    names = tuple(table.columns)
+    resolved = resolve(rules, names, n, str(path))
+    header = Header(str(path), names, resolved.fields)
+    columns = header.columns(n, constants is not None, robot)
+    cells = _Cells(path, names, table.columns, resolved.factors)
+    t = cells.take(columns.time)
+    if len(t) < FEWEST:
+        raise UserError(f"{path}: found {len(t)} samples, expected at least {FEWEST}")
+    back = np.flatnonzero(np.diff(t) < 0)
+    if len(back):
+        row = int(back[0]) + 1
+        raise UserError(
+            f"{path}: column {names[columns.time]}: sample {row + 1} is at {t[row]:.9g} s after "
+            f"{t[row - 1]:.9g} s, expected stamps that rise"
+        )
+    if not t[-1] > t[0]:
+        raise UserError(f"{path}: all samples have one stamp; expected a recording of a motion")
+    timing, samples = equal_steps(t, _samples(cells, columns, constants))
+    zero = -min(0, int(samples.stamps[0]))
+    samples.stamps[:] += zero
+    said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
+    remarks = [f"{path}: {remark}" for remark in table.remarks]
+    return CsvRecording(samples, zero, timing, [*remarks, *columns.warnings], said)
+
+
+class _Cells:
+    def __init__(
+        self,
+        path: Path,
+        names: Sequence[str],
+        columns: Mapping[str, Array],
+        factors: Mapping[str, float],
+    ) -> None:
+        self._path, self._names, self._columns, self._factors = path, names, columns, factors
+
+    def take(self, column: int) -> Array:
+        """One column, every value a finite number, in SI units."""
+        name = self._names[column]
+        values = np.asarray(self._columns[name], dtype=np.float64) * self._factors.get(name, 1.0)
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise UserError(
+                f"{self._path}: column {name}: sample {bad[0] + 1} is {values[bad[0]]}, "
+                "expected a finite number"
+            )
+        return values
+
+    def block(self, columns: Sequence[int]) -> Array:
+        """(N, n)."""
+        return np.stack([self.take(column) for column in columns], axis=1)
+
+    def extra(self, columns: Mapping[str, int]) -> dict[str, Array]:
+        """Channels that are kept as they are."""
+        return {
+            name: np.asarray(self._columns[self._names[k]], dtype=np.float64)
+            for name, k in columns.items()
+        }
+
+
+def _samples(cells: _Cells, columns: Columns, constants: Sequence[float] | None) -> Samples:
+    torque = []
+    for j, column in enumerate(columns.tau):
+        if column is not None:
+            torque.append(cells.take(column))
+        else:
+            amperes = (columns.current or [])[j]
+            assert constants is not None
+            assert amperes is not None
+            torque.append(constants[j] * cells.take(amperes))
+    current = [column for column in columns.current or [] if column is not None]
+    return Samples(
+        stamps=np.empty(0, np.int64),
+        q=cells.block(columns.q),
+        tau=np.stack(torque, axis=1),
+        dq=None if columns.dq is None else cells.block(columns.dq),
+        temperature=None if columns.temperature is None else cells.block(columns.temperature),
+        current=cells.block(current) if len(current) == len(columns.q) else None,
+        extra=cells.extra(columns.extra),
+    )

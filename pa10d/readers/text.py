@@ -1,0 +1,191 @@
+"""Delimited text of any dialect: other delimiters, decimal commas, comments, units below the names,
+other encodings. Plain CSV has a reader of its own, which names the cell that is wrong."""
+
+from __future__ import annotations
+
+import bz2
+import contextlib
+import csv
+import gzip
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, cast
+
+import numpy as np
+
+from pa10d.errors import UserError
+from pa10d.readers.table import Table
+from pa10d.store.channels import Array
+from pa10d.store.column_mapping import UNITS
+from pa10d.store.csv_locate import most_unpacked
+
+DELIMITERS = (";", "\t", "|", ",")
+COMMENT = ("#", "%", "//")
+LOOK = 1 << 16  # bytes that are looked at to tell the dialect
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
+
+
+@contextmanager
+def unpacked(path: Path) -> Iterator[IO[bytes]]:
+    """The file's bytes, whatever it was packed with; told by content."""
+    head = first_bytes(path, 4)
+    with contextlib.ExitStack() as stack:
+        if head[:2] == b"\x1f\x8b":
+            yield cast(IO[bytes], stack.enter_context(gzip.open(path)))
+        elif head[:3] == b"BZh":
+            yield cast(IO[bytes], stack.enter_context(bz2.open(path)))
+        elif head == b"\x28\xb5\x2f\xfd":
+            import pyarrow as pa
+
+            yield stack.enter_context(pa.input_stream(str(path), compression="zstd"))
+        else:
+            yield stack.enter_context(path.open("rb"))
+
+
+def first_bytes(path: Path, count: int) -> bytes:
+    """By which a file's kind is told."""
+    with path.open("rb") as file:
+        return file.read(count)
+
+
+def read_text(path: Path) -> Table:
+    """Every column that holds numbers, and what stands for them."""
+    text = _decoded(path)
+    lines = text.splitlines()
+    comments = 0
+    while comments < len(lines) and _is_comment(lines[comments]):
+        comments += 1
+    body = lines[comments:]
+    while body and not body[0].strip():
+        body = body[1:]
+    if not body:
+        raise UserError(f"{path}: an empty file; expected a header and rows of numbers")
+    delimiter = _delimiter(body[0])
+    comma = delimiter != "," and bool(_DECIMAL_COMMA.search(" ".join(body[:20])))
+    first = _cells(body[0], delimiter)
+    if all(_number(cell, comma) is not None for cell in first):
+        names, units = _names_above(lines[:comments], delimiter, len(first)), []
+    else:
+        names, body = first, body[1:]
+        units = _units(body[0], delimiter, len(names), comma) if body else []
+        body = body[1:] if units else body
+    named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
+    below = len(lines) - len(body) + 1
+    return Table(_numbers(path, body, named, delimiter, comma, below))
+
+
+def _decoded(path: Path) -> str:
+    most = most_unpacked(path)
+    try:
+        with unpacked(path) as file:
+            raw = file.read(most + 1)
+    except (OSError, EOFError) as error:
+        raise UserError(f"{path}: the packed data are damaged; expected a whole file") from error
+    if len(raw) > most:
+        raise UserError(f"{path}: becomes more than {most} bytes of text; expected a recording")
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16", "replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if b"\0" in raw[:LOOK]:
+            raise UserError(
+                f"{path}: neither text nor a format that is known; expected CSV, a ROS 2 bag "
+                "(.db3, .mcap), Parquet, MAT, .npz or a CAN log"
+            ) from None
+        return raw.decode("latin-1")
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith(COMMENT)
+
+
+def _delimiter(line: str) -> str:
+    counts = {sign: line.count(sign) for sign in DELIMITERS}
+    best = max(DELIMITERS, key=lambda sign: counts[sign])
+    if counts[";"]:
+        return ";"
+    return best if counts[best] else " "
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    if delimiter == " ":
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter))]
+
+
+def _number(cell: str, comma: bool) -> float | None:
+    try:
+        return float(cell.replace(",", ".") if comma else cell)
+    except ValueError:
+        return None
+
+
+def _names_above(comments: list[str], delimiter: str, count: int) -> list[str]:
+    """The last comment that names as many columns; else c1 … for ``--map``."""
+    for line in reversed(comments):
+        bare = line.lstrip().lstrip("#%/").strip()
+        for sign in (delimiter, ",", " "):
+            cells = [c for c in _cells(bare, sign) if c] if bare else []
+            if len(cells) == count:
+                return cells
+    return [f"c{k + 1}" for k in range(count)]
+
+
+def _units(line: str, delimiter: str, count: int, comma: bool) -> list[str]:
+    cells = [cell.strip("[]() ") for cell in _cells(line, delimiter)]
+    known = [cell in UNITS or not cell or cell == "-" for cell in cells]
+    numbers = any(_number(cell, comma) is not None for cell in cells)
+    return cells if len(cells) == count and all(known) and not numbers else []
+
+
+def _paired(names: list[str], units: list[str]) -> list[tuple[str, str]]:
+    units = units or [""] * len(names)
+    return [
+        (name, unit if UNITS.get(unit, 1.0) != 1.0 and "[" not in name else "")
+        for name, unit in zip(names, units, strict=True)
+    ]
+
+
+def _numbers(
+    path: Path, body: list[str], names: list[str], delimiter: str, comma: bool, below: int
+) -> dict[str, Array]:
+    rows = [
+        (below + k, _cells(line, delimiter))
+        for k, line in enumerate(body)
+        if line.strip() and not _is_comment(line)
+    ]
+    for line, cells in rows:
+        if len(cells) != len(names):
+            last = "; was the file cut off?" if line == rows[-1][0] else ""
+            found = f"{path}:{line}: found {len(cells)} columns, expected {len(names)}{last}"
+            raise UserError(found)
+    out: dict[str, Array] = {}
+    for k, name in enumerate(names):
+        column = [cells[k] for _, cells in rows]
+        values = [_number(cell, comma) if cell else np.nan for cell in column]
+        if all(value is not None for value in values):
+            out[name] = np.array(values, dtype=np.float64)
+        elif (stamps := _moments(column)) is not None:
+            out[name] = stamps
+        elif sum(value is not None for value in values) > len(values) / 2:
+            row = next(i for i, value in enumerate(values) if value is None)
+            raise UserError(
+                f"{path}:{rows[row][0]}: column {k + 1} ({name}): found {column[row]!r}, "
+                "expected a finite number"
+            )
+    return out
+
+
+def _moments(column: list[str]) -> Array | None:
+    """ISO 8601 stamps as s since the first; None where they are none."""
+    try:
+        stamps = np.array([cell.rstrip("Z") for cell in column], dtype="datetime64[ns]")
+    except ValueError:
+        return None
+    if not len(stamps) or np.isnat(stamps).any():
+        return None
+    return np.asarray((stamps - stamps[0]).astype(np.int64) * 1e-9)

@@ -1,0 +1,399 @@
+"""One motion in every kind of file that people have: the same arrays come in."""
+
+from __future__ import annotations
+
+import bz2
+import gzip
+import json
+
+import can
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from pa10d.dynamics import robot_from_urdf
+from pa10d.errors import UserError
+from pa10d.profile import Can, Drive, Profile
+from pa10d.readers import read_recording
+from pa10d.services.robots import load_robot
+
+URDF = """<robot name="two"><link name="base"/>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="100" velocity="9"/></joint>
+<link name="l1"><inertial><mass value="3"/><inertia ixx="0.1" iyy="0.1" izz="0.05" ixy="0" ixz="0"
+iyz="0"/></inertial></link>
+<joint name="elbow" type="revolute"><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="100" velocity="9"/></joint>
+<link name="l2"><inertial><mass value="2"/><inertia ixx="0.03" iyy="0.03" izz="0.01" ixy="0"
+ixz="0" iyz="0"/></inertial></link></robot>"""
+JOINTS = ("shoulder", "elbow")
+RATE, SAMPLES = 200.0, 400
+DRIVES = [
+    {"node": 1 + j, "counts_per_rev": 819200, "gear_ratio": 50, "rated_torque": 2.0}
+    for j in range(2)
+]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    t = np.arange(SAMPLES) / RATE
+    q = np.stack([0.4 * np.sin(3 * t), 0.3 * np.cos(2 * t)], axis=1)
+    dq = np.gradient(q, 1 / RATE, axis=0)
+    tau = 5.0 * np.sin(3 * t)[:, None] * [1.0, 0.4]
+    return t, q, dq, tau
+
+
+@pytest.fixture
+def robot(tmp_path):
+    (tmp_path / "robot.urdf").write_text(URDF)
+    return load_robot(tmp_path / "robot.urdf")
+
+
+def columns(t, q, dq, tau):
+    return {"time": t, "q1": q[:, 0], "q2": q[:, 1], "tau1": tau[:, 0], "tau2": tau[:, 1]}
+
+
+def lines(table, delimiter=",", number=repr, header=None):
+    rows = [delimiter.join(header or table)]
+    rows += [
+        delimiter.join(number(float(v)) for v in row) for row in zip(*table.values(), strict=True)
+    ]
+    return "\n".join(rows) + "\n"
+
+
+def decimal_comma(value):
+    return repr(value).replace(".", ",")
+
+
+def text(name, make, mapping=()):
+    def write(folder, motion):
+        made = make(columns(*motion), motion)
+        path = folder / name
+        path.write_bytes(made if isinstance(made, bytes) else made.encode())
+        return path, mapping
+
+    return write
+
+
+def renamed(*names):
+    return lambda table, motion: lines(dict(zip(names, table.values(), strict=True)))
+
+
+DEGREES = ("joint_1_position[deg]", "joint_2_position[deg]")
+
+
+def in_degrees(table, motion):
+    t, q, _, tau = motion
+    return lines(
+        {
+            "t": t * 1e3,
+            "joint_0_pos": np.degrees(q[:, 0]),
+            "joint_1_pos": np.degrees(q[:, 1]),
+            "joint_0_trq": tau[:, 0] * 1e3,
+            "joint_1_trq": tau[:, 1] * 1e3,
+        }
+    )
+
+
+def split_stamps(table, motion):
+    t = motion[0] + 1.7e9 + 0.25
+    sec = np.floor(t)
+    nano = np.rint((motion[0] + 0.25 - np.floor(motion[0] + 0.25)) * 1e9)
+    rest = {k: v for k, v in table.items() if k != "time"}
+    return lines({"header.stamp.sec": sec, "header.stamp.nanosec": nano, **rest}, ";")
+
+
+def iso_stamps(table, motion):
+    stamps = np.datetime64("2026-03-01T10:00:00", "ns") + np.rint(motion[0] * 1e9).astype(
+        "timedelta64[ns]"
+    )
+    rest = {k: v for k, v in table.items() if k != "time"}
+    rows = ["time;" + ";".join(rest)]
+    for stamp, *values in zip(stamps, *rest.values(), strict=True):
+        rows.append(";".join([f"{stamp}Z", *map(repr, map(float, values))]))
+    return "\n".join(rows)
+
+
+def npz(**blocks):
+    def write(folder, motion):
+        t, q, dq, tau = motion
+        path = folder / "run.npz"
+        named = {"time": t, "q": q, "tau": tau} if not blocks else blocks["make"](t, q, dq, tau)
+        np.savez(path, **named)
+        return path, ()
+
+    return write
+
+
+def mat(nested=False, new=False):
+    def write(folder, motion):
+        t, q, dq, tau = motion
+        path = folder / "run.mat"
+        content = {"time": t[:, None], "q": q, "dq": dq, "tau": tau}
+        if new:
+            h5py = pytest.importorskip("h5py", reason="no h5py for MAT files of version 7.3")
+            with h5py.File(path, "w", userblock_size=512) as file:
+                for name, values in content.items():
+                    file["/log/" + name if nested else name] = values.T
+            with path.open("r+b") as file:
+                file.write(b"MATLAB 7.3 MAT-file".ljust(512))
+        else:
+            savemat(path, {"log": content} if nested else content)
+        return path, ()
+
+    return write
+
+
+def parquet(lists=False, name="run.parquet"):
+    def write(folder, motion):
+        import pyarrow as pa
+        from pyarrow import feather
+        from pyarrow import parquet as pq
+
+        t, q, _, tau = motion
+        flat = columns(*motion)
+        table = {"time": t, "q": q.tolist(), "tau": tau.tolist()} if lists else flat
+        path = folder / name
+        made = pa.table({k: pa.array(v) for k, v in table.items()})
+        (feather.write_feather if name.endswith("feather") else pq.write_table)(made, path)
+        return path, ()
+
+    return write
+
+
+def lerobot(folder, motion):
+    import pyarrow as pa
+    from pyarrow import parquet as pq
+
+    t, q, _, tau = motion
+    path = folder / "set"
+    (path / "meta").mkdir(parents=True)
+    (path / "data" / "chunk-000").mkdir(parents=True)
+    (path / "meta" / "info.json").write_text(json.dumps({"codebase_version": "v3.0"}))
+    episode = np.repeat([0, 1], SAMPLES)
+    table = {
+        "timestamp": np.tile(t, 2),
+        "episode_index": episode,
+        "observation.state": np.tile(q, (2, 1)).tolist(),
+        "observation.effort": np.tile(tau, (2, 1)).tolist(),
+    }
+    made = pa.table({k: pa.array(v) for k, v in table.items()})
+    pq.write_table(made, path / "data" / "chunk-000" / "file-000.parquet")
+    return path, ("observation.state{n}=q", "observation.effort{n}=tau")
+
+
+def bag(kind="sqlite3", single=False, order=(1, 0), extra=True):
+    def write(folder, motion):
+        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.typesys import Stores, get_typestore
+
+        t, q, dq, tau = motion
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        state = store.types["sensor_msgs/msg/JointState"]
+        header, stamp = (
+            store.types["std_msgs/msg/Header"],
+            store.types["builtin_interfaces/msg/Time"],
+        )
+        path = folder / "bag"
+        plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
+        with Writer(path, version=9, storage_plugin=plugin) as writer:
+            link = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
+            for k in range(SAMPLES):
+                ns = round(t[k] * 1e9) + 10**18
+                who = [*order, None] if extra else list(order)
+                pick = [
+                    (0.0, 0.0, 0.0) if j is None else (q[k, j], dq[k, j], tau[k, j]) for j in who
+                ]
+                message = state(
+                    header(stamp(ns // 10**9, ns % 10**9), "base"),
+                    ["gripper" if j is None else JOINTS[j] for j in who],
+                    *(np.array(values) for values in zip(*pick, strict=True)),
+                )
+                writer.write(link, ns, store.serialize_cdr(message, state.__msgtype__))
+        if not single:
+            return path, ()
+        (file,) = [p for p in path.iterdir() if p.suffix in (".db3", ".mcap")]
+        return file, ()
+
+    return write
+
+
+def can_log(ending):
+    def write(folder, motion):
+        t, q, _, tau = motion
+        path = folder / f"bus{ending}"
+        with can.Logger(path) as log:
+            for k in range(SAMPLES):
+                at = 1000.0 + t[k]
+                log(can.Message(timestamp=at, arbitration_id=0x80, is_extended_id=False))
+                for j in range(2):
+                    counts = round(q[k, j] * 819200 / (2 * np.pi))
+                    per_mille = round(tau[k, j] * 1000 / 100.0)
+                    data = counts.to_bytes(4, "little", signed=True)
+                    data += per_mille.to_bytes(2, "little", signed=True) + b"\x27\x06"
+                    log(
+                        can.Message(
+                            timestamp=at + 1e-4 * (j + 1), arbitration_id=0x181 + j, data=data,
+                            is_extended_id=False,
+                        )
+                    )  # fmt: skip
+        return path, ()
+
+    return write
+
+
+FILES = {
+    "csv": text("run.csv", lambda c, m: lines(c)),
+    "csv.gz": text("run.csv.gz", lambda c, m: gzip.compress(lines(c).encode())),
+    "csv.bz2": text("run.csv.bz2", lambda c, m: bz2.compress(lines(c).encode())),
+    "semicolons": text("run.csv", lambda c, m: lines(c, ";")),
+    "semicolons, decimal comma": text("run.csv", lambda c, m: lines(c, ";", decimal_comma)),
+    "tabs": text("run.tsv", lambda c, m: lines(c, "\t")),
+    "tabs, decimal comma": text("run.txt", lambda c, m: lines(c, "\t", decimal_comma)),
+    "blanks": text("run.dat", lambda c, m: lines(c, "  ")),
+    "commented header": text("run.txt", lambda c, m: "# made by a logger\n# " + lines(c, " ")),
+    "per cent": text("run.txt", lambda c, m: "% " + lines(c, " ")),
+    "utf-16": text("run.csv", lambda c, m: lines(c).encode("utf-16")),
+    "byte order mark": text("run.csv", lambda c, m: b"\xef\xbb\xbf" + lines(c).encode()),
+    "windows line ends": text("run.csv", lambda c, m: lines(c, ";").replace("\n", "\r\n")),
+    "units in a second line": text(
+        "run.csv", lambda c, m: lines(c, ";").replace("\n", "\ns;rad;rad;Nm;Nm\n", 1)
+    ),
+    "no header": text(
+        "run.txt",
+        lambda c, m: lines(c, " ").split("\n", 1)[1],
+        ("c1=time", "c2=q1", "c3=q2", "c4=tau1", "c5=tau2"),
+    ),
+    "other names": text(
+        "run.csv", renamed("Time", "pos 1", "pos 2", "eff 1", "eff 2"),
+        ("Time=time", "pos {n}=q", "eff {n}=tau"),
+    ),
+    "other units, joints from 0": text(
+        "run.csv", in_degrees,
+        ("t[ms]=time", "joint_{n-1}_pos[deg]=q", "joint_{n-1}_trq[mNm]=tau"),
+    ),
+    "other units, not plain": text(
+        "run.txt", lambda c, m: in_degrees(c, m).replace(",", ";"),
+        ("t[ms]=time", "joint_{n-1}_pos[deg]=q", "joint_{n-1}_trq[mNm]=tau"),
+    ),
+    "sec and nanosec": text("run.csv", split_stamps),
+    "iso stamps": text("run.csv", iso_stamps),
+    "npz": npz(),
+    "npz, joints first": npz(make=lambda t, q, dq, tau: {"t": t, "q": q.T, "tau": tau.T}),
+    "mat": mat(),
+    "mat, a struct": mat(nested=True),
+    "mat 7.3": mat(new=True),
+    "mat 7.3, a struct": mat(new=True, nested=True),
+    "parquet": parquet(),
+    "parquet, lists": parquet(lists=True),
+    "feather": parquet(name="run.feather"),
+    "lerobot": lerobot,
+    "bag folder, sqlite": bag(),
+    "bag folder, mcap": bag("mcap"),
+    "one .db3": bag(single=True),
+    "one .mcap": bag("mcap", single=True),
+    "can .log": can_log(".log"),
+    "can .asc": can_log(".asc"),
+    "can .blf": can_log(".blf"),
+    "can .trc": can_log(".trc"),
+}  # fmt: skip
+COARSE = {"can": (1e-5, 0.06)}  # an encoder's step, a per mille of the rated torque
+ROUNDED = {"asc": 1e-4, "trc": 1e-4}  # s, of stamps
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_the_same_motion_comes_in(kind, tmp_path, motion, robot):
+    profile, tree = robot
+    profile = profile.model_copy(update={"drives": [Drive(**d) for d in DRIVES], "can": Can()})
+    _, q, _, tau = motion
+    path, mapping = FILES[kind](tmp_path, motion)
+    found = read_recording(path, profile, tree, mapping)
+    q_step, tau_step = COARSE.get(kind.split()[0], (1e-12, 1e-12))
+    assert len(found.samples) == pytest.approx(SAMPLES, abs=2 if "can" in kind else 0)
+    assert found.timing.rate == pytest.approx(RATE, rel=1e-3)
+    count = min(len(found.samples), SAMPLES)
+    assert (
+        np.abs(found.samples.q[:count] - q[:count]).max() < 0.02
+        if "can" in kind
+        else (np.allclose(found.samples.q, q, atol=q_step))
+    )
+    if "can" not in kind:
+        assert np.allclose(found.samples.tau, tau, atol=tau_step)
+
+
+def test_units_of_a_mapping_reach_the_run(tmp_path, motion, robot):
+    path, mapping = FILES["other units, joints from 0"](tmp_path, motion)
+    found = read_recording(path, *robot, mapping)
+    assert np.abs(found.samples.q).max() == pytest.approx(0.4, rel=1e-3)
+
+
+def test_a_file_of_strange_names_gets_a_ready_line(tmp_path, motion, robot):
+    path, _ = FILES["other units, joints from 0"](tmp_path, motion)
+    with pytest.raises(UserError, match=r"perhaps --map ") as caught:
+        read_recording(path, *robot)
+    assert "joint_{n-1}_pos=q" in str(caught.value)
+    assert "t=time" in str(caught.value)
+
+
+BROKEN = {
+    "nothing": (b"", "run.csv", "an empty file"),
+    "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(3000), "run.csv", "neither text nor a format"),
+    "half a parquet": (b"PAR1" + bytes(200), "run.parquet", "cannot be read"),
+    "half an npz": (b"PK\x03\x04" + bytes(99), "run.npz", "cannot be read"),
+    "half a mat": (b"MATLAB 5.0 MAT-file" + bytes(300), "run.mat", "cannot be read"),
+    "half a bag": (b"SQLite format 3\0" + bytes(200), "run.db3", "cannot be read"),
+    "half an mcap": (b"\x89MCAP0\r\n" + bytes(100), "run.mcap", "cannot be read"),
+    "half a blf": (b"LOGG" + bytes(40), "run.blf", "cannot be read|frames 0x181"),
+    "a gz that ends": (gzip.compress(b"time;q1;q2\n" * 99)[:-9], "run.tsv", "damaged"),
+    "rows too short": (b"time;q1;q2;tau1;tau2\n1;2;3\n", "run.csv", ":2: found 3 columns"),
+    "a word": (
+        b"time;q1;q2;tau1;tau2\n" + b"1;2;3;4;5\n" * 150 + b"1;2;x;4;5\n",
+        "run.csv",
+        r":152: column 3 \(q2\): found 'x'",
+    ),
+    "no unit": (b"time;q1;q2;tau1;tau2\n" + b"1;2;3;4;5\n" * 150, "run.csv", "stamp"),
+    "an empty folder": (None, "bag", "bag's folder"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_what_is_broken_is_one_line(kind, tmp_path, robot):
+    content, name, says = BROKEN[kind]
+    path = tmp_path / name
+    if content is None:
+        path.mkdir()
+    else:
+        path.write_bytes(content)
+    profile, tree = robot
+    profile = profile.model_copy(update={"drives": [Drive(**d) for d in DRIVES]})
+    with pytest.raises(UserError, match=says) as caught:
+        read_recording(path, profile, tree)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        ("q1", "expected COLUMN=FIELD"),
+        ("joint_{n}=time", "expected COLUMN=FIELD"),
+        ("time[fortnight]=time", "unit 'fortnight', expected one of"),
+        ("nobody=q1", "no column 'nobody'"),
+        ("nobody_{n}=q", "no column 'nobody_1'"),
+    ],
+)
+def test_a_mapping_that_does_not_fit(option, says, tmp_path, motion, robot):
+    path, _ = FILES["semicolons"](tmp_path, motion)
+    with pytest.raises(UserError, match=says):
+        read_recording(path, *robot, [option])
+
+
+def test_a_bag_of_another_robot_names_its_joints(tmp_path, motion, robot):
+    path, _ = bag(order=(0,), extra=True)(tmp_path, motion)
+    with pytest.raises(UserError, match=r"no joint elbow; found gripper, shoulder"):
+        read_recording(path, *robot)
+
+
+def test_the_urdf_is_sound():
+    assert robot_from_urdf(URDF).n == 2
+    assert Profile
