@@ -1,5 +1,6 @@
 """Where does a model fail? Figures of the error, the regions that carry it, its spectra."""
 
+from pa10d.callable_room import answer_calls
 from pa10d.compare.comparison import Comparison, RunScores, compare
 from pa10d.compare.document import document
 from pa10d.compare.places import Place, places
@@ -28,3 +29,5 @@ __all__ = [
     "run_residual",
     "scores",
 ]
+
+answer_calls(__name__, "pa10d.face.questions:compare")

@@ -1,5 +1,6 @@
 """Physical effects beyond the rigid bodies: one small class each, and their registry."""
 
+from pa10d.callable_room import answer_calls
 from pa10d.effects.base import (
     Coefficient,
     Effect,
@@ -29,3 +30,5 @@ __all__ = [
     "fading",
     "smooth_sign",
 ]
+
+answer_calls(__name__, "pa10d.face.effects:effects")

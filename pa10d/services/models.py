@@ -83,13 +83,13 @@ def identify_runs(
     """Fit the textbook model to stored runs and store it; nothing is stored where that fails.
 
     force: also to runs that the checks have an error against."""
-    from pa10d.identify import identify, summary
+    from pa10d.identify import summary
 
     if not replace:
         library.models.refuse_taken(name)
     robot = load_robot(profile)[1]
     _, recordings = read_runs(library, runs, robot, force=force)
-    model = identify(
+    model, found = identified(
         recordings,
         robot,
         name=name,
@@ -100,12 +100,22 @@ def identify_runs(
         progress=progress,
         cancel=cancel,
     )
-    found = judge(model, recordings, model.cutoff)
-    model = with_noise_floor(dataclasses.replace(model, noise=found.rms), found)
     info = library.models.save(model, replace=replace)
     return Identified(
         info, model, {**summary(model), **found.document(), "id": info.id, "name": info.name}
     )
+
+
+def identified(
+    recordings: Sequence[Recording], robot: Robot, **how: Any
+) -> tuple[TorqueModel, Judgement]:
+    """The textbook model, see ``pa10d.identify.procedure``, and how it is judged on its own runs:
+    that is what it says of itself."""
+    from pa10d.identify import identify
+
+    model = identify(recordings, robot, **how)
+    found = judge(model, recordings, model.cutoff)
+    return with_noise_floor(dataclasses.replace(model, noise=found.rms), found), found
 
 
 def compare_runs(

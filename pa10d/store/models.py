@@ -89,7 +89,7 @@ class ModelStore:
             if not replace:
                 self.refuse_taken(model.name)
             parent = None if model.parent is None else self.find(model.parent)
-            info = _new_info(model, parent)
+            info = new_info(model, parent)
             text = model_text(model, info)
             _refuse_unreadable(text, model.name)
             write_text(self.folder / f"{info.id}.yaml", text)
@@ -177,7 +177,8 @@ def _careful_info(path: Path) -> ModelInfo | SetAside:
         return SetAside(path.stem, name, path, f"{path}: {explained(error)}; expected a model")
 
 
-def _new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
+def new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
+    """What a file says of a model that is written now."""
     now = datetime.now(UTC)
     floor = model.notes.get("noise_floor")
     return ModelInfo(

@@ -1,0 +1,1 @@
+"""What ``import pa10d`` gives: a dozen functions and the values they take and return."""
