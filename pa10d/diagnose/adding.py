@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.procedure import add, diagnose, suspicion
 from pa10d.diagnose.smooth import add_map, asked
 from pa10d.effects import all_effects
 from pa10d.effects.smooth_map import SmoothMap
@@ -32,15 +32,25 @@ def add_asked(
     What only a comparison with an earlier model shows (a payload, a tilted base …) is added to the
     model as it was: a refit would take it for a trait of the arm.
     """
-    if over and effect != SmoothMap.id:
-        raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
+    refuse_slips(model, effect, joints, over)
     if effect == SmoothMap.id:
-        asked(model, joints, over)
         mapped = add_map(model, joints, over, fit, name=name, progress=progress)
         return mapped.model, mapped.warnings
     if effect in all_effects() and all_effects()[effect].question == "changed":
         return _changed(model, effect, joints, fit, name, progress), []
     return add(model, effect, joints, fit, name=name, progress=progress)
+
+
+def refuse_slips(
+    model: TorqueModel, effect: str, joints: Sequence[int], over: Sequence[str]
+) -> None:
+    """UserError where an effect, a joint or a quantity is none of this model."""
+    if over and effect != SmoothMap.id:
+        raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
+    if effect == SmoothMap.id:
+        asked(model, joints, over)
+    else:
+        suspicion((effect, joints), model.robot.n)
 
 
 def _changed(

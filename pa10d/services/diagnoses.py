@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pa10d.diagnose.adding import add_asked, refuse_slips
 from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.procedure import add, diagnose, suspicion
-from pa10d.diagnose.smooth import add_map, asked
-from pa10d.effects import all_effects
-from pa10d.effects.smooth_map import SmoothMap
+from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.diagnose.smooth import add_map
 from pa10d.errors import UserError
 from pa10d.model import TorqueModel
 from pa10d.services.doubts import new_plan
@@ -110,74 +109,16 @@ def add_effect(
 ) -> tuple[ModelInfo, TorqueModel, list[str]]:
     """Store a new version with an effect fitted in; the old one stays.
 
-    over: quantities of a smooth map, such as the ``depends_on`` of an ``unexplained`` entry.
-    What only a comparison with an earlier model shows (a payload, a tilted base …) is added to the
-    model as it was: a refit would take it for a trait of the arm.
+    over: quantities of a smooth map; see ``pa10d.diagnose.adding``.
     """
     if not replace_model:
         library.models.refuse_taken(name)
-    if over and effect != SmoothMap.id:
-        raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
-    if effect == SmoothMap.id:
-        made, warnings = _mapped(library, model, joints, over, fit, name, force, progress)
-    elif effect in all_effects() and all_effects()[effect].question == "changed":
-        made = _changed(library, model, effect, joints, fit, name, force, progress)
-        warnings = []
-    else:
-        loaded = library.models.load(library.models.find(model))
-        at = [j - 1 for j in joints]
-        suspicion((effect, at), loaded.robot.n)
-        runs = read_runs(library, fit, loaded.robot, force=force)[1]
-        made, warnings = add(loaded, effect, at, runs, name=name, progress=progress)
-    return library.models.save(made, replace=replace_model), made, warnings
-
-
-def _mapped(
-    library: Library,
-    model: str,
-    joints: Sequence[int],
-    over: Sequence[str],
-    fit: Sequence[str],
-    name: str,
-    force: bool,
-    progress: Progress | None,
-) -> tuple[TorqueModel, list[str]]:
     loaded = library.models.load(library.models.find(model))
     at = [j - 1 for j in joints]
-    asked(loaded, at, over)
+    refuse_slips(loaded, effect, at, over)  # before anything is read
     runs = read_runs(library, fit, loaded.robot, force=force)[1]
-    made = add_map(loaded, at, over, runs, name=name, progress=progress)
-    return made.model, made.warnings
-
-
-def _changed(
-    library: Library,
-    model: str,
-    effect: str,
-    joints: Sequence[int],
-    fit: Sequence[str],
-    name: str,
-    force: bool,
-    progress: Progress | None,
-) -> TorqueModel:
-    found = diagnose_runs(
-        library,
-        model,
-        fit,
-        frozen=True,
-        effect=effect,
-        joints=joints,
-        force=force,
-        progress=progress,
-    )
-    if not found.findings:
-        called = library.models.find(model).name
-        raise UserError(
-            f"{effect}: these runs do not show it against model '{called}' as it is; expected runs "
-            "of the arm after the change, and a model identified before it"
-        )
-    parent = library.models.find(model).name
-    return replace(found.versions[-1], name=name, parent=parent)
+    made, warnings = add_asked(loaded, effect, at, runs, name=name, over=over, progress=progress)
+    return library.models.save(made, replace=replace_model), made, warnings
 
 
 def improve_model(
