@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from pa10d.export.urdf import CARRIED, inertial_of, possible_mass
-from pa10d.export.words import grouped
+from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 
 PLACES = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
@@ -63,7 +63,7 @@ def sdf(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         for label in grouped(missing)
     ]
     text = ET.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0"?>\n<!-- {said.replace("--", "- -")} -->\n{text}\n', lost
+    return f'<?xml version="1.0"?>\n<!-- {in_comment(said)} -->\n{text}\n', lost
 
 
 def _link(joint: str) -> str:
