@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from backends.protocol import Backend
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
-from pa10d.control.faults import Fault, Violation, fault_from
+from pa10d.control.faults import Fault, Violation, blamed_on_time, fault_from
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
 from pa10d.control.pid import Controller, Pid
+from pa10d.control.punctuality import Starved
 from pa10d.control.reference import Motion
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Progress, Stop
@@ -53,6 +54,7 @@ class Arm:
         self.state = State.OFFLINE
         self.fault: Fault | None = None
         self.motion: Motion | None = None
+        self.starved: Callable[[], Starved | None] = lambda: None  # who paces the loop knows
         self._gravity = gravity
         self._stop: Stop | None = None
         self._open_since = 0.0  # s, when the last brake opened
@@ -332,6 +334,7 @@ class Arm:
 
     def _latch(self, fault: Fault) -> None:
         if self.fault is None:
+            fault = blamed_on_time(fault, self.starved())
             log.warning("fault while %s: %s", fault.state, fault.sentence)
             self.fault = fault
             self.journal.fault(fault)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import time
 
+from pa10d.control.punctuality import Punctuality, Starved
+
 LATEST = 0.5  # of a period: a cycle that begins later could not be done before the next is due
 
 
@@ -16,6 +18,8 @@ class Clock:
         self.period = period
         self.late, self.busy = 0.0, 0.0
         self.missed = 0  # deadlines given up, and cycles that were not done within their period
+        self._punctuality = Punctuality(period)
+        self._paced = False
         self._deadline = time.monotonic()
         self._began = 0.0
 
@@ -23,6 +27,7 @@ class Clock:
         """Until the next deadline; at once where not paced."""
         now = time.monotonic()
         self._deadline += self.period
+        self._paced, first = paced, self._deadline
         if not paced:
             self._deadline = now
         while paced:
@@ -35,6 +40,8 @@ class Clock:
             time.sleep(self._deadline - now)
             now = time.monotonic()
         self.late = now - self._deadline
+        if paced:
+            self._punctuality.note(now - first)
         self._began = time.thread_time()
 
     def done(self) -> None:
@@ -42,6 +49,12 @@ class Clock:
         self.busy = time.thread_time() - self._began
         if time.monotonic() > self._deadline + self.period:
             self.missed += 1
+
+    def starved(self) -> Starved | None:
+        """Whether the last second's cycles, this one among them, came too late to hold an arm."""
+        if not self._paced:
+            return None
+        return self._punctuality.starved(time.monotonic() - self._deadline - self.period)
 
     def restart(self) -> None:
         """After something that was allowed to take long."""

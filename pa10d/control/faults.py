@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from backends.protocol import BackendFault
+from pa10d.control.punctuality import Starved
 
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
@@ -74,6 +75,26 @@ class Violation(Exception):
     def __init__(self, kind: str, cause: str, axis: int | None = None) -> None:
         super().__init__(cause)
         self.kind, self.cause, self.axis = kind, cause, axis
+
+
+FROM_STARVING = {"following_error", "velocity_limit", "position_limit", "not_held", "stale", "stop",
+                 "silent"}  # fmt: skip
+OF_DRIVES = {"emcy", "drive_fault"}  # where they missed SYNC or our heartbeat
+
+
+def blamed_on_time(fault: Fault, starved: Starved | None) -> Fault:
+    """Of a loop that did not get its time, what it led to is no collision and no loose cable."""
+    if starved is None or not (
+        fault.kind in FROM_STARVING or (fault.kind in OF_DRIVES and _missed_us(fault.cause))
+    ):
+        return fault
+    then = fault.sentence.removesuffix(f"; {fault.remedy}")
+    cause = f"{starved.cause} ({then})"
+    return replace(fault, kind="starved", cause=cause, axis=None, remedy=starved.remedy)
+
+
+def _missed_us(cause: str) -> bool:
+    return "SYNC" in cause or "heartbeat of the control PC" in cause
 
 
 def fault_from(error: Exception, state: str, time: float, sequence: int) -> Fault:

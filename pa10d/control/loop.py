@@ -31,6 +31,7 @@ class Loop:
         self._arm, self._ring, self._commands = arm, ring, commands
         self._connection, self._mailbox = connection, Mailbox(connection)
         self._clock = Clock(arm.backend.period)
+        arm.starved = self._clock.starved
         self._told: tuple[Any, ...] = ()
         self._ending = ""
         self._stop = False

@@ -49,3 +49,20 @@ def test_a_starved_arm_does_not_run_away(world, seed):
     stopped = world.drives.mechanics.q.copy()
     world.advance(world.now + 1.0)
     assert np.abs(world.drives.mechanics.q - stopped).max() < 0.01
+
+
+def test_a_starved_loop_says_so(world):
+    """Stalls until something gives: whatever that is, it is not blamed on a collision."""
+
+    def story():
+        yield from world.moving()
+        while world.state() == "running":
+            world.stall("control", 0.25)
+            yield world.passes(0.3)
+        yield world.is_in("fault")
+
+    world.run(story())
+    fault = world.faults[0]
+    assert fault.kind == "starved", fault
+    assert "this machine does not keep" in fault.sentence
+    assert "collision" not in fault.sentence
