@@ -51,7 +51,7 @@ class Punctuality:
             self._delays.append(0.0)  # cycles that never were: a second stays a second
 
     def starved(self, now: float = 0.0) -> Starved | None:
-        """None where the delays explain nothing. ``now``: s by which this cycle is over its time."""
+        """None where delays explain nothing. ``now``: s by which this cycle is over its time."""
         delays = [*self._delays, now]
         late = [delay for delay in delays if delay > self._period]
         latest = max(delays)
