@@ -290,7 +290,7 @@ class CanopenBackend:
         pace = Pace(self.realtime, self.period, self._heartbeat)
         self._cycle = BusCycle(self._port, self._exchange, self._watch, self._poll, pace)
         self._know_life_signs()
-        sequence.prove(self, TRIAL_CYCLES)
+        sequence.prove(self, TRIAL_CYCLES, self.profile.safety.stale_cycles, pacer(self))
         self._watch.clear()
         for axis, report in enumerate(self.reports):
             self._watch.remember(axis, report.error)

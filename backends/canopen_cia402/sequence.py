@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.by_hand import pacer
 from backends.cia402 import TOWARDS_DISABLED, TOWARDS_ENABLED, Control, State, state_of
 from backends.faults import fault
 from backends.protocol import Array, Feedback
-
-if TYPE_CHECKING:
-    from backends.canopen_cia402.backend import CanopenBackend
 
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
 OFF = (State.DISABLED, State.FAULT)
@@ -26,13 +23,34 @@ STILL_CONFIGURED = ("drive_fault", "left_enabled", "encoder_jump", "repeated_pdo
 States = list[State | None]
 
 
+class Axes(Protocol):
+    """What a sequence needs of the backend."""
+
+    @property
+    def n(self) -> int: ...
+
+    def cycle(self) -> Feedback:
+        """SYNC and the answers to it, without judging them."""
+        ...
+
+    def set_words(self, words: list[Control]) -> None:
+        """Controlwords of all axes, sent with the next torques."""
+
+    def command(self, words: list[Control]) -> None:
+        """Controlwords of all axes, sent now with the torques as they are."""
+
+    def silent(self, axis: int) -> bool:
+        """Whether the axis has not been heard for too long to be commanded."""
+        ...
+
+
 class Sequence(ABC):
     """``step`` after each cycle's answers; the words it leaves go out with the next torques."""
 
     judged = True  # whether new faults are told while it is under way
     complaint: str
 
-    def __init__(self, arm: CanopenBackend) -> None:
+    def __init__(self, arm: Axes) -> None:
         self.arm = arm
         self._started: float | None = None
 
@@ -98,7 +116,7 @@ class Disable(Sequence):
 
     complaint = "does not switch off"
 
-    def __init__(self, arm: CanopenBackend) -> None:
+    def __init__(self, arm: Axes) -> None:
         super().__init__(arm)
         self._standing = Standing(arm.n)
 
@@ -134,7 +152,7 @@ class Acknowledge(Sequence):
     judged = False
     complaint = "does not leave its fault: the cause persists"
 
-    def __init__(self, arm: CanopenBackend) -> None:
+    def __init__(self, arm: Axes) -> None:
         super().__init__(arm)
         self._raised = [False] * arm.n
 
@@ -151,10 +169,9 @@ class Acknowledge(Sequence):
         return words
 
 
-def prove(arm: CanopenBackend, cycles: int) -> None:
-    """A few cycles without power: do PDOs flow from everybody?"""
-    pace = pacer(arm)
-    for _ in range(cycles + arm.profile.safety.stale_cycles):
+def prove(arm: Axes, cycles: int, patience: int, pace: Callable[[], None]) -> None:
+    """A few cycles without power, ``patience`` more where need be: do PDOs flow from everybody?"""
+    for _ in range(cycles + patience):
         pace()
         feedback = arm.cycle()
         arm.command([Control.DISABLE_VOLTAGE] * arm.n)

@@ -53,13 +53,17 @@ class Bench:
         self.observer = Observer(self.channel)
 
     def start_daemon(self) -> None:
+        url = self.start_server()
+        self.client = self._stack.enter_context(running_at(url, self.data))
+
+    def start_server(self) -> str:
+        """Its address; whether it reaches the robot is another matter."""
         options = ["--data", str(self.data), "--json", "serve", "--port", "0", "--no-sim"]
         options += ["--channel", self.channel, "--clock", self.clock]
         self.server = subprocess.Popen(
             [sys.executable, "-m", "pa10d", *options], stdout=subprocess.PIPE, text=True
         )
-        url = json.loads(self.server.stdout.readline())["url"]
-        self.client = self._stack.enter_context(running_at(url, self.data))
+        return str(json.loads(self.server.stdout.readline())["url"])
 
     def pid_of(self, module: str) -> int:
         """The daemon's only child of this kind."""
