@@ -123,6 +123,10 @@ class VirtualDrive:
 
     # --- what the node tells (Application) ---
 
+    @property
+    def in_fault(self) -> bool:
+        return self.machine.state in (cia402.State.FAULT, cia402.State.REACTING)
+
     def received(self, keys: list[int]) -> None:
         for key in keys:
             if key not in TOLD_ANYWAY:

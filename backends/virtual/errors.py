@@ -57,10 +57,11 @@ class ErrorMemory:
         self._history.clear()
         self.publish()
 
-    def power_up(self) -> None:
-        """As after power-on: nothing happened yet."""
-        self._history.clear()
+    def restarted(self, completely: bool) -> None:
+        """After power-on nothing happened yet; a reset of the communication leaves the history."""
         self._present.clear()
+        if completely:
+            self._history.clear()
         self.publish()
 
     def publish(self) -> None:

@@ -24,6 +24,11 @@ AFTER_COMMUNICATION_ERROR = {0: PRE_OPERATIONAL, 2: STOPPED}  # 0x1029:1; else i
 class Application(Protocol):
     """What sits behind the node and is told what happens on the bus."""
 
+    @property
+    def in_fault(self) -> bool:
+        """Whether an error keeps it from working until it is acknowledged."""
+        ...
+
     def received(self, keys: list[int]) -> None:
         """An RPDO changed these values of the dictionary."""
 
@@ -137,8 +142,8 @@ class CanopenNode:
     def restart(self, completely: bool) -> None:
         """NMT reset of the node, or of its communication only."""
         self.dictionary.restore(communication_only=not completely)
-        if completely:
-            self.errors.power_up()
+        if completely or not self._application.in_fault:
+            self.errors.restarted(completely)
         self.errors.publish()
         self._application.restarted(completely)
         self._consumer, self._guard = Consumer(), Guard()

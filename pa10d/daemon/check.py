@@ -16,6 +16,7 @@ import numpy as np
 
 from backends.bus_budget import profile_budget
 from backends.canopen_cia402.lifeline import not_accepted
+from backends.cia402 import remarks
 from backends.protocol import Backend
 from backends.registry import open_backend
 from pa10d.control.build import build_arm
@@ -129,7 +130,7 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
             late = _late(profile, seconds, arm.cycle)
         if arm.fault is not None:
             return [*found, Check("error", "drives", arm.fault.sentence)]
-        return [*found, _judged("loop with the drives", late, profile)]
+        return [*found, *_remarks(backend), _judged("loop with the drives", late, profile)]
 
 
 def _refused(why: str) -> list[Check]:
@@ -160,6 +161,16 @@ def _who_answers(profile: Profile, backend: Backend) -> list[Check]:
             text = f"node {report.node}: has every safety object, and took every setting"
             found.append(Check("ok", "safety", text))
     return found
+
+
+def _remarks(backend: Backend) -> list[Check]:
+    """What drives say beside their states."""
+    words: list[int] = getattr(backend, "statuses", list)()
+    return [
+        Check("warning", "drives", f"joint {k + 1}: {remark}", k + 1)
+        for k, word in enumerate(words)
+        for remark in remarks(word)
+    ]
 
 
 def _late(profile: Profile, seconds: float, cycle: Callable[[], None]) -> tuple[np.ndarray, int]:

@@ -240,6 +240,22 @@ def test_the_history_is_kept_in_order_and_can_be_emptied(bench: Bench) -> None:
     assert bench.read(0x1003) == 0
 
 
+@pytest.mark.parametrize("powered", [False, True])
+def test_a_new_master_finds_no_old_error_but_a_fault_and_its_cause(
+    bench: Bench, powered: bool
+) -> None:
+    bench.write(0x1016, 127 << 16 | 100, 4, 1)
+    bench.nmt(1)
+    if powered:
+        bench.enable()
+    bench.send(0x77F, b"\x05")
+    assert emergencies(bench.sync(100)) == [0x8130]
+    bench.nmt(130)
+    assert bench.read(0x603F) & 0xFFFF == (0x8130 if powered else 0)
+    assert bool(bench.read(0x1001)) == powered
+    assert bench.read(0x1003, 1) & 0xFFFF == 0x8130
+
+
 # --- node guarding ---
 
 
