@@ -1,0 +1,86 @@
+"""Arms that their URDF describes badly, in simulated time: measured, then moved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arm_bench import ArmBench
+
+from pa10d.services.starting_set import STARTING_SET
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.plan import Plan
+
+FRICTION_250 = {
+    "coulomb": [8, 8, 4, 4, 0.7, 0.7, 0.7],
+    "viscous": [10, 10, 5, 5, 0.5, 0.5, 0.5],
+}
+
+
+PLANS: dict[str, Plan] = {}
+
+
+def planned(kind: str, parameters: dict) -> Plan:
+    """Of the arm as its URDF has it; planned once."""
+    asked = {"kind": kind, "parameters": parameters}
+    if str(asked) not in PLANS:
+        PLANS[str(asked)] = read_request(asked).build(ArmBench().around)
+    return PLANS[str(asked)]
+
+
+def fast_wrist() -> Plan:
+    """The last joint at 5 rad/s."""
+    return planned("tracking", {"joints": [7], "amplitude": 2.0, "period": 2.5, "cycles": 1})
+
+
+def test_friction_at_250_hz_is_measured_and_met():
+    """Gains by the URDF alone leave the last joint behind; after a first motion it follows."""
+    arm = ArmBench(250.0, **FRICTION_250)
+    arm.enable()
+    _, fault = arm.run(fast_wrist())
+    assert fault is not None
+    assert (fault.kind, fault.axis) == ("following_error", 6)
+
+    arm = ArmBench(250.0, **FRICTION_250)
+    assert arm.first_motion() is None
+    figures = arm.joints.figures
+    np.testing.assert_allclose(figures.coulomb, arm.plant.dry, rtol=0.35)
+    assert figures.rotor[6] == pytest.approx(arm.plant.rotor[6], rel=0.3)
+    rows, fault = arm.run(fast_wrist())
+    assert fault is None
+    assert (arm.error(rows) < 0.1).all()
+
+
+def test_a_torque_of_the_wrong_sign_is_named_before_the_joint_has_gone_far():
+    for joint in (2, 4):
+        signs = np.ones(7)
+        signs[joint - 1] = -1.0
+        arm = ArmBench(signs=signs, mass=0.9, pose=[0, 0.3, 0, 0.4, 0, 0.2, 0])
+        start = arm.plant.measure()[0].copy()
+        fault = arm.first_motion()
+        assert fault is not None
+        assert fault.axis == joint - 1
+        assert fault.kind in ("wrong_sign", "not_held")
+        assert "sign" in fault.sentence
+        assert abs(arm.plant.measure()[0] - start)[joint - 1] < 0.1
+
+
+GRID = [
+    (rate, {"inertia": inertia, "friction": friction, **more})
+    for rate in (100.0, 250.0, 500.0)
+    for inertia in (0.33, 1.0, 3.0, (3, 0.4, 1, 0.4, 3, 0.33, 1))
+    for friction in (0.05, 1.0, 3.0)
+    for more in ({}, {"springs": {2: 1395}})
+    if not (more and rate < 250.0)  # 8 Hz is less than three times what a slow loop needs
+]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(("rate", "options"), GRID, ids=str)
+def test_the_starting_set_runs_on_arms_that_nobody_has_seen(rate, options):
+    arm = ArmBench(rate, **options)
+    assert arm.first_motion() is None
+    for entry in STARTING_SET[1:]:
+        rows, fault = arm.run(planned(entry["kind"], entry["parameters"]))
+        assert fault is None, fault.sentence
+        assert (arm.error(rows) < arm.limits.following_error).all()

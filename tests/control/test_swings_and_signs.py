@@ -1,0 +1,115 @@
+"""What swings is named with its frequency, what acts the wrong way round with its joint."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, swing, until
+
+from pa10d.control.faults import Violation
+from pa10d.control.gains import PidGains
+from pa10d.control.oscillation import OscillationWatch
+from pa10d.control.pid import Pid
+from pa10d.control.reference import Reference
+from pa10d.control.states import ArmState
+from pa10d.control.wrong_way import WrongWayWatch
+
+
+def seen(speed, torque, asked=lambda t: 0.0, seconds=4.0):
+    """The violation that a joint with these speeds and torques brings, or None."""
+    watch, reference = OscillationWatch(limits(2), PERIOD), Reference(2)
+    for k in range(int(seconds / PERIOD)):
+        t = k * PERIOD
+        reference.dq[1] = asked(t)
+        try:
+            watch.watch(np.array([0.0, speed(t)]), reference, np.array([0.0, torque(t)]))
+        except Violation as violation:
+            return violation
+    return None
+
+
+@pytest.mark.parametrize("hertz", [1.0, 7.0, 31.0])
+def test_a_swing_is_named_with_joint_and_frequency(hertz):
+    w = 2 * np.pi * hertz
+    found = seen(lambda t: 0.5 * np.sin(w * t), lambda t: 20 * np.cos(w * t), seconds=8.0)
+    assert (found.kind, found.axis) == ("oscillation", 1)
+    said = float(found.cause.split("at ")[1].split(" Hz")[0])
+    assert said == pytest.approx(hertz, rel=0.1)
+
+
+def test_what_is_no_swing_is_not_called_one():
+    w = 2 * np.pi * 5.0
+    small = seen(lambda t: 0.02 * np.sin(w * t), lambda t: 20 * np.cos(w * t))
+    fading = seen(lambda t: 0.8 * np.exp(-2 * t) * np.sin(w * t), lambda t: 20 * np.cos(w * t))
+    idle = seen(lambda t: 0.5 * np.sin(w * t), lambda t: 0.5 * np.cos(w * t))
+    wanted = seen(
+        lambda t: 0.8 * np.sin(w * t), lambda t: 20 * np.cos(w * t),
+        asked=lambda t: 0.5 * np.sin(w * t - 0.5),
+    )  # fmt: skip
+    assert (small, fading, idle, wanted) == (None, None, None, None)
+
+
+def test_an_arm_that_swings_is_stopped_softly_and_says_so():
+    arm, backend = holding_arm()
+    one = np.ones(2)
+    arm.use(Pid(PidGains(900 * one, 0 * one, 1.0 * one), limits().torque, PERIOD))
+    backend.plant.dq[1] = 0.3
+    until(arm, ArmState.FAULT)
+    assert (arm.fault.kind, arm.fault.axis) == ("oscillation", 1)
+    assert "Hz" in arm.fault.sentence
+    assert "first_motion" in arm.fault.sentence
+    assert abs(backend.plant.dq[1]) < 0.1
+
+
+def test_an_ordinary_motion_is_no_swing():
+    arm, _ = holding_arm()
+    arm.run(swing(arm.path.reference.q, 0.5, 3.0))
+    until(arm, ArmState.HOLDING)
+    assert arm.fault is None
+
+
+def held(push, sign, inertia=1.0, seconds=1.0):
+    """A servo holds a joint that ``push`` (t → N·m) pushes; its torque has this sign."""
+    watch, stiff, damping = WrongWayWatch(np.array([50.0]), PERIOD), 600.0, 40.0
+    q = v = 0.0
+    for k in range(int(seconds / PERIOD)):
+        torque = -stiff * q - damping * v
+        try:
+            watch.watch(np.array([q]), np.array([v]), np.array([torque]))
+        except Violation as violation:
+            return violation, q
+        v += PERIOD * (sign * torque + push(k * PERIOD)) / inertia
+        q += PERIOD * v
+    return None, q
+
+
+@pytest.mark.parametrize("push", [0.05, 2.0, 10.0])
+def test_a_wrong_sign_is_seen_within_three_hundredths_of_a_radian(push):
+    found, q = held(lambda t: push, -1.0)
+    assert found.kind == "wrong_sign"
+    assert abs(q) < 0.03
+
+
+@pytest.mark.parametrize("push", [5.0, 20.0, 45.0])
+def test_a_load_that_nobody_knew_is_no_wrong_sign(push):
+    assert held(lambda t: push, 1.0)[0] is None
+    assert held(lambda t: push * np.sin(20 * t), 1.0)[0] is None
+
+
+def test_gains_come_bumpless_by_command():
+    from pa10d.control.commands import Commands
+
+    arm, backend = flywheel_arm()
+    one = np.ones(2)
+
+    def servo():
+        return Pid(PidGains(100 * one, 0 * one, 20 * one), limits().torque, PERIOD)
+
+    commands = Commands(arm, None, servo)
+    gains = PidGains(200 * one, 10 * one, 30 * one, 0 * one).document()
+    arm.connect()
+    assert commands.carry_out({"id": 1, "do": "gains", "gains": gains})["ok"]
+    np.testing.assert_array_equal(arm.path.controller.gains.kp, 200.0)
+    np.testing.assert_array_equal(arm.path.make_servo().gains.kd, 30.0)
+    assert backend.written == []
+    cycles(arm, 2)
