@@ -9,7 +9,7 @@ import numpy as np
 from backends.protocol import BackendFault, Feedback
 
 SWITCH = 4  # cycles in which brakes open or close
-PATIENCE = 1.0  # s for drives that never say that they are enabled
+PATIENCE = 0.3  # s for drives that never say that they are enabled
 
 
 class FakeBackend:
