@@ -19,8 +19,12 @@ FORMATS = ("csv", "mcap", "parquet", "mat")
 def add_commands(commands: Commands) -> None:
     """The family ``run``."""
     runs = commands.group("run", "recordings: import, list, show, check, export, repair, delete")
-    parser = runs.add("import", import_, "take a recording (.csv, .csv.gz) into the store")
-    parser.add_argument("file", type=Path, metavar="FILE", help="time,q1..qn,tau1..taun and more")
+    parser = runs.add(
+        "import", import_, "take a recording (CSV, ROS bag, Parquet, MAT …) into the store"
+    )
+    parser.add_argument(
+        "file", type=Path, metavar="FILE|FOLDER", help="time,q1..qn,tau1..taun and more"
+    )
     profile_option(parser)
     parser.add_argument("--name", metavar="N", help="its name (default: the file's)")
     parser.add_argument(
@@ -29,8 +33,9 @@ def add_commands(commands: Commands) -> None:
         help="say what to know before fitting, and store nothing that a fit must not use",
     )
     parser.add_argument(
-        "--map", metavar="COL=FIELD", nargs="+", action="extend", default=[],
-        help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …",
+        "--map", metavar="COL[unit]=FIELD", nargs="+", action="extend", default=[],
+        help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …; {n} in COL stands for "
+        "the joint's number: 't[ms]=time' 'joint_{n}_position[deg]=q'",
     )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="store it whatever --check says")
     replace_option(parser, "the run of this name")

@@ -32,7 +32,10 @@ PIECE = 1 << 20  # bytes that are written in one go
 UPLOAD_BODY = {
     "requestBody": {
         "required": True,
-        "content": {"text/csv": {"schema": {"type": "string", "format": "binary"}}},
+        "content": {
+            kind: {"schema": {"type": "string", "format": "binary"}}
+            for kind in ("text/csv", "application/octet-stream")
+        },
     }
 }
 
@@ -107,10 +110,11 @@ async def import_run(
     force: bool = False,
     mapping: Annotated[list[str] | None, Query(alias="map", max_length=64)] = None,
 ) -> Any:
-    """Bring in a recording: the file (.csv or .csv.gz) is the body of the request.
+    """Bring in a recording: the file is the body, its ending in ``filename`` says what it is (CSV,
+    .mcap, .db3, .parquet, .mat …).
 
     ``check`` stores nothing that a fit must not use, unless ``force`` is given, too.
-    ``map`` reads a column as a field: ``map=torque_1=tau1``.
+    ``map`` reads a column as a field: ``map=torque_1=tau1``, ``map=pos_{n}[deg]=q``.
     """
     may_replace(replace)
     if not replace:

@@ -135,15 +135,15 @@ function refused(file, error) {
 }
 
 function dropZone() {
-  const input = el("input", { type: "file", accept: ".csv,.gz", multiple: true, id: "files", class: "hidden", onchange: () => { take([...input.files]); input.value = ""; } });
-  const text = el("span", {}, "Drop recordings here (CSV with time, q1 …, tau1 …), or ");
+  const input = el("input", { type: "file", accept: ".csv,.gz,.bz2,.zst,.txt,.tsv,.mcap,.db3,.parquet,.feather,.arrow,.mat,.npz,.blf,.asc,.trc,.log", multiple: true, id: "files", class: "hidden", onchange: () => { take([...input.files]); input.value = ""; } });
+  const text = el("span", {}, "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ");
   const zone = el("div", { class: "drop" }, text, el("label", { htmlFor: "files", class: "button small" }, "choose files"), input);
   const take = async (files) => {
     for (const file of files) {
       text.textContent = `Reading ${file.name} … `;
       await bring(file).catch((error) => refused(file, error));
     }
-    text.textContent = "Drop recordings here (CSV with time, q1 …, tau1 …), or ";
+    text.textContent = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
     await loadRuns().catch(() => {});
   };
   const over = (on) => (event) => { event.preventDefault(); zone.classList.toggle("over", on); };
