@@ -31,6 +31,7 @@ from pa10d.profile import Profile
 LOCK = ".daemon.lock"
 PATIENCE = 20.0  # s for which an older daemon's control process may still bring its arm to rest
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
+RECEIVED = 1 << 15  # bytes taken from one client in one go, before others are heard
 MAY_TAKE = 5  # s for open requests once told to end
 
 log = logging.getLogger("pa10d")
@@ -123,6 +124,7 @@ def _listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     listener = socket.socket(family)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED)
     try:
         listener.bind((host, port))
         listener.listen(1024)

@@ -207,3 +207,15 @@ def test_docs_need_no_internet(http):
         assert asset.startswith("/docs/")
         assert http.get(asset).status_code == 200
     assert "http" not in page.text.replace("http-equiv", "")
+
+
+def test_a_listener_that_talks_on_and_on_is_left(arm):
+    """A flood of messages kept 'stop' from being heard."""
+    from websockets.exceptions import ConnectionClosed
+
+    with connect(arm.url.replace("http", "ws") + "/api/v1/events", proxy=None) as one:
+        with pytest.raises(ConnectionClosed):  # noqa: PT012
+            for _ in range(100_000):
+                one.send("x" * 64)
+        assert one.close_code in (1008, 1006)
+    assert arm.stop(wait=0)["state"]

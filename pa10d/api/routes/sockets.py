@@ -10,8 +10,11 @@ from fastapi import APIRouter, Query, WebSocket
 from starlette.websockets import WebSocketDisconnect
 
 from pa10d.api.deps import TheDaemon
+from pa10d.daemon.daemon import Daemon
 
 router = APIRouter()
+MOST_WORDS = 20  # messages from a listener: whoever talks on and on keeps others from being heard
+MOST = 200  # listeners at a time, of either kind
 
 
 @router.websocket("/events")
@@ -19,7 +22,8 @@ async def events(
     socket: WebSocket, daemon: TheDaemon, since: Annotated[int | None, Query(ge=0)] = None
 ) -> None:
     """JSON ``{number, time, kind, data}``; with ``since`` what happened after that number first."""
-    await socket.accept()
+    if await _refused(socket, daemon):
+        return
     async with _until_gone(socket):
         async for event in daemon.events.listen(since):
             await socket.send_text(event)
@@ -35,11 +39,21 @@ async def telemetry(
 
     The first packet holds the last ``history`` seconds, so that a fresh page shows them at once.
     """
-    await socket.accept()
+    if await _refused(socket, daemon):
+        return
     async with _until_gone(socket):
         await socket.send_json(daemon.telemetry.header())
         async for packet in daemon.telemetry.listen(history):
             await socket.send_bytes(packet)
+
+
+async def _refused(socket: WebSocket, daemon: Daemon) -> bool:
+    """Whether too many listen already; else the socket is open now."""
+    await socket.accept()
+    if daemon.events.listeners + daemon.telemetry.listeners < MOST:
+        return False
+    await socket.close(1013, f"{MOST} listen already; try again later")
+    return True
 
 
 @contextlib.asynccontextmanager
@@ -50,8 +64,11 @@ async def _until_gone(socket: WebSocket):
 
     async def watch() -> None:
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            while True:
-                await socket.receive()
+            for _ in range(MOST_WORDS):
+                if (await socket.receive())["type"] == "websocket.disconnect":
+                    break
+            else:
+                await socket.close(1008, "listen; nothing is expected from you")
         me.cancel()
 
     watcher = asyncio.create_task(watch())
