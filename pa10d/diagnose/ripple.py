@@ -12,6 +12,8 @@ from pa10d.diagnose.side import PerJoint, Side
 Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 220.0  # cycles per revolution
+LEAST_SPAN = 1e-3  # rad
+STEPS = 3  # orders looked at per resolution
 LOWEST_ORDER = 4.0  # below, gravity and ripple cannot be told apart
 
 
@@ -21,14 +23,9 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     The power of residual·exp(-iNq), each sample weighted with what the low-pass leaves of a line
     at its momentary frequency N·|q̇|/2π, over a grid as fine as the range of q resolves.
     """
-    spread = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
-    speeds = [run.context.dq[:: run.lowpass.factor, joint] for run in side.runs]
-    keep = [k[:, joint] for k in side.keep]
-    q = np.concatenate([x[k] for x, k in zip(spread, keep, strict=True)])
-    v = np.abs(np.concatenate([x[k] for x, k in zip(speeds, keep, strict=True)]))
-    r = residual[joint]
+    q, v, r = _along(side, residual, joint)
     span = float(q.max() - q.min())
-    if span < 1e-3:
+    if span < LEAST_SPAN:
         return []
     step = max(0.12, np.pi / span / 3.0)
     orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, step)
@@ -53,6 +50,44 @@ def chance_of_line(side: Side, joint: int, power: float) -> float:
     attempts = (HIGHEST_ORDER - LOWEST_ORDER) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
     z = 0.5 * power
     return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
+
+
+def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: float) -> float:
+    """Probability that the spectrum of a residual against q_j has a line as strong as the one at
+    ``order`` by chance, when it is as strong as it is around it.
+
+    Against the level of its own neighbourhood, since a residual of slow motion is no white noise
+    against the angle: ordinates of a smooth spectrum are exponential, their mean is the median
+    over ln 2. An order is known to a resolution of 2π over the range of q; the line is the
+    strongest within it, and neighbours are farther away than that on both sides.
+    """
+    q, v, r = _along(side, residual, joint)
+    span = float(np.ptp(q)) if len(q) else 0.0
+    if span < LEAST_SPAN:
+        return 1.0
+    step = 2.0 * np.pi / span / STEPS
+    reach = int(np.clip(order / step / 4.0, 6 * STEPS, 40 * STEPS))
+    offsets = np.arange(-reach, reach + 1)
+    orders = order + step * offsets
+    lowpass = side.runs[0].lowpass
+    power = 2 * lowpass.order
+    kept = orders > 0.5 * LOWEST_ORDER
+    orders, offsets = orders[kept], offsets[kept]
+    score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
+    own = np.abs(offsets) <= STEPS
+    level = float(np.median(score[np.abs(offsets) > 2 * STEPS])) / np.log(2.0)
+    return float(min(1.0, 2.0 * np.exp(-score[own].max() / max(level, 1e-300))))
+
+
+def _along(side: Side, residual: PerJoint, joint: int) -> tuple[Array, Array, Array]:
+    """Angle (rad), speed (rad/s) and residual (N·m) of the samples that count."""
+    angle = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
+    speed = [run.context.dq[:: run.lowpass.factor, joint] for run in side.runs]
+    keep = [k[:, joint] for k in side.keep]
+    q, v = (
+        np.concatenate([x[k] for x, k in zip(parts, keep, strict=True)]) for parts in (angle, speed)
+    )
+    return q, np.abs(v), residual[joint]
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "nsz", "contract"})

@@ -14,7 +14,7 @@ from pa10d.diagnose.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.fit import Fit, predict
 from pa10d.diagnose.partial import Partial, partials
-from pa10d.diagnose.ripple import chance_of_line
+from pa10d.diagnose.ripple import chance_beside_neighbours, chance_of_line
 from pa10d.diagnose.shapes import approach, free_shapes, refine
 from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.slopes import newton_move
@@ -247,7 +247,12 @@ class Search:
         both = scipy.stats.chi2.sf(
             -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
         )
-        return float(min(1.0, both * among))
+        line, beside = candidate.effect.line_order, 0.0
+        if line:
+            left, order = self.state.held_residual(fit), candidate.shape[line]
+            joint = candidate.joints[0]
+            beside = chance_beside_neighbours(self.state.held, left, joint, order)
+        return float(max(min(1.0, both * among), beside))
 
     def prefer(self, good: list[Judged], judged: list[Judged]) -> tuple[Judged, list[Judged]]:
         """The best candidate, or the simplest of those that this data cannot tell from it."""

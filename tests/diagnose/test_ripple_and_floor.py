@@ -11,7 +11,13 @@ from scipy.stats import chi2
 from two_links import CUTOFF, RATE, recordings, state_of
 
 from pa10d.compare import noise_floor, residual_of
-from pa10d.diagnose.ripple import HIGHEST_ORDER, LOWEST_ORDER, chance_of_line, order_peaks
+from pa10d.diagnose.ripple import (
+    HIGHEST_ORDER,
+    LOWEST_ORDER,
+    chance_beside_neighbours,
+    chance_of_line,
+    order_peaks,
+)
 
 
 @pytest.mark.parametrize("order", [12.0, 37.0, 50.5])
@@ -25,6 +31,38 @@ def test_the_strongest_line_is_at_the_order_of_the_ripple(order, joint):
     state = state_of(recordings(1, extra))
     peaks = order_peaks(state.train, state.train_residual(), joint)
     assert peaks[0] == pytest.approx(order, abs=0.6)
+
+
+@pytest.mark.parametrize("order", [12.0, 37.0, 90.0])
+def test_a_line_stands_above_its_neighbours(order):
+    def extra(t, q, dq, ddq):
+        out = np.zeros_like(q)
+        out[:, 1] = 0.2 * np.sin(order * q[:, 1] + 0.4)
+        return out
+
+    state = state_of(recordings(1, extra))
+    left = state.held_residual()
+    assert chance_beside_neighbours(state.held, left, 1, order) < 1e-4
+    assert chance_beside_neighbours(state.held, left, 1, order + 9.0) > 0.01
+
+
+def test_what_is_strong_at_all_orders_has_no_line():
+    """Friction that jumps at angles drawn at random: a broad spectrum against the angle, far above
+    the noise, of which no order stands out."""
+    said = 0
+    for seed in range(12):
+        places = np.random.default_rng(seed).uniform(-1.5, 1.5, 40)
+        sizes = np.random.default_rng(seed + 99).standard_normal(40)
+
+        def extra(t, q, dq, ddq, places=places, sizes=sizes):
+            out = np.zeros_like(q)
+            out[:, 1] = 0.3 * (np.abs(q[:, 1, None] - places) < 0.02) @ sizes
+            return out
+
+        state = state_of(recordings(1, extra))
+        (peak,) = order_peaks(state.train, state.train_residual(), 1, 1)
+        said += chance_beside_neighbours(state.held, state.held_residual(), 1, peak) < 0.01
+    assert said <= 2
 
 
 def test_a_joint_that_hardly_moves_has_no_orders():
