@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import yaml
+from benches import served, small_arm
 from browsers import Visitor, chromium
 
 from backends.virtual.datasets import make_runs
 from pa10d.client import Client, local_daemon
-from pa10d.profile import find_profile
 from pa10d.services.library import open_library
 from pa10d.services.models import identify_runs
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels, Samples
-
-HIDDEN = {"effect": "stribeck", "joint": 3, "Fs": 4.0, "vs": 0.1}
-"""In the third of three joints, which is the fourth of the whole arm."""
-
 
 HERE = Path(__file__).parent
 
@@ -62,24 +54,6 @@ def arm(browser, tmp_path_factory) -> Iterator[Client]:
         yield client
 
 
-def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
-    """Shoulder and elbow of the simulated arm, and what they hide."""
-    base = find_profile("pa10-sim")
-    profile = yaml.safe_load(base.read_text())
-    chosen = [0, 1, 3]
-    profile["urdf"] = str(base.parent / profile["urdf"])
-    for place in (profile, profile["limits"]):
-        for key in ("joints", "drives", "velocity", "acceleration", "torque"):
-            if key in place:
-                place[key] = [place[key][j] for j in chosen]
-    profile["simulation"]["options"] = {
-        "effects": [hidden], "dynamics": {"spread": 0.2, "seed": 5}, "seed": 3
-    }  # fmt: skip
-    path = folder / "small.yaml"
-    path.write_text(yaml.safe_dump(profile))
-    return path
-
-
 @pytest.fixture(scope="package")
 def archive(browser, tmp_path_factory) -> Iterator[tuple[str, Path]]:
     """(url, data): a daemon without an arm, with runs of 7 × 30 000 samples and a model."""
@@ -97,17 +71,3 @@ def archive(browser, tmp_path_factory) -> Iterator[tuple[str, Path]]:
     identify_runs(library, ["train_a"], str(profile.path), name="m0")
     with served(data, f"void-{data.name}") as url:
         yield url, data
-
-
-@contextlib.contextmanager
-def served(data: Path, channel: str, *options: str) -> Iterator[str]:
-    """``pa10d serve`` without an arm: its address."""
-    command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
-    command += ["--port", "0", "--no-sim", "--channel", channel, *options]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    try:
-        yield json.loads(process.stdout.readline())["url"]
-    finally:
-        process.terminate()
-        process.wait(30)
-        process.stdout.close()

@@ -7,8 +7,8 @@ import signal
 import subprocess
 
 import pytest
+from benches import small_arm
 from browsers import until
-from conftest import small_arm
 
 from pa10d.client import local_daemon
 from pa10d.daemon.presence import present

@@ -7,7 +7,7 @@ import json
 import shutil
 
 import pytest
-from conftest import served
+from benches import served
 
 from pa10d.services.library import open_library
 

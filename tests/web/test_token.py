@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from conftest import served
+from benches import served
 
 
 def test_the_page_asks_for_the_token_and_keeps_to_its_scope(browser, visit, tmp_path):
