@@ -26,30 +26,37 @@ class BusLock:
     def __init__(self, settings: Can) -> None:
         self._settings = settings
         self._descriptor: int | None = None
+        self._path = Path()
 
     def take(self) -> None:
         """BackendFault ``bus_taken`` where another process, or another backend of ours, has it."""
         if self._descriptor is not None:
             return
-        descriptor = _open(lock_name(self._settings))
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
-            os.close(descriptor)
-            bus = f"{self._settings.interface} {self._settings.channel}"
-            by = f" by {holder}" if holder else ""
-            raise fault(
-                "bus_taken", f"the bus {bus} is held{by}: drives obey one master only"
-            ) from None
+        while True:
+            path, descriptor = _open(lock_name(self._settings))
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                holder = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
+                os.close(descriptor)
+                bus = f"{self._settings.interface} {self._settings.channel}"
+                by = f" by {holder}" if holder else ""
+                raise fault(
+                    "bus_taken", f"the bus {bus} is held{by}: drives obey one master only"
+                ) from None
+            if _still_there(path, descriptor):
+                break
+            os.close(descriptor)  # its last holder deleted it before we had it
         with contextlib.suppress(OSError):  # for the message only; another user's file is as good
             os.ftruncate(descriptor, 0)
             os.pwrite(descriptor, _who_we_are().encode(), 0)
-        self._descriptor = descriptor
+        self._path, self._descriptor = path, descriptor
 
     def release(self) -> None:
-        """The file stays: to delete it would let two processes lock two files of one name."""
+        """Deleted while it is held; whoever waits with the old file open looks again."""
         if self._descriptor is not None:
+            with contextlib.suppress(OSError):  # another user's file stays
+                self._path.unlink()
             os.close(self._descriptor)
             self._descriptor = None
 
@@ -62,11 +69,19 @@ def lock_name(settings: Can) -> str:
     return f"pa10d-bus-{quote(settings.interface, safe='')}@{quote(channel, safe='')}.lock"
 
 
-def _open(name: str) -> int:
+def _still_there(path: Path, descriptor: int) -> bool:
+    """Whether the name still means the file that is open."""
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
+
+
+def _open(name: str) -> tuple[Path, int]:
     runtime = os.environ.get("XDG_RUNTIME_DIR")
     for folder in (*FOLDERS, *([Path(runtime)] if runtime else []), Path(tempfile.gettempdir())):
         with contextlib.suppress(OSError):
-            return _open_in(folder / name)
+            return folder / name, _open_in(folder / name)
     raise UserError(f"{name}: nowhere to lock the bus; expected one writable folder of {FOLDERS}")
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from bus_helpers import HERE, Driver, make_profile, running, virtual_arm
 
-from backends.bus_lock import BusLock, lock_name
+from backends.bus_lock import FOLDERS, BusLock, lock_name
 from backends.canopen_cia402 import CanopenBackend
 from backends.frames import frame
 from backends.protocol import BackendFault
@@ -151,3 +151,17 @@ def test_a_second_sync_while_we_cycle(profile: Profile) -> None:
         with pytest.raises(BackendFault, match="somebody else sends SYNC") as caught:
             Driver.run(driver, 1.0)
         assert (caught.value.kind, caught.value.axis) == ("foreign_master", None)
+
+
+def test_a_lock_that_is_let_go_leaves_no_file_behind() -> None:
+    settings = Can(interface="virtualbus", channel=f"gone-{os.getpid()}")
+    places = [folder / lock_name(settings) for folder in FOLDERS]
+    lock = BusLock(settings)
+    lock.take()
+    assert any(place.is_file() for place in places) or not any(map(_writable, FOLDERS))
+    lock.release()
+    assert not any(place.exists() for place in places)
+
+
+def _writable(folder: Path) -> bool:
+    return os.access(folder, os.W_OK)
