@@ -1,0 +1,64 @@
+"""What a search promises is what the stored version achieves; who pays for it is said."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from two_links import recordings, textbook
+
+from pa10d.diagnose.delivery import delivered, warnings
+from pa10d.diagnose.procedure import add, diagnose
+from pa10d.judgement import judge, run_residual, worse
+
+
+def stiff(t, q, dq, ddq):
+    """A spring on the second joint, which a fit would rather give to the bodies."""
+    extra = np.zeros((len(t), 2))
+    extra[:, 1] = 6.0 * (q[:, 1] - 0.2)
+    return extra
+
+
+def test_a_version_achieves_what_was_promised():
+    runs = recordings(8, extra=stiff)
+    fit, held = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    made, _ = add(textbook(runs), "spring", [1], fit, name="m1", validate=held)
+    note = delivered(made)
+    np.testing.assert_allclose(note["promised"], judge(made, held).rms, rtol=1e-3)
+    np.testing.assert_allclose(note["achieved"], judge(made, held).rms, rtol=1e-4)
+    assert note["achieved"][1] < 0.2 * note["before"][1]
+    assert note["worse"] == []
+
+
+def test_a_joint_that_became_worse_is_named():
+    runs = recordings(8)
+    model, held = textbook(runs), [runs["valid_a"], runs["valid_b"]]
+    spoilt = replace(
+        model,
+        terms=tuple(
+            replace(t, coefficients=1.2 * t.coefficients) if t.label == "viscous J1" else t
+            for t in model.terms
+        ),
+    )
+    before, after = ([run_residual(m, run) for run in held] for m in (model, spoilt))
+    assert worse(before, after) == [0]
+    assert worse(after, before) == []
+    assert worse(before, before) == []
+    note = {"before": [0.1, 0.1], "achieved": [0.4, 0.1], "worse": [1]}
+    said = warnings(replace(spoilt, parent="m0", notes={"delivery": note}))
+    assert said == ["joint 1: its error rises from 0.1 to 0.4 N·m against m0, which stays as it is"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["panda", "kuka_lwr4", "ur10", "kr300"])
+def test_promises_are_kept_on_real_robots(shared_data, name):
+    sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+    case = importlib.import_module("bench_real").case(name)
+    found = diagnose(case.identify(), case.train, [case.valid])
+    achieved = judge(found.model, [case.valid]).rms
+    np.testing.assert_allclose(delivered(found.model)["promised"], achieved, rtol=0.1)
+    assert len(found.remaining) == case.robot.n
