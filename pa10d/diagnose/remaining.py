@@ -15,6 +15,7 @@ from pa10d.judgement.repeatable import Repeatable
 from pa10d.words import listed, percent, times
 
 MATERIAL = 1.2  # times the noise floor: an error of no more is as good as explained
+CLEAR = 1.5  # times it that what comes again must be: slow noise that a run remembers makes 1.2
 LEVEL = 1e-3  # per joint, that an error which does not come again is said to: 1 % over ten joints
 AT_RANDOM = 0.05  # p from which on an error is said not to come again
 SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to be a claim
@@ -83,7 +84,7 @@ def unnamed(
     for j, seen in enumerate(again):
         if seen is None or j in named or not comes_again(seen):
             continue
-        if not judged.ratio[j] > MATERIAL:
+        if not judged.ratio[j] > CLEAR:
             continue
         size = float(judged.rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
         out.append(Unnamed(j, seen.share, size, seen.p_value, True))
@@ -109,7 +110,7 @@ def remaining(
         floor, ratio = float(judged.floor.values[j]), float(judged.ratio[j])
         material = bool(ratio > MATERIAL) if np.isfinite(ratio) else None
         repeats = _repeats(seen)
-        significant = left is not None or (bool(repeats) and material is not False)
+        significant = left is not None
         line = Remaining(
             joint=j,
             rms=float(judged.rms[j]),
@@ -147,11 +148,11 @@ def _with_sentence(
             f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
             "two quantities do: more than two take part, or what was before"
         )
-    elif line.repeatable is None and seen is not None and line.material and left is None:
+    elif seen is not None and line.repeatable is not False and line.material and left is None:
         text = (
             f"{size}; {percent(min(seen.share, 1.0))} of its squared error is alike in both passes "
-            f"of the motion, but so few of its swings fit into them that slow noise would be in "
-            f"{percent(seen.p_value)} of all cases. Record it once more"
+            "of the motion: too little, or too slow, to tell it from slow noise. Record it "
+            "once more"
         )
     elif line.repeatable and line.significant:
         share = percent(min(seen.share, 1.0)) if seen else "part"
