@@ -31,6 +31,7 @@ from pa10d.errors import UserError
 Array = NDArray[np.float64]
 State = ArmState
 
+GIVE = 5e-3  # rad that a load may turn a joint in its closed brake; more, and somebody moved it
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 
@@ -58,6 +59,8 @@ class Arm:
         self._gravity = gravity
         self._stop: Stop | None = None
         self._open_since = 0.0  # s, when the last brake opened
+        self._held_at: Array | None = None  # where the arm was held when its brakes closed
+        self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
         self._switch_by = 0.0  # s, until when the drives may switch
         self._asked_off = False  # the backend took in that it shall switch off
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
@@ -81,7 +84,7 @@ class Arm:
                 self.backend.close()
             raise Refused("connect", self.state, (State.OFFLINE,), why) from error
         self.path.forget()
-        self._asked_off = False
+        self._held_at, self._asked_off = None, False
         self.state = State.INACTIVE
         self.cycle()
 
@@ -103,6 +106,7 @@ class Arm:
         self._require_inside()
         self._admit("enable", self.path.controller)
         self.path.power_up(self._gravity(self.path.q))
+        self._stood_at = self.path.q.copy()
         self._open_since = self.path.time
         self._switch(State.ENABLING)
         try:
@@ -212,18 +216,30 @@ class Arm:
         if self.state == State.ENABLING:
             if under_way:
                 self._open_since = self.path.time
-            elif self.path.time - self._open_since >= STANDS:
+                return
+            share = min((self.path.time - self._open_since) / STANDS, 1.0)
+            self._take_up(share)
+            if share == 1.0:
                 self._hold()
         elif under_way:
             return
         elif self.state == State.RESETTING:
             self.path.forget()
+            self._held_at = None
             self._clear_fault()
             self.maybe_powered = False
             self.state = State.INACTIVE
         else:
             self.maybe_powered = False
             self._rest_unpowered()
+
+    def _take_up(self, share: float) -> None:
+        """The load had turned joints in their brakes: back to where they were held, so that an arm
+        does not sink a little each time."""
+        if self._held_at is not None:
+            gave = self._held_at - self._stood_at
+            gave[np.abs(gave) > GIVE] = 0.0
+            self.path.reference.q[:] = self._stood_at + share * gave
 
     def _follow(self) -> None:
         if self.motion is None or self.motion.finished:
@@ -308,6 +324,8 @@ class Arm:
 
     def _power_off(self) -> None:
         """Brakes on, power off: the end of every stop but one that is held."""
+        if self.state == State.HOLDING:
+            self._held_at = self.path.reference.q.copy()
         self.motion, self._stop = None, None
         self._switch(State.DISABLING)
         self._ask_off()

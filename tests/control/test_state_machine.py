@@ -31,7 +31,7 @@ CALLS = st.sampled_from(["read", "read", "write", "enable", "disable", "reset", 
 AXES = st.integers(0, 1)
 RARELY = st.sampled_from([False, False, False, True])
 NEXT = {  # what may follow in one step that is not a reset
-    ArmState.OFFLINE: {ArmState.OFFLINE, ArmState.INACTIVE},
+    ArmState.OFFLINE: {ArmState.OFFLINE, ArmState.INACTIVE, ArmState.FAULT},
     ArmState.FAULT: {ArmState.FAULT, ArmState.OFFLINE},
 }
 OUTSIDE = 12  # cycles for which torque may act on a joint outside its envelope
