@@ -15,7 +15,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.live_model import LiveModel
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import Motion
-from pa10d.control.states import POWERED, Refused
+from pa10d.control.states import POWERED, ArmState, Refused
 from pa10d.dynamics import Robot
 
 
@@ -67,6 +67,9 @@ class Commands:
         servo = self._make_servo()
         model = law.model if isinstance(law, ComputedTorque) else None
         law = servo if model is None else ComputedTorque(self._robot, model, servo)
+        if self._arm.state == ArmState.HOLDING:
+            # held from where it is: stiffer gains make more of the same distance from its place
+            self._arm.path.reference.rest(self._arm.path.q.copy())
         if self._arm.state in POWERED:
             self._arm.use(law)
         else:

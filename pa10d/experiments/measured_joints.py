@@ -31,7 +31,8 @@ from pa10d.trajectory.plan import Plan
 Array = NDArray[np.float64]
 
 AROUND = 0.2  # s before and after a stroke that belong to it
-FEW = 0.5  # of a viscous friction that was seen in a few moments of sliding
+FEW = 0.7  # of a viscous friction that was seen in a few moments of sliding
+HALF_KNOWN = 2.0  # doubt of inertias where friction is known to damp
 BLOCKED = 0.25  # of the way that a joint should have gone to either side
 
 
@@ -62,7 +63,7 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
     _refuse_blocked(friction)
     if "response" not in parts:
         surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
-        return with_friction(presumed, surer)
+        return with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
     strokes = parts["response"]
     friction |= {j: _stroke_friction(strokes, robot, j) for j in range(robot.n)}
     responses = _responses(robot, parts, step)

@@ -68,6 +68,7 @@ class ArmBench:
             return Pid(gains, self.limits.torque, 1.0 / self.rate)
 
         self.arm.path.make_servo = servo
+        self.arm.path.reference.rest(self.arm.path.q.copy())
         self.arm.use(servo())
 
     def enable(self):
