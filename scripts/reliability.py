@@ -336,9 +336,9 @@ def page(found: dict[str, Any]) -> str:
     lines = [
         "# Reliability", "",
         "Made by `python scripts/reliability.py --write`: a daemon in simulated time, attacked. "
-        "`stop` is answered within 100 ms whatever the store, the workers or a client do; each "
-        "time is one request on a connection of its own, without waiting for the arm's rest "
-        "(`?wait=SECONDS` does).", "",
+        "The aim: `stop` is answered within 100 ms whatever the store, the workers or a client do, "
+        "on a machine that does nothing else. Each time is one request on a connection of "
+        "its own, without waiting for the arm's rest (`?wait=SECONDS` does).", "",
         f"Machine: {os.cpu_count()} processors, load {os.getloadavg()[1]:.1f} while this ran.", "",
         "| while … | stop, median ms | 99 % | longest | besides |", "|---|---|---|---|---|",
     ]  # fmt: skip
@@ -382,8 +382,8 @@ OTHERS = """## The second way to stop
 the arm comes to rest along its limits and is held.
 
 ```sh
-pkill -USR1 -f pa10d                      # every process but control ignores it
-systemctl kill --signal=USR1 pa10d        # as a service
+pkill -USR1 -f pa10d.control              # from any terminal
+systemctl kill --signal=USR1 pa10d        # as a service: all others ignore it
 ```
 
 `SIGTERM` to control brings the arm to rest, closes the brakes and takes the power off.
