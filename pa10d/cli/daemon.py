@@ -79,6 +79,8 @@ def serve(options: argparse.Namespace) -> Answer:
     from pa10d.api.access import tokens_from
     from pa10d.api.server import Settings
     from pa10d.api.server import serve as run
+    from pa10d.daemon.simulator import is_simulated
+    from pa10d.daemon.timekeeping import kept_time
     from pa10d.services.robots import load_robot
     from pa10d.store.location import data_folder
 
@@ -94,7 +96,12 @@ def serve(options: argparse.Namespace) -> Answer:
         as_json=options.json,
         attached=options.attached,
     )
-    run(_with_secret(_on_bus(profile, options), options), robot, settings)
+    profile = _on_bus(profile, options)
+    if not options.clock and not options.no_sim and not is_simulated(profile):
+        profile, slow = kept_time(profile)
+        if slow is not None:
+            note(slow)
+    run(_with_secret(profile, options), robot, settings)
     return Answer(None)
 
 
