@@ -97,7 +97,7 @@ def test_kinds_have_schemas(arm):
     kinds = {k["kind"]: k for k in arm.experiment_kinds()}
     assert set(kinds) == {
         "boundary_velocity", "excitation", "tracking", "point_to_point", "velocity_sweep",
-        "load_sweep", "reversals", "warm_up", "chirp", "single_joint",
+        "load_sweep", "reversals", "warm_up", "chirp", "single_joint", "first_motion",
     }  # fmt: skip
     assert kinds["tracking"]["parameters"]["properties"]["period"]["default"] == 4.0
 
