@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     current.patient = options.patient
     try:
         answer = options.run(options)
-        print_answer(answer, options.json)
+        print_answer(answer, options.json, options.kind)
         sys.stdout.flush()
         return answer.status
     except Unsound as error:

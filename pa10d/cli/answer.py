@@ -9,6 +9,9 @@ from typing import Any
 
 from pa10d.jsonable import plain
 
+VERSION = 1
+"""Of the documents: fields may be added under it; one that goes or changes its meaning ends it."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -24,10 +27,20 @@ def note(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-def print_answer(answer: Answer, as_json: bool) -> None:
-    """To stdout, in one form or the other."""
+def tagged(kind: str, document: Any) -> Any:
+    """The document, or every entry of a list of them, with its kind and version first."""
+    if isinstance(document, dict):
+        return {"schema": f"pa10d/{kind}/{VERSION}", **document}
+    if isinstance(document, list):
+        return [tagged(kind, entry) for entry in document]
+    return document
+
+
+def print_answer(answer: Answer, as_json: bool, kind: str = "") -> None:
+    """To stdout, in one form or the other; kind: of document, as ``pa10d schema`` knows it."""
     if as_json:
-        print(json.dumps(plain(answer.document), ensure_ascii=False, allow_nan=False))
+        document = tagged(kind, plain(answer.document)) if kind else plain(answer.document)
+        print(json.dumps(document, ensure_ascii=False, allow_nan=False))
     elif answer.text:
         print(answer.text)
 

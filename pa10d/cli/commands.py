@@ -39,8 +39,9 @@ def root_parser() -> tuple[argparse.ArgumentParser, Any]:
 class Commands:
     """Where a family adds its commands; ``group`` is a command with commands of its own."""
 
-    def __init__(self, subparsers: Any) -> None:
-        self._subparsers = subparsers
+    def __init__(self, subparsers: Any, within: str = "") -> None:
+        """within: the command that these belong to."""
+        self._subparsers, self._within = subparsers, within
 
     def add(
         self, name: str, run: Run, says: str, *, patient: bool = False, **more: Any
@@ -49,13 +50,13 @@ class Commands:
 
         patient: interrupted, it ends what it started in good order; others end at once."""
         parser = self._parser(name, says, **more)
-        parser.set_defaults(run=run, patient=patient)
+        parser.set_defaults(run=run, patient=patient, kind=f"{self._within}{name}")
         return parser
 
     def group(self, name: str, says: str) -> Commands:
         """A command with commands of its own, such as ``pa10d run import``."""
         parser = self._parser(name, says)
-        return Commands(parser.add_subparsers(metavar="COMMAND", required=True))
+        return Commands(parser.add_subparsers(metavar="COMMAND", required=True), f"{name}-")
 
     def _parser(self, name: str, says: str, **more: Any) -> argparse.ArgumentParser:
         parser: argparse.ArgumentParser = self._subparsers.add_parser(

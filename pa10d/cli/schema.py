@@ -1,0 +1,31 @@
+"""``pa10d schema``: what the JSON of a command holds."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from pa10d.cli.answer import VERSION, Answer
+from pa10d.cli.commands import Commands
+from pa10d.errors import UserError
+
+
+def add_commands(commands: Commands) -> None:
+    """``schema``."""
+    parser = commands.add("schema", schema, "the JSON schema of what a command prints with --json")
+    parser.add_argument(
+        "name", nargs="?", metavar="NAME", help="such as identify or diagnose; without: all names"
+    )
+
+
+def schema(options: argparse.Namespace) -> Answer:
+    """``schema``."""
+    from pa10d.documents import SCHEMAS
+
+    if options.name is None:
+        return Answer({"names": sorted(SCHEMAS)}, "\n".join(sorted(SCHEMAS)))
+    name = options.name.removeprefix("pa10d/").partition("/")[0]
+    if name not in SCHEMAS:
+        raise UserError(f"schema {options.name!r}: expected one of {', '.join(sorted(SCHEMAS))}")
+    found = {"$id": f"pa10d/{name}/{VERSION}", **SCHEMAS[name].model_json_schema()}
+    return Answer(found, json.dumps(found, indent=2, ensure_ascii=False))

@@ -1,0 +1,188 @@
+"""What the JSON of the commands holds: one schema per kind of document, with a version.
+
+Fields may be added under a version; one that is taken away or changes its meaning gets a new one.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+PerJoint = list[float]
+Known = list[float | None]
+"""Per joint; null where this data does not show it."""
+
+
+class Document(BaseModel):
+    """Further fields may stand beside those that are named."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class ParameterValue(Document):
+    """A fitted parameter."""
+
+    value: float
+    std_error: float | None
+    unit: str
+
+
+class Confusion(Document):
+    """What this data cannot tell from the finding. joints: from 1."""
+
+    effect: str
+    joints: list[int]
+    why: str
+
+
+class Finding(Document):
+    """A missing effect, on top of the ones before it; RMS in N·m on held-out data."""
+
+    effect: str
+    joints: list[int] = Field(description="From 1; empty: the whole robot")
+    parameters: dict[str, ParameterValue]
+    rms_before: PerJoint
+    rms_after: PerJoint
+    p_value: float = Field(description="Corrected for everything that was tried")
+    confounded_with: list[Confusion]
+    next_experiment: dict[str, Any] | None
+    sentence: str
+
+
+class Unexplained(Document):
+    """Structure that no effect explains. depends_on: empty where nobody can name it."""
+
+    joint: int
+    depends_on: list[str]
+    share: float
+    rms: float
+
+
+class Remaining(Document):
+    """What is left of one joint's error."""
+
+    joint: int
+    rms: float
+    floor: float | None
+    floor_source: str | None
+    ratio: float | None
+    significant: bool
+    material: bool | None
+    repeatable: bool | None
+    depends_on: list[str]
+    sentence: str
+
+
+class Identify(Document):
+    """A textbook model and its error on its own runs."""
+
+    id: str
+    name: str
+    base_parameters: int
+    inertial_base_parameters: int
+    condition_number: float | None
+    cutoff_hz: float
+    mask: str
+    rms: PerJoint
+    feasible: bool
+    warnings: list[str]
+
+
+class Place(Document):
+    """A region that carries much of a joint's squared error."""
+
+    joint: int
+    variable: str
+    range: list[float | None]
+    share: float
+    sentence: str
+
+
+class Scores(Document):
+    """Errors of a model on a run, or on all of them."""
+
+    rms: PerJoint
+    rms_raw: PerJoint
+    nrmse: Known
+    max: PerJoint
+    r2: Known
+    noise_floor: Known
+    cutoff_hz: float
+    mask: str
+
+
+class RunScores(Scores):
+    """One run's."""
+
+    name: str
+
+
+class Compare(Document):
+    """A model on runs: figures per run and pooled, and where it fails."""
+
+    id: str
+    name: str
+    cutoff_hz: float
+    mask: str
+    runs: list[RunScores]
+    pooled: Scores
+    where: list[Place]
+
+
+class Diagnose(Document):
+    """Which effect is missing, and what is left."""
+
+    verdict: Literal["missing", "none", "unknown"]
+    rms: PerJoint
+    noise_floor: Known
+    cutoff_hz: float
+    mask: str
+    findings: list[Finding]
+    unexplained: list[Unexplained]
+    remaining: list[Remaining]
+
+
+class Improve(Diagnose):
+    """The same, and the versions that were stored."""
+
+    id: str | None
+    name: str | None
+    versions: list[dict[str, Any]]
+
+
+class Demo(Document):
+    """The story's end. hidden: null where nothing was hidden, or where nobody here knows."""
+
+    hidden: str | None
+    joint: int | None
+    found: str | None
+    rms_before: PerJoint
+    rms_after: PerJoint
+    report: str
+
+
+class Run(Document):
+    """A recording in the store."""
+
+    id: str
+    name: str
+
+
+class Problem(Document):
+    """Why a command could not be done."""
+
+    error: str
+
+
+SCHEMAS: dict[str, type[Document]] = {
+    "identify": Identify,
+    "compare": Compare,
+    "diagnose": Diagnose,
+    "improve": Improve,
+    "demo": Demo,
+    "run-import": Run,
+    "run-show": Run,
+    "error": Problem,
+}
+"""Kinds of documents whose fields are written down; others hold what their command says."""

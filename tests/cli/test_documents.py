@@ -1,0 +1,54 @@
+"""Every JSON document says what it is, and holds what its schema promises."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from pa10d.cli import main
+from pa10d.documents import SCHEMAS
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """Run a command on a folder of its own; the document."""
+    folder = tmp_path_factory.mktemp("documents")
+
+    def run(*words, capsys):
+        status = main(["--data", str(folder), "--json", *words])
+        return status, json.loads(capsys.readouterr().out)
+
+    return run
+
+
+def test_the_story_of_a_small_machine(told, shared_data, capsys):
+    source = shared_data / "double_pendulum"
+    profile = ["--profile", str(source / "robot.urdf")]
+    sides = ["--fit", "train", "--validate", "valid"]
+    story = [
+        ("run-import", ["run", "import", str(source / "train1.csv"), *profile, "--name", "train"]),
+        ("run-import", ["run", "import", str(source / "valid1.csv"), *profile, "--name", "valid"]),
+        ("run-show", ["run", "show", "train"]),
+        ("identify", ["identify", "train", *profile, "--name", "m0"]),
+        ("compare", ["compare", "m0", "valid"]),
+        ("diagnose", ["diagnose", "m0", *sides]),
+        ("improve", ["improve", "m0", *sides, "--name", "m1"]),
+    ]
+    for kind, words in story:
+        status, document = told(*words, capsys=capsys)
+        assert status == 0
+        assert document["schema"] == f"pa10d/{kind}/1"
+        SCHEMAS[kind].model_validate(document)
+    status, runs = told("run", "list", capsys=capsys)
+    assert {entry["schema"] for entry in runs} == {"pa10d/run-list/1"}
+    status, document = told("compare", "nobody", "valid", capsys=capsys)
+    assert status == 1
+    SCHEMAS["error"].model_validate(document)
+
+
+@pytest.mark.parametrize("name", sorted(SCHEMAS))
+def test_schemas_are_printed(name, told, capsys):
+    _, document = told("schema", f"pa10d/{name}/1", capsys=capsys)
+    assert document["$id"] == f"pa10d/{name}/1"
+    assert document["type"] == "object"
