@@ -36,7 +36,15 @@ def recording_of(
     names = tuple(table.columns)
     resolved = resolve(rules, names, n, str(path))
     header = Header(str(path), names, resolved.fields)
-    columns = header.columns(n, constants is not None, robot)
+    try:
+        columns = header.columns(n, constants is not None, robot)
+    except UserError as error:
+        if "c1" not in names:
+            raise
+        raise UserError(
+            f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
+            f"--map c1=time c2=q1 … ({len(names)} columns)"
+        ) from error
     cells = _Cells(path, names, table.columns, resolved.factors)
     t = cells.take(columns.time)
     if len(t) < FEWEST:

@@ -66,7 +66,8 @@ def read_text(path: Path) -> Table:
     delimiter = _delimiter(body[0])
     comma = delimiter != "," and bool(_DECIMAL_COMMA.search(" ".join(body[:20])))
     first = _cells(body[0], delimiter)
-    if all(_number(cell, comma) is not None for cell in first):
+    bare = all(_number(cell, comma) is not None for cell in first)
+    if bare:
         names, units = _names_above(lines[:comments], delimiter, len(first)), []
     else:
         names, body = first, body[1:]
@@ -74,7 +75,8 @@ def read_text(path: Path) -> Table:
         body = body[1:] if units else body
     named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
     below = len(lines) - len(body) + 1
-    return Table(_numbers(path, body, named, delimiter, comma, below))
+    remarks = [f"no header: columns are called {names[0]} … {names[-1]}"] if bare else []
+    return Table(_numbers(path, body, named, delimiter, comma, below), remarks)
 
 
 def _decoded(path: Path) -> str:

@@ -35,7 +35,10 @@ CSV = {
     "no header": ("\n".join(ROWS).encode(), "rec.csv:1: found numbers, expected a header"),
     "missing column": (GOOD.replace("tau2", "x", 1).encode(), "rec.csv:1: no column tau2"),
     "column twice": (GOOD.replace("q2", "q1", 1).encode(), "columns 2 and 3 are both 'q1'"),
-    "semicolons": (GOOD.replace(",", ";").encode(), "rec.csv:1: columns are parted by semicolons"),
+    "semicolons": (
+        _cell(7, 4, "n/a").replace(",", ";").encode(),
+        "rec.csv:7: column 4 (tau1): found 'n/a', expected",
+    ),
     "text": (_cell(7, 4, "n/a").encode(), "rec.csv:7: column 4 (tau1): found 'n/a', expected"),
     "hole": (_cell(88, 2, "").encode(), "rec.csv:88: column 2 (q1): found an empty cell"),
     "not a number": (_cell(9, 5, "NaN").encode(), "rec.csv:9: column 5 (tau2): found 'NaN'"),
@@ -48,7 +51,10 @@ CSV = {
         "rec.csv: found 1 different stamps, expected at least 100",
     ),
     "no text": (GOOD.encode().replace(b"0.5", b"0\xb75", 1), "is not UTF-8; expected a text file"),
-    "two bytes a letter": (GOOD.encode("utf-16"), "rec.csv:1: byte 0xff is not UTF-8"),
+    "two bytes a letter": (
+        _cell(7, 4, "n/a").encode("utf-16"),
+        "rec.csv:7: column 4 (tau1): found 'n/a', expected",
+    ),
     "packed and cut": (gzip.compress(GOOD.encode())[:-500], "expected a whole .gz file"),
     "binary": (bytes(range(256)) * 20, "rec.csv:"),
 }  # fmt: skip
