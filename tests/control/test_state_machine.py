@@ -345,7 +345,7 @@ def assert_thorough(seen, steps):
     """What was never tried has not been shown."""
     assert seen["step"] >= steps
     for state in ArmState:
-        floor = 0 if state == ArmState.OFFLINE else steps // 20
+        floor = 0 if state == ArmState.OFFLINE else steps // 40
         assert seen[f"cycle {state.label}"] >= floor, (state, seen)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
         assert seen[f"done {command}"] >= max(3, steps // 500), (command, seen)
