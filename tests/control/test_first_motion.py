@@ -80,8 +80,6 @@ GRID = [
 def test_the_starting_set_runs_on_arms_that_nobody_has_seen(rate, options):
     arm = ArmBench(rate, **options)
     fault = arm.first_motion()
-    if fault is not None and rate < 500.0 and options["friction"] < 1.0:
-        pytest.xfail(f"slow loops do not hold an arm without friction: {fault.sentence}")
     assert fault is None, fault.sentence
     for entry in STARTING_SET[1:]:
         rows, fault = arm.run(planned(entry["kind"], entry["parameters"]))
