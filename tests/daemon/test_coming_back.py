@@ -16,14 +16,25 @@ pytestmark = [pytest.mark.alone, pytest.mark.timeout(300)]
 
 
 @pytest.fixture(scope="module")
-def arm(tmp_path_factory):
-    with local_daemon(tmp_path_factory.mktemp("data"), clock="simulated") as client:
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("coming-back")
+
+
+@pytest.fixture(scope="module")
+def arm(folder):
+    with local_daemon(folder, clock="simulated") as client:
         yield client
 
 
-def kill(module):
-    """The only process below this one that runs the module."""
-    mine = {os.getpid()}
+@pytest.fixture
+def kill(folder):
+    """End one process of this daemon; others of other tests may run beside it."""
+    return lambda module: _kill(module, str(folder))
+
+
+def _kill(module, folder):
+    """The only process below the folder's daemon that runs the module."""
+    mine = {p for p in _parents() if folder in _command(p)}
     while True:
         more = {p for p, parent in _parents().items() if parent in mine} - mine
         if not more:
@@ -52,7 +63,7 @@ def _command(pid):
 
 
 @pytest.mark.parametrize("powered", [False, True])
-def test_control_is_killed(arm, powered):
+def test_control_is_killed(arm, kill, powered):
     if powered:
         arm.enable()
     kill("pa10d.control")
@@ -62,7 +73,7 @@ def test_control_is_killed(arm, powered):
     assert arm.disable()["state"] == "inactive"
 
 
-def test_the_virtual_arm_is_killed(arm):
+def test_the_virtual_arm_is_killed(arm, kill):
     arm.enable()
     kill("pa10d.daemon.simulator")
     until = time.monotonic() + 30
@@ -80,7 +91,7 @@ def test_the_virtual_arm_is_killed(arm):
     assert arm.disable()["state"] == "inactive"
 
 
-def test_what_is_still_away_is_named(arm):
+def test_what_is_still_away_is_named(arm, kill):
     """Both at once, and nothing is told twice."""
     arm.enable()
     kill("pa10d.daemon.simulator")
