@@ -1,13 +1,14 @@
 // The stop button by itself: it needs nothing else of the page, and says whether it was heard.
 // Esc pressed twice stops, too, wherever the keyboard's focus is; it types nothing anywhere.
 (() => {
-  const TWICE = 600, PATIENCE = 1500, AGAIN = 1000, SHOWN = 8000; // ms
+  const TWICE = 600, PATIENCE = 1500, AGAIN = 1000, SHOWN = 8000, REST = 6000, LOOK = 200; // ms
   const EMERGENCY = "Press the hardware emergency stop.";
   const AT_REST = {
     holding: "The arm stands still and is held.",
     inactive: "The arm stands still, unpowered.",
     fault: "The arm is in a fault, which has stopped it.",
   };
+  const MOVING = ["running", "stopping", "enabling", "disabling", "resetting"];
   const button = document.getElementById("stop"), said = document.getElementById("stop-said");
   let turn = 0, hide = 0, lastEscape = -Infinity;
 
@@ -46,7 +47,14 @@
       const watch = setInterval(() => look(mine, sent), 2 * PATIENCE);
       const late = setTimeout(() => look(mine, sent), PATIENCE);
       try {
-        heard(await ask("POST", "/stop", sent.signal));
+        let told = await ask("POST", "/stop", sent.signal);
+        const patient = performance.now() + REST;
+        while (mine === turn && MOVING.includes(told.state) && performance.now() < patient) {
+          say(`Stop was heard; the arm is ${told.state} …`, "waiting");
+          await new Promise((done) => setTimeout(done, LOOK));
+          told = await ask("GET", "", sent.signal);
+        }
+        if (mine === turn) heard(told);
         return;
       } catch (error) {
         if (mine !== turn) return;

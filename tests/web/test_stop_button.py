@@ -75,6 +75,7 @@ def test_nothing_covers_stop(archive, visit, width):
     assert page.evaluate(ON_TOP)
     page.click("#stop")
     heard(page)
+    page.locator("#stop-said").get_by_role("button", name="Close").click()
     page.get_by_role("button", name="Leave it").click()
     assert not visitor.errors
 
@@ -90,7 +91,8 @@ def test_stop_by_keyboard_also_while_typing(archive, visit):
     page.wait_for_timeout(800)
     page.keyboard.press("Escape")
     assert page.locator("#stop-said").is_hidden()
-    page.keyboard.press("Escape")
+    for _ in range(4):  # two of them at once, however slow this machine is
+        page.keyboard.press("Escape")
     heard(page)
     assert page.get_by_label("Name").input_value() == "sss"
 
