@@ -12,10 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, lsq_linear
-from scipy.signal import butter, sosfiltfilt
-from scipy.signal.windows import hann
 
 from pa10d.control.gains import BUS_DELAY
 from pa10d.control.joint_figures import JointFigures
@@ -49,8 +47,8 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
 
     torque = J·ddq + B·dq + C·sgn(dq) + g0 + g1·q where it slides; J is not asked, it acts little.
     """
-    low = butter(2, min(SMOOTH, 0.2 * rate), fs=rate, output="sos")
-    angle, effort = (sosfiltfilt(low, x) for x in (q, torque))
+    low = scipy.signal.butter(2, min(SMOOTH, 0.2 * rate), fs=rate, output="sos")
+    angle, effort = (scipy.signal.sosfiltfilt(low, x) for x in (q, torque))
     speed = np.gradient(angle, 1.0 / rate)
     rise = np.gradient(speed, 1.0 / rate)
     slides = np.abs(speed) > SLIDES
@@ -62,7 +60,7 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
     wanted = (effort - inertia * rise)[slides]
     scale = np.linalg.norm(columns, axis=0)
     lower = np.array([0.0, 0.0, -np.inf, -np.inf])
-    found = lsq_linear(columns / scale, wanted, bounds=(lower, np.inf)).x / scale
+    found = scipy.optimize.lsq_linear(columns / scale, wanted, bounds=(lower, np.inf)).x / scale
     return Friction(float(found[0]), float(found[1]), moved, reach)
 
 
@@ -87,7 +85,7 @@ def response_of(q: Array, torque: Array, rate: float, lines: Array, noise: float
     drift = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), 2)
     apart = np.eye(count) - drift @ np.linalg.pinv(drift)
     at = np.outer(lines, np.arange(count) / rate)
-    waves = np.exp(-2j * np.pi * at) * hann(count, sym=False) * 4.0 / count
+    waves = np.exp(-2j * np.pi * at) * scipy.signal.windows.hann(count, sym=False) * 4.0 / count
     angle, effort = q @ apart @ waves.T, torque @ apart @ waves.T
     power = (np.abs(effort) ** 2).sum(axis=0)
     value = (angle * effort.conj()).sum(axis=0) / power
@@ -137,13 +135,15 @@ def _fitted(
     low = [*(start - 4.0), friction - 3.0, -0.5 / rate]
     high = [*(start + 4.0), friction + 3.0, LONGEST]
     first = np.array([*start, friction, 1e-4])
-    best = least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
+    best = scipy.optimize.least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
     points = 2 * sum(len(one.lines) for one in seen)
     chosen, cost = best.x, best.cost - 0.5 * SPRINGY * np.log(points)
     for swing in np.geomspace(seen[0].lines[0], 0.7 * seen[0].lines[-1], 4):
         stiffness = 2.0 * np.log(2 * np.pi * swing) + start[0]
         ends = [*low, stiffness - 3.0], [*high, stiffness + 3.0]
-        tried = least_squares(misfit, [*first, stiffness], bounds=ends, loss="soft_l1")
+        tried = scipy.optimize.least_squares(
+            misfit, [*first, stiffness], bounds=ends, loss="soft_l1"
+        )
         if tried.cost < cost:
             chosen, cost = tried.x, tried.cost
     stiffness = float(np.exp(chosen[4])) if len(chosen) > 4 else np.inf

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import bilinear, lfilter
 
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures, inertias
@@ -73,8 +73,10 @@ def predicted(
         damping = gains.kd[j] + figures.viscous[j]
         below = [inertia[j], damping, gains.kp[j], gains.ki[j]]
         push = left[:, j] - left[0, j]
-        error[:, j] = lfilter(*bilinear([1.0, 0.0], below, rate), push)
-        slip[:, j] = lfilter(*bilinear([1.0, 0.0, 0.0], below, rate), push)
+        error[:, j] = scipy.signal.lfilter(*scipy.signal.bilinear([1.0, 0.0], below, rate), push)
+        slip[:, j] = scipy.signal.lfilter(
+            *scipy.signal.bilinear([1.0, 0.0, 0.0], below, rate), push
+        )
     at, speed = q - error, dq - slip
     stop = at + speed * np.abs(speed) / (2.0 * limits.acceleration)
     beyond = np.maximum(stop - limits.upper, limits.lower - stop)

@@ -34,6 +34,7 @@ async def _closed(workers):
     workers.close()
     while any(_is_worker(child) for child in psutil.Process().children()):
         await asyncio.sleep(0.02)
+    await asyncio.sleep(0.05)  # the loop is told of an end after the kernel knows it
 
 
 def _is_worker(process):

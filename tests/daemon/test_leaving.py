@@ -22,8 +22,8 @@ class SlowRobot:
     async def until(self, *states, timeout):
         return self.state
 
-    async def command(self, do, **_):
-        self.told.append(do)
+    async def disable(self):
+        self.told.append("disable")
 
 
 @pytest.mark.parametrize(("power_off", "told"), [(True, ["stop", "disable"]), (False, ["stop"])])

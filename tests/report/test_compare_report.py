@@ -74,7 +74,7 @@ def test_what_was_found_is_said(text, comparison):
     order = comparison.orders[1].lines[0][0]
     assert order == pytest.approx(30.0, abs=0.05)
     assert any(f"A line at {order:.4g} cycles per revolution" in word for word in words)
-    assert any("--effect torque_ripple --joint 2" in word for word in words)
+    assert any("joint 2 (effect torque_ripple)" in word for word in words)
 
 
 def test_figures_are_those_of_the_comparison(text, comparison):
