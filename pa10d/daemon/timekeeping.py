@@ -17,9 +17,11 @@ def kept_time(
     profile: Profile, delays: Callable[[float, float], np.ndarray] | None = None
 ) -> tuple[Profile, str | None]:
     """The profile, in simulated time where this machine is too slow for real time, and the line
-    that says so. Real drives are never changed: ``check`` tells of them."""
+    that says so. Real drives are never changed, ``check`` tells of them; nor is a virtual arm on a
+    real bus, where others may count on real time."""
     simulation = profile.simulation
-    if simulation is None or simulation.clock != "real":
+    alone = profile.can.interface == "virtualbus"
+    if simulation is None or simulation.clock != "real" or not alone:
         return profile, None
     period = 1.0 / profile.control.rate
     usual = float(np.quantile((delays or _bare_loop)(period, SECONDS), RARE))

@@ -32,6 +32,13 @@ def test_real_drives_are_left_alone():
     assert kept_time(profile, lambda *_: np.full(10, 1.0)) == (profile, None)
 
 
+def test_a_virtual_arm_on_a_real_bus_keeps_its_clock():
+    profile = in_real_time()
+    can = profile.can.model_copy(update={"interface": "socketcan", "channel": "vcan0"})
+    profile = profile.model_copy(update={"can": can})
+    assert kept_time(profile, lambda *_: np.full(10, 1.0)) == (profile, None)
+
+
 def test_the_bare_loop_measures():
     late = _bare_loop(0.002, 0.05)
     assert len(late) >= 25
