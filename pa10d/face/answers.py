@@ -101,7 +101,7 @@ class Finding(ByContent):
         self.joints = tuple(document["joints"])
         self.parameters = MappingProxyType(
             {
-                name: Parameter(name, v["value"], v["std_error"], v["unit"])
+                name: Parameter(name, v["value"], v["std_error"], v["unit"], v["determined"])
                 for name, v in document["parameters"].items()
             }
         )

@@ -23,14 +23,18 @@ from pa10d.store.models import new_info
 
 @dataclass(frozen=True)
 class Parameter:
-    """A fitted number and its standard error, in ``unit``."""
+    """A fitted number and its standard error, in ``unit``. determined: False where the data leave
+    it open: then the value says nothing."""
 
     name: str
     value: float
     std_error: float
     unit: str
+    determined: bool = True
 
     def __str__(self) -> str:
+        if not self.determined:
+            return f"{self.name}: not determined"
         return f"{self.name} = {self.value:.4g} ± {self.std_error:.2g} {self.unit}".rstrip()
 
 
@@ -103,7 +107,7 @@ class Model(ByContent):
                 term.effect_id,
                 tuple(j + 1 for j in term.joints),
                 tuple(
-                    Parameter(name, float(v.value), float(v.std_error), v.unit)
+                    Parameter(name, float(v.value), float(v.std_error), v.unit, v.determined)
                     for name, v in self.inner.term_values(index).items()
                 ),
             )

@@ -111,3 +111,15 @@ def test_a_recording_in_degrees_is_refused_unless_forced(tmp_path, shared_data):
     assert any("degrees" in remark for remark in pa10d.load_run(file, robot, force=True).remarks)
     mended = pa10d.load_run(file, robot, map={"q{n}[deg]": "q"}, name=good.name)
     assert np.allclose(mended.q, good.q, atol=1e-6)
+
+
+def test_what_the_data_leave_open_is_said_as_the_commands_say_it(shared_data):
+    source = shared_data / "double_pendulum"
+    robot = pa10d.load_robot(source / "robot.urdf")
+    model = pa10d.identify(robot, [pa10d.load_run(source / "train1.csv", robot)])
+    for index, effect in enumerate(model.effects):
+        for parameter, value in zip(
+            effect.parameters, model.inner.term_values(index).values(), strict=True
+        ):
+            assert ("not determined" in str(parameter)) == ("not determined" in str(value))
+    assert "not determined" in " ".join(map(str, model.effects)), "this run leaves v0 open"
