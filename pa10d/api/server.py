@@ -21,6 +21,7 @@ import uvicorn
 
 from pa10d.api.access import Access
 from pa10d.api.app import create_app
+from pa10d.api.listeners import LARGEST, listeners
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.presence import Presence, announced, present
 from pa10d.daemon.runtime import own, runtime_folder
@@ -87,8 +88,8 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
 
         config = uvicorn.Config(
             create_app(daemon, access, ready), log_level="warning", lifespan="on", loop="asyncio",
-            server_header=False, access_log=False, ws="websockets-sansio",
-            timeout_graceful_shutdown=MAY_TAKE,
+            server_header=False, access_log=False, timeout_graceful_shutdown=MAY_TAKE,
+            ws=listeners(), ws_max_size=LARGEST, ws_per_message_deflate=False,
         )  # fmt: skip
         if settings.attached:
             threading.Thread(target=_end_with_input, daemon=True).start()

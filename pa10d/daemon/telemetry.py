@@ -97,34 +97,33 @@ class Telemetry:
             if not queue.full():
                 queue.put_nowait(packet)
 
-    def history(self, seconds: float) -> bytes | None:
-        """The last seconds as one packet."""
-        if not self._history:
-            return None
-        since = self._history[-1][0] - seconds
-        parts = [(t, rows) for t, rows in self._history if t >= since]
-        if not parts:
-            return None
-        start = parts[0][0]
-        shifted = []
-        for t, rows in parts:
-            moved = rows.copy()
-            moved[:, 0] += t - start
-            shifted.append(moved)
-        return _packet(start, np.concatenate(shifted))
-
     async def listen(self, history: float) -> AsyncIterator[bytes]:
-        """Packets from now on, the last ``history`` seconds first."""
+        """Packets from now on, the last ``history`` seconds first (as one packet).
+
+        Ten minutes are put together beside the event loop, which has other things to hear.
+        """
         queue: asyncio.Queue[bytes] = asyncio.Queue(QUEUE)
-        before = self.history(history)
+        before = list(self._history)
         self._listeners.add(queue)
         try:
-            if before is not None:
-                yield before
+            if before:
+                yield await asyncio.to_thread(_together, before, history)
             while True:
                 yield await queue.get()
         finally:
             self._listeners.discard(queue)
+
+
+def _together(parts: list[tuple[float, Rows]], seconds: float) -> bytes:
+    since = parts[-1][0] - seconds
+    chosen = [(t, rows) for t, rows in parts if t >= since]
+    start = chosen[0][0]
+    shifted = []
+    for t, rows in chosen:
+        moved = rows.copy()
+        moved[:, 0] += t - start
+        shifted.append(moved)
+    return _packet(start, np.concatenate(shifted))
 
 
 def _pairs(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> list[list[float | None]]:

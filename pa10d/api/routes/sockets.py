@@ -13,7 +13,6 @@ from pa10d.api.deps import TheDaemon
 from pa10d.daemon.daemon import Daemon
 
 router = APIRouter()
-MOST_WORDS = 20  # messages from a listener: whoever talks on and on keeps others from being heard
 MOST = 200  # listeners at a time, of either kind
 
 
@@ -64,11 +63,8 @@ async def _until_gone(socket: WebSocket):
 
     async def watch() -> None:
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            for _ in range(MOST_WORDS):
-                if (await socket.receive())["type"] == "websocket.disconnect":
-                    break
-            else:
-                await socket.close(1008, "listen; nothing is expected from you")
+            while (await socket.receive())["type"] != "websocket.disconnect":
+                pass
         me.cancel()
 
     watcher = asyncio.create_task(watch())
