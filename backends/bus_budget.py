@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import floor
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 RPDO_BYTES = 4  # 6040 controlword + 6071 target torque

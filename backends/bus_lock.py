@@ -14,7 +14,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from backends.faults import fault
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Can
 
 FOLDERS = (Path("/run/lock"), Path("/var/lock"))  # for all users; then what is our own

@@ -15,7 +15,7 @@ import can
 
 from backends.frames import ERROR, EXTENDED, REMOTE, SIZE, frame, frames
 from backends.virtualbus import VirtualBus
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Can
 
 

@@ -6,7 +6,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
     from backends.protocol import Backend

@@ -13,9 +13,9 @@ import numpy as np
 from backends.cia402 import STATUS_BITS, State
 from backends.faults import fault
 from backends.protocol import Array, Feedback
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.recording import Recording
 from pa10d.store.csv_import import read_csv
 from pa10d.store.run_reader import read_run, to_recording
 

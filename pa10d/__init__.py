@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from pa10d.errors import Cancelled, UserError
+    from pa10d.common.errors import Cancelled, UserError
     from pa10d.face.answers import Comparison, Diagnosis, Finding, Improvement
     from pa10d.face.effects import effects
     from pa10d.face.model import Model, export, load_model, save_model
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 _ROOMS = ("compare", "diagnose", "effects", "export", "identify")  # which answer when called
 _HOME = {
-    "pa10d.errors": ("Cancelled", "UserError"),
+    "pa10d.common.errors": ("Cancelled", "UserError"),
     "pa10d.face.answers": ("Comparison", "Diagnosis", "Finding", "Improvement"),
     "pa10d.face.model": ("Model", "load_model", "save_model"),
     "pa10d.face.robot": ("Robot", "load_robot"),

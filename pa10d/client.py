@@ -20,7 +20,7 @@ from typing import Any
 
 import httpx
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 Document = dict[str, Any]
 Progress = Callable[[float, str], None]

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.parallel import process_map
 from pa10d.dynamics import Robot, robot_from_urdf
-from pa10d.parallel import process_map
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.excitation.optimise import excitation_problem, exciting_trajectory
 from pa10d.trajectory.excitation.problem import Problem

@@ -19,10 +19,10 @@ import numpy as np
 
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_profile
 from pa10d.effects.base import smooth_sign
-from pa10d.equation import prepare
 from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
+from pa10d.regression.equation import prepare
 
 RATE = 500.0  # Hz
 CUTOFF = 10.0  # Hz

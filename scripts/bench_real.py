@@ -21,8 +21,8 @@ from pa10d.compare import compare
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import Robot, robot_from_urdf
 from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 from pa10d.store.csv_import import read_csv
 
 Array = NDArray[np.float64]

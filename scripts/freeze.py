@@ -22,11 +22,11 @@ import numpy as np
 from backends.virtual.datasets import figures_of, make_runs, random_effect
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_profile, robot_from_urdf
-from pa10d.equation import prepare
 from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
+from pa10d.regression.equation import prepare
 from pa10d.store.csv_import import read_csv
 
 SAME = 1e-9

@@ -20,12 +20,12 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import all_effects, effect
 from pa10d.effects.pages import index, page
 from pa10d.effects.portrait import Portrait, portrait
 from pa10d.effects.smooth_map import SmoothMap
-from pa10d.errors import UserError
 from pa10d.profile import load_profile
 
 DOCS = Path(__file__).resolve().parent.parent / "docs" / "effects"

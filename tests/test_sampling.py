@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
-from pa10d.sampling import Resampler, analyse, merge_duplicates, merged
+from pa10d.measurement.sampling import Resampler, analyse, merge_duplicates, merged
 
 
 def _resampled(t, values, smooth=True):

@@ -10,7 +10,7 @@ import pytest
 
 HEAD = """
 import os, signal, threading
-from pa10d.parallel import shared_map
+from pa10d.common.parallel import shared_map
 os.sched_getaffinity = lambda _: {0, 1}
 me = os.getpid()
 """

@@ -27,7 +27,7 @@ from backends.eds import eds_path, load_eds
 from backends.faults import fault, refusal
 from backends.ports import Port, drain, open_port
 from backends.protocol import Array, BackendFault, Feedback
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 TRIAL_CYCLES = 3  # at the end of open

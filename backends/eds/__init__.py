@@ -6,7 +6,7 @@ from pathlib import Path
 
 import canopen
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 OWN_EDS = Path(__file__).parent / "pa10d_drive.eds"

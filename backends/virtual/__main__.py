@@ -8,7 +8,7 @@ import signal
 import sys
 
 from backends.virtual.arm import serve
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import load_profile
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 from backends.ports import Port, open_port
 from backends.virtual.machine import VirtualArm
-from pa10d.errors import UserError
-from pa10d.processor import stay_on_one, take_priority
+from pa10d.common.errors import UserError
+from pa10d.common.processor import stay_on_one, take_priority
 from pa10d.profile import Profile
 
 __all__ = ["VirtualArm", "serve"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from backends.registry import load_object
 from backends.virtual.mechanics import INNER_STEP
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile, Simulation
 
 

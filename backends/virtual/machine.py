@@ -16,7 +16,7 @@ from backends.virtual.load_plant import load_plant
 from backends.virtual.mechanics import Actuation, Mechanics
 from backends.virtual.node import BOOTING
 from backends.virtual.object_dictionary import LiveDictionary
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile, Simulation
 
 FUNCTION, COMMAND = 0x780, 0x200  # of identifiers: RPDO 1 is the command

@@ -13,10 +13,10 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
+from pa10d.common.errors import Busy, Unsound, UserError
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.lease import Held
 from pa10d.daemon.robot import CommandRefused
-from pa10d.errors import Busy, Unsound, UserError
 
 MEDIA = "application/problem+json"
 KINDS = {

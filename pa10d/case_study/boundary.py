@@ -6,7 +6,7 @@ import numpy as np
 
 from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.scope import Scope
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.paper.results import Boundaries
 
 RUN = "boundary"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.equation import RunEquation, edge_time, prepare
+from pa10d.measurement.recording import Recording
 from pa10d.paper.periods import (
     average_periods,
     fourier_motion,
@@ -19,7 +19,7 @@ from pa10d.paper.periods import (
 from pa10d.paper.results import Preparation, Reconstruction
 from pa10d.paper.stack import least_squares, stacked
 from pa10d.paper.variants import estimation_variants
-from pa10d.recording import Recording
+from pa10d.regression.equation import RunEquation, edge_time, prepare
 from pa10d.trajectory.fourier import fourier_basis
 from pa10d.trajectory.kinds.excitation import Excitation
 

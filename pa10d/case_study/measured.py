@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 
+from pa10d.measurement.recording import Recording
 from pa10d.paper.results import Following
 from pa10d.paper.spans import steady_parts
-from pa10d.recording import Recording
 from pa10d.services.library import Library
 from pa10d.trajectory.plan import Plan
 

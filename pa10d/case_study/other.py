@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.optimise import excitation_problem
 from pa10d.trajectory.excitation.problem import Problem
 from pa10d.trajectory.kinds.excitation import Array, Excitation

@@ -8,8 +8,8 @@ from pa10d.checks.finding import Finding
 from pa10d.checks.timing import check_timing
 from pa10d.checks.units import beyond_limits, check_units
 from pa10d.dynamics.robot import Robot
-from pa10d.recording import Recording
-from pa10d.sampling import Timing
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.sampling import Timing
 
 __all__ = ["Delay", "Finding", "beyond_limits", "check_recording", "estimate_delay"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label, percent
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 Runs = list[tuple[int, int]]  # first index, length

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label
 from pa10d.dynamics import Robot, base_parameters
-from pa10d.equation import RunEquation, delayed, prepare
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
+from pa10d.regression.equation import RunEquation, delayed, prepare
 
 Array = NDArray[np.float64]
 

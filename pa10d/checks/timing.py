@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pa10d.checks.finding import Finding, percent
-from pa10d.recording import Recording
-from pa10d.sampling import Timing
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.sampling import Timing
 
 SLOW, TOO_SLOW, TOO_FAST = 50.0, 10.0, 20_000.0  # Hz
 UNEVEN = 0.1  # of a period: later stamps than this cost accuracy at the usual cut-offs

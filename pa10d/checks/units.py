@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label, percent
 from pa10d.dynamics.robot import Robot
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from types import ModuleType
 
 from pa10d.cli.answer import print_answer, print_failure
 from pa10d.cli.commands import Commands, current, root_parser
-from pa10d.errors import Unsound, UserError
+from pa10d.common.errors import Unsound, UserError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 

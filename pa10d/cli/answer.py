@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-from pa10d.jsonable import plain
+from pa10d.common.jsonable import plain
 
 VERSION = 1
 """Of the documents: fields may be added under it; one that goes or changes its meaning ends it."""

@@ -137,7 +137,7 @@ def experiment(options: argparse.Namespace) -> Answer:
 def controller(options: argparse.Namespace) -> Answer:
     """``controller``: asks the daemon that runs on this data."""
     from pa10d.client import running_daemon
-    from pa10d.errors import UserError
+    from pa10d.common.errors import UserError
 
     client = running_daemon(options.data)
     if client is None:
@@ -168,8 +168,8 @@ def check(options: argparse.Namespace) -> Answer:
 
 def sim(options: argparse.Namespace) -> Answer:
     """``sim``: until interrupted."""
+    from pa10d.common.errors import UserError
     from pa10d.daemon.simulator import claim, serve_arm
-    from pa10d.errors import UserError
     from pa10d.profile import load_profile
 
     profile = _on_bus(load_profile(options.profile), options)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import profile_option
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.client import Client

@@ -10,8 +10,8 @@ from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, current, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model, _progress
-from pa10d.errors import UserError
-from pa10d.words import listed
+from pa10d.common.errors import UserError
+from pa10d.common.words import listed
 
 if TYPE_CHECKING:
     from pa10d.diagnose.outcome import Diagnosis

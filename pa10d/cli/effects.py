@@ -60,9 +60,9 @@ def new(options: argparse.Namespace) -> Answer:
 
 def check(options: argparse.Namespace) -> Answer:
     """``effect check``: status 1 where one of them does not conform."""
+    from pa10d.common.errors import UserError
     from pa10d.effect_kit import check as verdicts
     from pa10d.effects import all_effects, effect
-    from pa10d.errors import UserError
 
     if options.draws < 1:
         raise UserError(f"--draws {options.draws}: expected at least 1")

@@ -8,7 +8,7 @@ from typing import Any
 
 from pa10d.cli.answer import Answer, note, plain, table
 from pa10d.cli.commands import Commands, profile_option
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 STEP = 0.1  # share of the search between two lines of progress
 

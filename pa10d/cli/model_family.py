@@ -103,7 +103,7 @@ def history(options: argparse.Namespace) -> Answer:
 
 def export(options: argparse.Namespace) -> Answer:
     """``model export``."""
-    from pa10d.errors import UserError
+    from pa10d.common.errors import UserError
     from pa10d.services.models import export_model, write_file
 
     library, parameters = _library(options), options.parameters

@@ -7,7 +7,7 @@ import json
 
 from pa10d.cli.answer import VERSION, Answer
 from pa10d.cli.commands import Commands
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 
 def add_commands(commands: Commands) -> None:
@@ -20,7 +20,7 @@ def add_commands(commands: Commands) -> None:
 
 def schema(options: argparse.Namespace) -> Answer:
     """``schema``."""
-    from pa10d.documents import SCHEMAS
+    from pa10d.services.documents import SCHEMAS
 
     if options.name is None:
         return Answer({"names": sorted(SCHEMAS)}, "\n".join(sorted(SCHEMAS)))

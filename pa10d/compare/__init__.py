@@ -1,6 +1,6 @@
 """Where does a model fail? Figures of the error, the regions that carry it, its spectra."""
 
-from pa10d.callable_room import answer_calls
+from pa10d.common.callable_room import answer_calls
 from pa10d.compare.comparison import Comparison, RunScores, compare
 from pa10d.compare.document import document
 from pa10d.compare.places import Place, places

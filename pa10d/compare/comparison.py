@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
 from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.places import Place, places
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
-from pa10d.errors import UserError
 from pa10d.judgement import (
     NoiseFloor,
     RunResidual,
@@ -23,8 +23,8 @@ from pa10d.judgement import (
     run_residual,
     scores,
 )
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]

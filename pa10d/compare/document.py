@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from pa10d.common.jsonable import plain
 from pa10d.compare.comparison import Comparison, RunScores
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
-from pa10d.jsonable import plain
 from pa10d.judgement import MASK
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.protocol import Backend
+from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.faults import Fault, Violation, blamed_on_time, fault_from
 from pa10d.control.journal import Journal
@@ -26,7 +27,6 @@ from pa10d.control.reference import Motion
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Progress, Stop
 from pa10d.control.torque_path import TorquePath
-from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 State = ArmState

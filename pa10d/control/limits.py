@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 
 Array = NDArray[np.float64]

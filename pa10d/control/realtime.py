@@ -6,7 +6,7 @@ import ctypes
 import gc
 import os
 
-from pa10d.processor import stay_on_one, take_priority
+from pa10d.common.processor import stay_on_one, take_priority
 
 PRIORITY = 80
 _MCL_CURRENT, _MCL_FUTURE = 1, 2

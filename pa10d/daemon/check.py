@@ -19,6 +19,8 @@ from backends.canopen_cia402.lifeline import not_accepted
 from backends.cia402 import remarks
 from backends.protocol import Backend
 from backends.registry import open_backend
+from pa10d.common.errors import UserError
+from pa10d.common.processor import stay_on_one, take_priority
 from pa10d.control.build import build_arm
 from pa10d.control.clock import Clock
 from pa10d.control.limits import arm_limits
@@ -28,9 +30,7 @@ from pa10d.control.states import Refused
 from pa10d.daemon.presence import present
 from pa10d.daemon.simulator import simulated_bus
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.experiments.checks import Check
-from pa10d.processor import stay_on_one, take_priority
 from pa10d.profile import Profile
 from pa10d.store.folders import write_text
 

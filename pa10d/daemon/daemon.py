@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.budget import of_a_job, of_an_answer
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
@@ -22,7 +23,6 @@ from pa10d.daemon.simulator import Simulator, wants_simulator
 from pa10d.daemon.telemetry import Telemetry
 from pa10d.daemon.workers import TaskFailed, Workers
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
 from pa10d.store import RunStore

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.jobs import Progress, part
 from pa10d.daemon.readiness import readiness
 from pa10d.daemon.robot import CommandRefused
-from pa10d.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon

@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Any
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.experiment import Experiment
 from pa10d.daemon.jobs import Progress, part
 from pa10d.daemon.robot import CommandRefused
-from pa10d.errors import UserError
 from pa10d.services.joints import SOFTER, kept_joints
 
 if TYPE_CHECKING:

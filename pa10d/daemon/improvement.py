@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.experiment import Experiment, request_of
 from pa10d.daemon.jobs import Job, Report, part
-from pa10d.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon

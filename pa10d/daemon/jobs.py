@@ -16,10 +16,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
-from pa10d.errors import UserError
-from pa10d.jsonable import plain
 from pa10d.store.entries import Id, read_entry
 from pa10d.store.folders import write_json
 from pa10d.store.names import new_id

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 PREFIX = "pa10d-run-"
 

@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.child import ENVIRONMENT
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 
 START_TIME = 120.0  # s; the plant may have to be compiled

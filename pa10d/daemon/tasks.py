@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pa10d.errors import Unsound, UserError
+from pa10d.common.errors import Unsound, UserError
 
 Progress = Callable[[float, str], None]
 

@@ -23,7 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pa10d.errors import Unsound, UserError
+from pa10d.common.errors import Unsound, UserError
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
@@ -65,7 +65,7 @@ def restrain(memory: int) -> None:
 
 def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     """Do one task; never raises for what the task did."""
-    from pa10d.jsonable import plain
+    from pa10d.common.jsonable import plain
 
     def progress(share: float, message: str = "") -> None:
         say({"progress": round(float(share), 4), "message": message})

@@ -11,10 +11,10 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from pa10d.common.errors import Unsound, UserError
 from pa10d.daemon.budget import Budget
 from pa10d.daemon.child import ENVIRONMENT
 from pa10d.daemon.crowded import Crowded
-from pa10d.errors import Unsound, UserError
 
 NICENESS = 10  # of what computes for long
 LARGEST_ANSWER = 8 << 20  # bytes: what is read in one go, while nothing else is done

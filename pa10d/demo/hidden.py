@@ -10,8 +10,8 @@ import numpy as np
 
 from backends.virtual.datasets import Figures, figures_of, random_effect
 from backends.virtual.plant.catalogue import ALL, LISTED
+from pa10d.common.errors import UserError
 from pa10d.effects import all_effects
-from pa10d.errors import UserError
 from pa10d.profile import Profile, Simulation
 
 SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pa10d import __version__
+from pa10d.common.words import listed
 from pa10d.demo.story import Chapter, Told
 from pa10d.demo.words import found_words, named
 from pa10d.report.blocks import Section, Table, Text
@@ -12,7 +13,6 @@ from pa10d.report.facts import Facts, Verdict
 from pa10d.report.page import page
 from pa10d.report.sheet import sections_of
 from pa10d.services.models import write_file
-from pa10d.words import listed
 
 
 def write_report(told: Told, robot: str, path: Path) -> Path:

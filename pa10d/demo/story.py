@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pa10d.client import Client
+from pa10d.common.errors import UserError
 from pa10d.demo.bench import Bench
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.truth import judged, verdict_on
 from pa10d.demo.words import compared_words, fall_words, found_words, named, plan_words
-from pa10d.errors import UserError
 from pa10d.services.doubts import new_plan
 from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET
 

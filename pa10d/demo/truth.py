@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pa10d.common.words import listed
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.words import named
 from pa10d.effects import all_effects
-from pa10d.words import listed
 
 Document = Mapping[str, Any]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.procedure import add, diagnose, suspicion
 from pa10d.diagnose.smooth import add_map, asked
 from pa10d.effects import all_effects
 from pa10d.effects.smooth_map import SmoothMap
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 
 Progress = Callable[[float, str], None]
 

@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.parallel import shared_map
 from pa10d.diagnose.partial import Partial, partials
 from pa10d.diagnose.ripple import order_peaks
 from pa10d.diagnose.shapes import refine
@@ -17,7 +18,6 @@ from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
 from pa10d.effects import Context, Effect, all_effects
 from pa10d.model import Term
-from pa10d.parallel import shared_map
 
 Array = NDArray[np.float64]
 

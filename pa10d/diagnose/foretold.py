@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.common.parallel import shared_map
 from pa10d.diagnose.remaining import Unnamed
 from pa10d.diagnose.side import Side
 from pa10d.diagnose.state import State
@@ -27,7 +28,6 @@ from pa10d.diagnose.structure import (
     noise_beside,
     rows_of,
 )
-from pa10d.parallel import shared_map
 
 Array = NDArray[np.float64]
 Motion = list[dict[str, Array]]

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.candidates import Candidate
 from pa10d.effects import Context
-from pa10d.errors import UserError
 from pa10d.model import Term, TorqueModel
 from pa10d.trajectory.kinds import KINDS, Kind, validated
 from pa10d.trajectory.poses import Surroundings

@@ -8,11 +8,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import plain
 from pa10d.diagnose.delivery import delivered, warnings
 from pa10d.diagnose.remaining import Remaining, Unexplained
 from pa10d.diagnose.structure import Structure
 from pa10d.effects import Value
-from pa10d.jsonable import plain
 from pa10d.judgement import Judgement
 from pa10d.model import Term, TorqueModel
 

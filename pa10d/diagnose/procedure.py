@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from pa10d.common.errors import Cancelled, UserError
 from pa10d.diagnose.candidates import Candidate, places, suspects
 from pa10d.diagnose.delivery import warnings as said
 from pa10d.diagnose.errors_of import term_covariance
@@ -23,10 +24,9 @@ from pa10d.diagnose.structure import Structure, find_structure
 from pa10d.diagnose.versions import held_out, snapshot, versions_of
 from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Effect, Value, effect
-from pa10d.errors import Cancelled, UserError
 from pa10d.judgement import Judgement, in_band, judged, repeatable
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel, as_told
-from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]

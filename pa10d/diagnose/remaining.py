@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import plain
+from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.structure import Structure
-from pa10d.jsonable import plain
 from pa10d.judgement import Judgement
 from pa10d.judgement.repeatable import Repeatable
-from pa10d.words import listed, percent, times
 
 MATERIAL = 1.2  # times the noise floor: an error of no more is as good as explained
 CLEAR = 1.5  # times it that what comes again must be: slow noise that a run remembers makes 1.2

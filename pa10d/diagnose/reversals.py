@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.partial import solve
 from pa10d.diagnose.side import PerJoint
 from pa10d.diagnose.state import State
-from pa10d.standstill import standstill
+from pa10d.measurement.standstill import standstill
 
 Array = NDArray[np.float64]
 

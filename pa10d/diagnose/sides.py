@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.side import Side
-from pa10d.equation import RunEquation, prepare
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
+from pa10d.regression.equation import RunEquation, prepare
 
 Array = NDArray[np.float64]
 

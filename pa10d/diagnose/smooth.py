@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.errors_of import LONGEST_SECONDS, doubt_of
 from pa10d.diagnose.evidence import Evidence, judge
 from pa10d.diagnose.fit import Fit
@@ -19,11 +20,10 @@ from pa10d.diagnose.timing import align
 from pa10d.diagnose.versions import held_out, snapshot
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
 from pa10d.effects.variables import at_joint, values_of
-from pa10d.errors import UserError
 from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
 from pa10d.judgement import in_band
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 

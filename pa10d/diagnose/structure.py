@@ -14,12 +14,12 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.parallel import shared_map
 from pa10d.diagnose.errors_of import doubt_under, held_noise_gram
 from pa10d.diagnose.evidence import Doubt, Evidence, judge
 from pa10d.diagnose.side import PerJoint, Side
 from pa10d.diagnose.state import State
 from pa10d.effects.variables import remembered
-from pa10d.parallel import shared_map
 
 Array = NDArray[np.float64]
 

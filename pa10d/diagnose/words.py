@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome import Confusion
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
-from pa10d.words import listed, percent, times
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics.urdf_check import check_urdf
-from pa10d.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.profile import Profile

@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterator
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed")
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")

@@ -11,10 +11,10 @@ from backends.virtual.plant.catalogue import ALL
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import Robot
 from pa10d.effects import Effect
-from pa10d.equation import prepare
 from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term
-from pa10d.recording import Recording
+from pa10d.regression.equation import prepare
 
 REF = ("ref_a", "ref_b")
 CUTOFF = 10.0  # Hz, of the motion that the effect's torque is worked out on

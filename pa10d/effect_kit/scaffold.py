@@ -6,8 +6,8 @@ import keyword
 import re
 from pathlib import Path
 
+from pa10d.common.errors import UserError
 from pa10d.effects import all_effects
-from pa10d.errors import UserError
 
 MODULE = '''"""{title}."""
 

@@ -1,6 +1,6 @@
 """Physical effects beyond the rigid bodies: one small class each, and their registry."""
 
-from pa10d.callable_room import answer_calls
+from pa10d.common.callable_room import answer_calls
 from pa10d.effects.base import (
     Coefficient,
     Effect,

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics, sensitivities, typical_inertia
 from pa10d.effects.sign import smooth_sign
-from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ import pkgutil
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
+from pa10d.common.errors import UserError
 from pa10d.effects import library
 from pa10d.effects.base import Effect
 from pa10d.effects.check import fault
 from pa10d.effects.smooth_map import SmoothMap, smooth_map
-from pa10d.errors import UserError
 
 TEXTBOOK = ("rotor_inertia", "coulomb", "viscous")
 """In every model from the start, beside the rigid bodies."""

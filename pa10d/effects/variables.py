@@ -13,8 +13,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.effects.context import Context
-from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.paper.boundary import BoundaryVelocity, boundary_velocity
 from pa10d.paper.single_joint import Gravity, single_joint
 from pa10d.paper.spans import steady_parts
-from pa10d.recording import Recording
 from pa10d.trajectory.plan import Plan
 
 FREE = "joint {}: gravity does not act"

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.errors import UserError
 from pa10d.experiments.joint_response import (
     Fitted,
     Friction,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from pa10d.common.errors import UserError
 from pa10d.effects import Context
-from pa10d.errors import UserError
 from pa10d.export.c_header import c_header
 from pa10d.export.endings import FORMATS, Format
 from pa10d.export.json_document import json_document
@@ -16,8 +16,8 @@ from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
 from pa10d.export.sdf import sdf
 from pa10d.export.urdf import urdf_with_inertia
-from pa10d.impossible import impossible
 from pa10d.model import Parameters, TorqueModel
+from pa10d.model.impossible import impossible
 
 WRITTEN = {
     "feasible": "feasible parameters: bodies that can exist, friction that brakes",

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import plain
 from pa10d.dynamics.base import parameter_name
 from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
 from pa10d.effects import Value
-from pa10d.jsonable import plain
 from pa10d.model import TorqueModel
 
 SCHEMA = "pa10d/model/1"

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 

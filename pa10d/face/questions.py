@@ -10,7 +10,7 @@ from pa10d.face.answers import Comparison, Diagnosis
 from pa10d.face.model import Model
 from pa10d.face.robot import Robot
 from pa10d.face.run import Run
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 from pa10d.services.models import identified
 
 Progress = Callable[[float, str], None]
@@ -78,7 +78,7 @@ def recordings(runs: Sequence[Run]) -> list[Recording]:
 
 def heeding(progress: Progress | None, cancel: Cancel | None) -> Progress:
     """Progress that also asks whether to go on."""
-    from pa10d.errors import Cancelled
+    from pa10d.common.errors import Cancelled
 
     def say(share: float, what: str) -> None:
         if cancel is not None and cancel():

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pa10d.checks import check_recording
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.face.robot import Robot
 from pa10d.face.values import Array, ByContent, bits, frozen
+from pa10d.measurement.recording import Recording
 from pa10d.readers import read_recording
-from pa10d.recording import Recording
 from pa10d.services.soundness import unsound
 from pa10d.store.channels import Samples
 from pa10d.store.equal_steps import equal_steps

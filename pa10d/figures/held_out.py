@@ -12,7 +12,7 @@ from pa10d.compare import RunResidual, run_residual
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.diagnose.side import Side
 from pa10d.diagnose.sides import two_sides
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 

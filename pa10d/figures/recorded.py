@@ -5,7 +5,7 @@ from __future__ import annotations
 from pa10d.figures.decimate import extremes
 from pa10d.figures.plotly import JOINTS, Figure, Trace, axis, layout, line
 from pa10d.figures.time import Span, samples_of
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 POINTS = 1600  # per joint and signal
 

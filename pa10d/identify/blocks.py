@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.equation import RunEquation, decimation, prepare
 from pa10d.identify.condition import (
     GRAM_LIMIT,
     by_triangle,
@@ -23,10 +22,11 @@ from pa10d.identify.condition import (
 from pa10d.identify.cuts import PIECE, cuts
 from pa10d.identify.layout import Layout
 from pa10d.identify.piece import Piece
-from pa10d.motion import velocity_source
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass
-from pa10d.standstill import fast_speed
+from pa10d.measurement.motion import velocity_source
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
+from pa10d.measurement.standstill import fast_speed
+from pa10d.regression.equation import RunEquation, decimation, prepare
 
 Array = NDArray[np.float64]
 

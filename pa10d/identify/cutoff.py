@@ -9,7 +9,7 @@ should not bend what is still signal; but no higher than where the encoder's noi
 over the band, reaches a quarter of the torque sensor's, no higher than a twentieth of the sampling
 rate, and no higher than any model is judged. Within the first two it is wide enough to leave half
 of the motion: a narrow filter remembers ends, rests and reversals for long, and short runs of fast
-joints have little else (see ``pa10d.band``).
+joints have little else (see ``pa10d.identify.band``).
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.band import wide_enough
-from pa10d.equation import prepare
+from pa10d.identify.band import wide_enough
 from pa10d.judgement.band import HIGHEST_HZ, SHORT_MOTION
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
+from pa10d.regression.equation import prepare
 
 Array = NDArray[np.float64]
 

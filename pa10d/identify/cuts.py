@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pa10d.equation import decimation, edge_time
+from pa10d.regression.equation import decimation, edge_time
 
 PIECE = 40_000  # raw samples: 7 joints' columns of this many take about 100 MB while filtered
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.spectrum import autocovariance, spectrum_of
-from pa10d.signals import Lowpass
+from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot, base_parameters, regressor
 from pa10d.dynamics.base import parameter_name, random_motion
 from pa10d.effects import TEXTBOOK, Context, Effect, effect
-from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 

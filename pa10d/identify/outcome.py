@@ -10,8 +10,8 @@ from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.layout import Layout
 from pa10d.identify.timing import Shift
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.recording import Recording
 
 
 def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:

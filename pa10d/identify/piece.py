@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context
-from pa10d.equation import RunEquation
 from pa10d.identify.layout import Slot
-from pa10d.signals import delayed
+from pa10d.measurement.signals import delayed
+from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from pa10d.common.errors import Cancelled
 from pa10d.dynamics import Robot
-from pa10d.errors import Cancelled
 from pa10d.identify.advice import warnings_of
 from pa10d.identify.blocks import Pieces, middle
 from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
@@ -23,8 +23,8 @@ from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
 from pa10d.identify.smoothing import find_smoothing, sharp_where_unseen, with_smoothing
 from pa10d.identify.timing import find_shift
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 

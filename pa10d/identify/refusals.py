@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.equation import edge_time
-from pa10d.errors import UserError
 from pa10d.identify.excitation import Excitation
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
+from pa10d.regression.equation import edge_time
 
 FEWEST_PERIODS = 8.0  # of the cut-off between the two ends
 FAST_TIME = 1.0  # s that a joint must be faster than what is asked for

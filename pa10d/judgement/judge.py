@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
-from pa10d.jsonable import plain
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.judgement.scores import scores
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 
 Array = NDArray[np.float64]
 

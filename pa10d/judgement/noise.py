@@ -23,7 +23,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.jsonable import plain
+from pa10d.common.jsonable import plain
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving, scores

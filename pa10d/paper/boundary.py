@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.paper.friction_map import FrictionMap, friction_map, knee, knee_spread
 from pa10d.paper.single_joint import GRAVITY, SingleJoint
 from pa10d.paper.sweep import Sweep, sweep

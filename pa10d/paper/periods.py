@@ -8,9 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass
+from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
 from pa10d.trajectory.fourier import fourier_basis
 
 Array = NDArray[np.float64]

@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics
-from pa10d.equation import prepare
-from pa10d.errors import UserError
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
+from pa10d.regression.equation import prepare
 
 Array = NDArray[np.float64]
 Gravity = Literal["none", "fitted", "subtracted"]

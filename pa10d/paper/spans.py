@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 from pa10d.trajectory.plan import Plan
 
 

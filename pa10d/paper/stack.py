@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.dynamics import Robot
 from pa10d.dynamics.observation import model_columns
 from pa10d.effects.base import smooth_sign
-from pa10d.equation import RunEquation
+from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 

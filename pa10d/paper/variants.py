@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot, base_parameters
 from pa10d.dynamics.feasible import definiteness, feasible_fit
 from pa10d.dynamics.observation import model_columns
-from pa10d.equation import RunEquation
-from pa10d.errors import UserError
 from pa10d.paper.penalty import penalty_fit
 from pa10d.paper.stack import Stack, least_squares, stacked
+from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 

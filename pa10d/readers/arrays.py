@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.readers.table import Table
 from pa10d.readers.text import first_bytes
 from pa10d.store.channels import Array

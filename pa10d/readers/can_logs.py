@@ -9,7 +9,7 @@ import can
 import numpy as np
 
 from backends.scaling import scaling_of
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array

@@ -6,8 +6,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.readers.table import Table, recording_of
 from pa10d.store.column_mapping import read_mapping

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_mapping import Rule, resolve
 from pa10d.store.csv_header import Columns, Header

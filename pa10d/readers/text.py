@@ -16,7 +16,7 @@ from typing import IO, cast
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
 from pa10d.store.column_mapping import UNITS

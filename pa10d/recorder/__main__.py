@@ -9,9 +9,9 @@ import socket
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.errors import UserError
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.recorder.recorder import Recorder
 from pa10d.store import RunStore

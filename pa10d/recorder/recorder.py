@@ -6,8 +6,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.errors import UserError
 from pa10d.control.ring import Ring
-from pa10d.errors import UserError
 from pa10d.profile import Profile
 from pa10d.recorder.session import Ending, Session, channels_of
 from pa10d.store import RunInfo, RunStore

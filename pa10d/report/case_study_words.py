@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import listed
 from pa10d.paper import published
 from pa10d.paper.results import MODEL, PID, WITH_EFFECTS, CaseStudy
-from pa10d.words import listed
 
 Array = NDArray[np.float64]
 

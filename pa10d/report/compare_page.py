@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d import __version__, figures
+from pa10d.common.words import times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Step
 from pa10d.judgement import MASK
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
-from pa10d.words import times, times_noise
 
 Array = NDArray[np.float64]
 

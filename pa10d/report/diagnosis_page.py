@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pa10d import __version__
+from pa10d.common.words import listed
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.diagnose.remaining import MATERIAL
 from pa10d.figures.diagnosis_texts import STAIRCASE
@@ -20,7 +21,6 @@ from pa10d.report.finding_section import Asked, finding_section
 from pa10d.report.page import page
 from pa10d.report.unexplained_section import unexplained_section
 from pa10d.report.verdict import finding_words, headline
-from pa10d.words import listed
 
 
 @dataclass(frozen=True)

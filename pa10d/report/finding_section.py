@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pa10d.common.words import listed, percent
 from pa10d.diagnose.next_experiment import as_command
 from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.effects import all_effects
@@ -15,7 +16,6 @@ from pa10d.figures.texts import Reading
 from pa10d.report.blocks import Block, Cards, Plot, Section, Table, Text
 from pa10d.report.facts import Command, Facts
 from pa10d.report.verdict import finding_words, place, removed
-from pa10d.words import listed, percent
 
 
 @dataclass(frozen=True)

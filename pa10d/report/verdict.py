@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome import Diagnosis, Finding
 from pa10d.diagnose.remaining import Unexplained
 from pa10d.diagnose.words import nothing
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
-from pa10d.words import listed, percent, times
 
 NEAR = 1.15  # times the noise floor: as good as its own error
 

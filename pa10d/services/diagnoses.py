@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.adding import add_asked, refuse_slips
 from pa10d.diagnose.outcome import Diagnosis
 from pa10d.diagnose.procedure import diagnose, suspicion
 from pa10d.diagnose.smooth import add_map
-from pa10d.errors import UserError
 from pa10d.model import TorqueModel
 from pa10d.services.doubts import new_plan
 from pa10d.services.library import Library

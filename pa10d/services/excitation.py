@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from pa10d.parallel import process_map
+from pa10d.common.parallel import process_map
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.excitation.optimise import (
     GENERATIONS,

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.judgement import Judgement, common_band, judge_alike
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 from pa10d.services.library import Library
 from pa10d.store.models import ModelInfo
 

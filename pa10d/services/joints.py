@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.scaling import scaling_of
+from pa10d.common.errors import UserError
 from pa10d.control.gains import PidGains, first_gains, fitted_gains, pid_gains
 from pa10d.control.joint_figures import JointFigures, inertias
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.experiments.measured_joints import Seen, measured_figures, sentences
 from pa10d.profile import Profile
 from pa10d.services.library import open_library

@@ -7,8 +7,8 @@ from typing import Any
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
 from pa10d.export.endings import ENDINGS
-from pa10d.impossible import impossible
 from pa10d.model import TorqueModel
+from pa10d.model.impossible import impossible
 
 
 def model_details(model: TorqueModel) -> dict[str, Any]:

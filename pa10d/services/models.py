@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pa10d.common.errors import UserError
 from pa10d.compare import Comparison, compare, document
 from pa10d.dynamics.robot import Robot
-from pa10d.errors import UserError
 from pa10d.figures.staircase import Step
 from pa10d.judgement import Judgement, judge, judge_alike
+from pa10d.measurement.recording import Recording
 from pa10d.model import Parameters, TorqueModel
-from pa10d.recording import Recording
 from pa10d.services.history import line_band
 from pa10d.services.library import Library
 from pa10d.services.robots import load_robot
@@ -178,8 +178,8 @@ def export_model(
 ) -> tuple[ModelInfo, Exported]:
     """A stored model as text for other programs; what the format does not hold is told in N·m by
     runs that the model was judged by or fitted to, as far as they are in the store."""
-    from pa10d.equation import prepare
     from pa10d.export.formats import export
+    from pa10d.regression.equation import prepare
 
     info = library.models.find(model)
     loaded = library.models.load(info)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
 from pa10d.compare.quantities import Values, quantities
-from pa10d.errors import UserError
 from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
 from pa10d.figures.plotly import Figure
@@ -21,12 +22,11 @@ from pa10d.figures.recorded import recorded
 from pa10d.figures.staircase import Step, least_floor, staircase
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
-from pa10d.jsonable import plain
 from pa10d.judgement import Judgement, RunResidual, common_band, in_band, judged, run_residual
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 from pa10d.services.library import Library, open_library
-from pa10d.signals import Lowpass
 
 Array = NDArray[np.float64]
 Plot = dict[str, Any]

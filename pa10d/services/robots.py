@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot, robot_from_profile
-from pa10d.errors import UserError
 from pa10d.profile import Profile, load_profile
 
 

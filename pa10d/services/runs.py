@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pa10d.checks import Finding, beyond_limits, check_recording
+from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 from pa10d.readers import read_recording
-from pa10d.recording import Recording
 from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
 from pa10d.store.csv_import import CsvRecording

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pa10d.checks import Finding, check_recording
+from pa10d.common.errors import Unsound, UserError
 from pa10d.dynamics.robot import Robot
-from pa10d.errors import Unsound, UserError
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 from pa10d.store import RunInfo
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import RunInfo, RunStore
 
 

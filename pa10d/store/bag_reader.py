@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_scan import Rows, chunk, records
 from pa10d.store.bag_writer import message_dtype

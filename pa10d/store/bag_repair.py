@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_scan import Record, chunk, records
 from pa10d.store.bag_writer import message_index

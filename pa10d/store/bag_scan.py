@@ -15,7 +15,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import mcap_records as mcap
 from pa10d.store.entries import refuse_links
 

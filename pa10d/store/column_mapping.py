@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 FIELD = re.compile(r"(time)|(q|dq|tau|i|temp)([1-9]\d*)")
 PER_JOINT = ("q", "dq", "tau", "i", "temp")

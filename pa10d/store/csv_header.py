@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.column_guess import guess
 from pa10d.store.column_mapping import FIELD
 

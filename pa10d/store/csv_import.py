@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.errors import UserError
-from pa10d.sampling import Timing
+from pa10d.common.errors import UserError
+from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_mapping import read_mapping, resolve
 from pa10d.store.csv_header import Columns, Header

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 LARGEST = 4 << 30  # bytes of a recording as text
 SMALL, RATIO = 64 << 20, 200  # bytes; times the compressed size

@@ -14,9 +14,9 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.common.yamlfile import expected
 from pa10d.store.names import checked_name
-from pa10d.yamlfile import expected
 
 
 @dataclass(frozen=True)

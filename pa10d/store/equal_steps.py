@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.sampling import Resampler, Timing, analyse, merge_duplicates, merged
+from pa10d.measurement.sampling import Resampler, Timing, analyse, merge_duplicates, merged
 from pa10d.store.channels import Array, Motion, Samples
 
 GAP = "gap"  # the extra channel that is 1 where nothing was measured

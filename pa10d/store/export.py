@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.channels import Array
 from pa10d.store.run_info import BAG, RunInfo
 from pa10d.store.run_reader import StoredRun

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pa10d.errors import Busy, UserError
+from pa10d.common.errors import Busy, UserError
 
 NEW, TRASH = ".new-", ".trash-"
 PATIENCE = 5.0  # s for which the lock is waited for; it is held for milliseconds as a rule

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 
 def data_folder(given: str | os.PathLike[str] | None = None) -> Path:

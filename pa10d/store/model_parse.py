@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
+from pa10d.common.yamlfile import YamlFile, read_yaml, validate
 from pa10d.dynamics import BaseParameters, Robot, robot_from_urdf
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.effects.variables import at_joint
-from pa10d.errors import UserError
 from pa10d.model import Term, TorqueModel, label
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_schema import EffectEntry, ModelFile
-from pa10d.yamlfile import YamlFile, read_yaml, validate
 
 Array = NDArray[np.float64]
 

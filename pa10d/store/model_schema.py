@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pa10d.fieldtypes import NotNegative, Number, Positive, Text, Vector3
+from pa10d.common.fieldtypes import NotNegative, Number, Positive, Text, Vector3
 from pa10d.store.entries import Id, Name
 
 FORMAT = 1

@@ -11,7 +11,8 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.common.yamlfile import BROKEN, LARGEST, refuse_traps
 from pa10d.model import TorqueModel
 from pa10d.store.entries import SetAside, explained, read_entry
 from pa10d.store.folders import locked, write_text
@@ -21,7 +22,6 @@ from pa10d.store.model_parse import info_of, read_model
 from pa10d.store.model_schema import ModelFile
 from pa10d.store.model_text import model_text
 from pa10d.store.names import checked_name, new_id, resolve
-from pa10d.yamlfile import BROKEN, LARGEST, refuse_traps
 
 _FastLoader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from datetime import UTC, datetime
 from typing import Protocol, TypeVar
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 _FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
 LONGEST = 100

@@ -7,7 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.channels import Channels
 from pa10d.store.mcap_records import MESSAGE_HEAD
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
-from pa10d.recording import Recording
-from pa10d.sampling import Timing
+from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.sampling import Timing
 from pa10d.store import mcap_records as mcap
 from pa10d.store.bag_reader import Bag, Topic, read_bag
 from pa10d.store.channels import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import finish_bag
 from pa10d.store.channels import STATES

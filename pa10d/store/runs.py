@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.recording import Recording
 from pa10d.store.channels import Channels
 from pa10d.store.entries import SetAside
 from pa10d.store.folders import NEW, discard, is_held, locked, sweep

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from pa10d.yamlfile import EXPONENT
+from pa10d.common.yamlfile import EXPONENT
 
 
 class Flow(dict[str, Any]):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.limits import MotionLimits
 from pa10d.trajectory.motions import Drawing, Motion, Samples, Slowed, motion_from_dict, move_time
 from pa10d.trajectory.poses import Surroundings

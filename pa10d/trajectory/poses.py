@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics
-from pa10d.errors import UserError
 from pa10d.trajectory.capsules import Capsules, capsules_of
 from pa10d.trajectory.limits import MotionLimits, limits_of
 

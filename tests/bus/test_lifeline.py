@@ -13,7 +13,7 @@ from backends.canopen_cia402.lifeline import not_accepted
 from backends.frames import REMOTE, frame, frames
 from backends.protocol import BackendFault
 from backends.virtualbus import VirtualBus
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 
 def heard(bus: VirtualBus) -> list[tuple[int, bytes]]:

@@ -125,7 +125,7 @@ import sys
 from pathlib import Path
 from backends.eds import load_eds
 from backends.ports import open_port
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Can
 for path in sys.argv[1:]:
     load_eds(Path(path), 5)

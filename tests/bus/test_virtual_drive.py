@@ -293,7 +293,7 @@ def test_without_a_brake_an_unpowered_axis_falls(make_bench: Callable[..., Bench
 
 
 def test_a_failing_plant_is_told_in_one_line(tmp_path: Path) -> None:
-    from pa10d.errors import UserError
+    from pa10d.common.errors import UserError
 
     for plant, text in (
         ("nowhere:build", "no module named 'nowhere'"),

@@ -7,9 +7,9 @@ import pytest
 
 from pa10d.checks import beyond_limits, check_recording, estimate_delay
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.sampling import analyse
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
-from pa10d.sampling import analyse
 
 RATE = 500.0
 N = 10_000

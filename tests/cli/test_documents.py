@@ -7,7 +7,7 @@ import json
 import pytest
 
 from pa10d.cli import main
-from pa10d.documents import SCHEMAS
+from pa10d.services.documents import SCHEMAS
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ import pytest
 
 from pa10d.cli import families, main
 from pa10d.cli.answer import Answer, plain, print_answer
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import RunStore
 
 COMMAND = [sys.executable, "-c", "import sys; from pa10d.cli import main; sys.exit(main())"]

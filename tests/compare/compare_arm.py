@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from pa10d.dynamics import base_parameters, robot_from_urdf
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.recording import Recording
 
 LINK = """<link name="l{k}"><inertial><origin xyz="0.02 0.01 0.2"/><mass value="{m}"/>
 <inertia ixx="0.2" ixy="0.01" ixz="0" iyy="0.25" iyz="0.02" izz="0.1"/></inertial></link>"""
@@ -83,7 +83,7 @@ def recording(
         gain = np.sqrt(1 - coloured**2)
         white = scipy.signal.lfilter([gain], [1, -coloured], white, axis=0)
     silent = Recording(name, t, q, np.zeros_like(q))
-    from pa10d.equation import prepare
+    from pa10d.regression.equation import prepare
 
     tau = model().predict(prepare(silent, ROBOT, CUTOFF).context) + noise * white
     if extra is not None:

@@ -6,8 +6,8 @@ import compare_arm as arm
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.compare import compare, document, run_residual, scores
-from pa10d.errors import UserError
 
 
 def test_a_known_sine_gives_its_own_figures():

@@ -10,6 +10,7 @@ from arms import PERIOD, limits, until
 from fake_backend import FakeBackend
 
 from backends.virtual.plant import build
+from pa10d.common.errors import UserError
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.estimator import SpeedEstimator
@@ -23,7 +24,6 @@ from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics import base_parameters, inverse_dynamics, robot_from_profile
 from pa10d.effects import Context
-from pa10d.errors import UserError
 from pa10d.model import Term, TorqueModel
 from pa10d.profile import load_profile
 

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from pa10d.processor import stay_on_one
+from pa10d.common.processor import stay_on_one
 
 
 def test_one_thread_stays_on_the_last_allowed_processor():

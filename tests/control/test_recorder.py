@@ -10,9 +10,9 @@ import pytest
 from arms import cycles, holding_arm, swing, until
 
 from backends.protocol import BackendFault
+from pa10d.common.errors import UserError
 from pa10d.control.reference import Motion
 from pa10d.control.states import ArmState
-from pa10d.errors import UserError
 from pa10d.profile import load_profile
 from pa10d.recorder.recorder import Recorder
 from pa10d.store import RunStore

@@ -17,7 +17,7 @@ import pytest
 from bus_observer import Observer
 
 from pa10d.client import Client, running_at
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 START_MOVING = 300.0  # s from request to motion: on a busy machine planning takes long
 

@@ -23,7 +23,7 @@ from bus_helpers import patient_eds  # noqa: E402
 from bus_observer import Observer  # noqa: E402
 
 from pa10d.client import Client  # noqa: E402
-from pa10d.errors import UserError  # noqa: E402
+from pa10d.common.errors import UserError  # noqa: E402
 from pa10d.profile import find_profile  # noqa: E402
 from pa10d.store import RunStore  # noqa: E402
 

@@ -12,12 +12,12 @@ from pathlib import Path
 import psutil
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.daemon.budget import Budget
 from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs import Jobs
 from pa10d.daemon.workers import Workers
-from pa10d.errors import UserError
 
 PLENTY = Budget(4 << 30, 120.0)
 GREEDY = """

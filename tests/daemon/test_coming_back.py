@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pa10d.client import local_daemon
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 pytestmark = [pytest.mark.alone, pytest.mark.timeout(300)]
 

@@ -14,8 +14,8 @@ from damage import damaged
 from model_examples import textbook
 from store_data import ALL, channels, motion, plain_table, samples, write_csv
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_urdf
-from pa10d.errors import UserError
 from pa10d.services.robots import load_robot
 from pa10d.store import RunStore
 from pa10d.store.csv_import import read_csv

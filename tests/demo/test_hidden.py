@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from backends.virtual.plant.catalogue import LISTED
+from pa10d.common.errors import UserError
 from pa10d.demo.bench import Bench
 from pa10d.demo.hidden import Hidden, hide
 from pa10d.effects import all_effects
-from pa10d.errors import UserError
 from pa10d.profile import Simulation, load_profile
 
 PROFILE = load_profile("pa10-sim")

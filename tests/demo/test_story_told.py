@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.report import write_report
 from pa10d.demo.story import play
 from pa10d.demo.truth import judged, verdict_on
-from pa10d.errors import UserError
 from pa10d.services.doubts import new_plan
 
 PLAN = {"kind": "velocity_sweep", "parameters": {"joints": [4]}, "about": {"expected": 9.0}}

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from pa10d.diagnose.side import PerJoint, Side
-from pa10d.equation import RunEquation
-from pa10d.signals import Lowpass
+from pa10d.measurement.signals import Lowpass
+from pa10d.regression.equation import RunEquation
 
 RATE = 50.0
 

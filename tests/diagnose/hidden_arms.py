@@ -19,9 +19,9 @@ from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.effects import effect
 from pa10d.identify.procedure import identify
 from pa10d.judgement import in_band
+from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
 
 Entry = Mapping[str, Any]
 """One hidden effect as the simulator takes it: effect, joint(s) from 1, its parameters."""

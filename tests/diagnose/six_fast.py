@@ -9,7 +9,7 @@ import numpy as np
 
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 RATE = 500.0
 LIMITS = np.array([60.0, 60.0, 40.0, 10.0, 10.0, 6.0])  # N·m

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pa10d.dynamics import Robot, robot_from_urdf
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")

@@ -16,7 +16,7 @@ import pytest
 import scipy.signal
 
 from pa10d.diagnose.procedure import diagnose
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")

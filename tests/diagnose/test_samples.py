@@ -12,7 +12,7 @@ from pyarrow import csv
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_urdf
 from pa10d.identify.procedure import identify
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 KINDS = ("train_a", "train_b", "valid_a", "valid_b")
 

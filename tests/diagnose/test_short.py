@@ -7,12 +7,12 @@ import pytest
 from six_fast import Extra, recording, robot, two_runs
 from small_machines import machine, servo
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_urdf
-from pa10d.errors import UserError
 from pa10d.identify import identify
 from pa10d.judgement.band import HIGHEST_HZ, SHORT_MOTION, band
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 WRIST, ELBOW = np.eye(6)[4], np.eye(6)[3]
 

@@ -10,8 +10,8 @@ from pa10d.dynamics import inverse_dynamics, robot_from_profile
 from pa10d.effects.base import smooth_sign
 from pa10d.effects.library.base_tilt import rotation
 from pa10d.identify.procedure import identify
+from pa10d.measurement.recording import Recording
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
 
 RATE, SECONDS, TILT = 200.0, 25.0, 0.03
 

@@ -8,7 +8,7 @@ from two_links import COULOMB, V0, VISCOUS, motion, recordings, textbook
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.effects.base import smooth_sign
-from pa10d.equation import prepare
+from pa10d.regression.equation import prepare
 
 LOSS, T, POWER, JOINT = 0.4, 9.0, 4.0, 1
 

@@ -11,8 +11,8 @@ from pa10d.diagnose.state import State
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
 from pa10d.identify.procedure import identify
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
-from pa10d.recording import Recording
 
 RATE = 200.0
 SECONDS = 30.0

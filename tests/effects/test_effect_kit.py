@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from test_third_party import CLASS, installed  # noqa: F401
 
+from pa10d.common.errors import UserError
 from pa10d.effect_kit import check
 from pa10d.effect_kit.dimension import power_of_second
 from pa10d.effect_kit.scaffold import scaffold
 from pa10d.effects import all_effects, effect
-from pa10d.errors import UserError
 
 
 @pytest.mark.parametrize("name", sorted(all_effects()))

@@ -8,11 +8,11 @@ from effect_motions import arm_context
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pa10d.common.errors import UserError
 from pa10d.diagnose.candidates import suspects
 from pa10d.effects import all_effects, effect
 from pa10d.effects.smooth_map import DEGREE, SEGMENTS, SMOOTHING, smooth_map, splines
 from pa10d.effects.variables import at_joint, parsed, remembered, values_of
-from pa10d.errors import UserError
 
 
 def bell(x: np.ndarray, width: float) -> np.ndarray:

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from effect_motions import arm_context
 
+from pa10d.common.errors import UserError
 from pa10d.effects import all_effects, effect
 from pa10d.effects.pages import page
 from pa10d.effects.portrait import portrait
-from pa10d.errors import UserError
 from pa10d.model import Term
 
 ROOT = Path(__file__).resolve().parents[2]

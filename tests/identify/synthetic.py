@@ -9,8 +9,8 @@ import numpy as np
 from pa10d.dynamics import Robot, inverse_dynamics, regressor, robot_from_profile
 from pa10d.dynamics.base import random_motion
 from pa10d.effects.base import smooth_sign
+from pa10d.measurement.recording import Recording
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
 
 
 @dataclass(frozen=True)

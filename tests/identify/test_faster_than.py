@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from synthetic import fourier, pa10_truth, recording
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.identify import identify
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 LIMIT = (0.3, 0.3)
 RISE, WIDTH = 4.0, 0.08  # of the friction that is not linear: N·m, rad/s

@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import estimates, fourier, pa10_truth, recording
 
-from pa10d.equation import prepare
-from pa10d.errors import Cancelled, UserError
+from pa10d.common.errors import Cancelled, UserError
 from pa10d.identify import condition_number, identify
 from pa10d.identify.cuts import cuts
 from pa10d.identify.layout import textbook
 from pa10d.identify.triangle import Triangle, left_over
-from pa10d.motion import velocity_source
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass, delayed
+from pa10d.measurement.motion import velocity_source
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass, delayed
+from pa10d.regression.equation import prepare
 
 RATE = 250.0
 
@@ -234,7 +234,7 @@ def test_the_unit_of_torque_does_not_matter(unit):
 @given(st.integers(300, 400_000), st.sampled_from([100.0, 250.0, 500.0]), st.floats(3.0, 20.0))
 @settings(max_examples=40, deadline=None)
 def test_pieces_count_every_sample_once(samples, rate, cutoff):
-    from pa10d.equation import decimation
+    from pa10d.regression.equation import decimation
 
     factor = decimation(rate, cutoff)
     counted = np.zeros(-(-samples // factor), dtype=int)

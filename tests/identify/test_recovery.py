@@ -11,9 +11,9 @@ import pytest
 from synthetic import Truth, estimates, fourier, pa10_truth, recording
 
 from pa10d.dynamics import robot_from_urdf
-from pa10d.equation import prepare
 from pa10d.identify import identify, summary
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
+from pa10d.regression.equation import prepare
 
 sys.path.append(str(Path(__file__).parents[1] / "dynamics"))
 from trees import ALL

@@ -8,9 +8,9 @@ import model_examples as examples
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import Value, effect
-from pa10d.errors import UserError
 from pa10d.profile import load_profile
 from pa10d.services.model_details import model_details
 from pa10d.store.models import ModelStore

@@ -8,8 +8,8 @@ import model_examples as examples
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import inverse_dynamics
-from pa10d.errors import UserError
 from pa10d.export.formats import export
 
 RNG = np.random.default_rng(4)

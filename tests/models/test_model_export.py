@@ -8,13 +8,13 @@ import model_examples as examples
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.effect_kit import draws
 from pa10d.effects import all_effects
-from pa10d.errors import UserError
 from pa10d.export.formats import export
 from pa10d.export.python_module import python_module
 from pa10d.export.urdf import urdf_with_inertia
-from pa10d.impossible import impossible, mass_matrices
+from pa10d.model.impossible import impossible, mass_matrices
 
 DRAWS = 200
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
+from pa10d.common.errors import UserError
 from pa10d.effects import all_effects
-from pa10d.errors import UserError
 from pa10d.store.models import ModelStore
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import model_examples as examples
 import pytest
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.models import ModelStore
 
 

@@ -7,8 +7,8 @@ import model_examples as examples
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import inverse_dynamics, robot_from_urdf
-from pa10d.errors import UserError
 from pa10d.export.formats import export
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pa10d.dynamics import Robot, robot_from_urdf
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 RATE = 500.0
 INERTIA, COULOMB, VISCOUS = 0.7, 8.0, 10.0

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import inverse_dynamics
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.paper.boundary import boundary_velocity
 from pa10d.paper.single_joint import single_joint
-from pa10d.recording import Recording
 from tests.paper.swings import (
     COULOMB,
     INERTIA,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.paper.periods import (
     average_periods,
     fourier_motion,

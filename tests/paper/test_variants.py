@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import scipy.optimize
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import base_parameters, inverse_dynamics, regressor
 from pa10d.dynamics.observation import model_columns
-from pa10d.equation import prepare
-from pa10d.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.paper.penalty import penalty_fit
 from pa10d.paper.spans import steady_parts
 from pa10d.paper.stack import least_squares, stacked
 from pa10d.paper.variants import estimation_variants
-from pa10d.recording import Recording
+from pa10d.regression.equation import prepare
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.motions import Fourier
 from pa10d.trajectory.subarm import sub_arm

@@ -9,7 +9,7 @@ from plant_robots import seven_axes, turntable
 import backends.virtual.plant
 from backends.virtual.plant import build
 from backends.virtual.plant.catalogue import LISTED, UNLISTED
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Simulation, Tool
 
 EFFECT_IDS = {

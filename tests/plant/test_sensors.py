@@ -54,7 +54,7 @@ def test_delayed_torque_lags_by_the_delay(tmp_path, delay):
 
 
 def test_delay_beyond_memory_is_refused(tmp_path):
-    from pa10d.errors import UserError
+    from pa10d.common.errors import UserError
 
     plant = bare(turntable(tmp_path), [{"effect": "torque_delay", "joint": 1, "Td": 2.0}])
     with pytest.raises(UserError, match="torque_delay"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import load_profile
 
 URDF = '<robot name="r"><link name="a"/></robot>'

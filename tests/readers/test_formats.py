@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_urdf
-from pa10d.errors import UserError
 from pa10d.profile import Can, Drive, Profile
 from pa10d.readers import read_recording
 from pa10d.services.robots import load_robot

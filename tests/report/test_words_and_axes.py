@@ -2,8 +2,8 @@
 
 import pytest
 
+from pa10d.common.words import times
 from pa10d.figures.plotly import log_axis
-from pa10d.words import times
 
 
 @pytest.mark.parametrize(

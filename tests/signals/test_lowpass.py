@@ -8,8 +8,8 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.errors import UserError
-from pa10d.signals import Lowpass, delayed
+from pa10d.common.errors import UserError
+from pa10d.measurement.signals import Lowpass, delayed
 
 RATE = 500.0
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.signals import Lowpass
-from pa10d.standstill import NARROWER, REACH, near, standstill
+from pa10d.measurement.signals import Lowpass
+from pa10d.measurement.standstill import NARROWER, REACH, near, standstill
 
 RATE, CUTOFF = 500.0, 12.5
 

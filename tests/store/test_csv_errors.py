@@ -7,7 +7,7 @@ import gzip
 import pytest
 from store_data import motion, plain_table, write_csv
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.csv_import import read_csv
 
 HEAD = "time,q1,q2,tau1,tau2"

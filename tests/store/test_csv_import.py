@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from store_data import motion, plain_table, write_csv
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store.csv_import import read_csv
 
 

@@ -9,7 +9,7 @@ from rosbags.rosbag2 import Reader
 from scipy.io import loadmat
 from store_data import ALL, channels, motion, plain_table, samples, write_csv
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import Channels, RunStore
 from pa10d.store.csv_import import read_csv
 from pa10d.store.export import export_run

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from store_data import channels, samples
 
-from pa10d.errors import Busy, UserError
+from pa10d.common.errors import Busy, UserError
+from pa10d.common.yamlfile import read_yaml
 from pa10d.store import RunStore
 from pa10d.store.folders import locked
 from pa10d.store.models import ModelStore
 from pa10d.store.run_info import BAG, FILE
-from pa10d.yamlfile import read_yaml
 
 ALIAS_BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"a{k + 1}: &a{k + 1} [{', '.join([f'*a{k}'] * 10)}]\n" for k in range(9)

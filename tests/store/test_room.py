@@ -10,8 +10,8 @@ import pytest
 from mcap.reader import make_reader
 from store_data import channels, samples
 
+from pa10d.common.errors import UserError
 from pa10d.control.record import RecordLayout
-from pa10d.errors import UserError
 from pa10d.recorder.session import Session
 from pa10d.services.experiments import room_check
 from pa10d.store import RunStore, room, run_writer

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from store_data import channels, samples
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import RunStore
 from pa10d.store.names import checked_name, free_name, new_id, resolve
 from pa10d.store.run_info import RunInfo

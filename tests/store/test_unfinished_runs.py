@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 from store_data import channels, samples
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.store import RunStore, run_writer
 from pa10d.store.bag_repair import finish_bag
 from pa10d.store.run_info import BAG

@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
+from pa10d.common.parallel import process_map
 from pa10d.dynamics.observation import condition_number
-from pa10d.errors import UserError
-from pa10d.parallel import process_map
 from pa10d.trajectory.check import check
 from pa10d.trajectory.excitation.criterion import Criterion
 from pa10d.trajectory.excitation.mapping import as_mapper

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_urdf
-from pa10d.errors import UserError
 from pa10d.trajectory.check import check
 from pa10d.trajectory.kinds import KINDS, experiment_kind, read_request
 from pa10d.trajectory.limits import limits_of

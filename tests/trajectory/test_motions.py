@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.motions import (
     Chirp,

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.check import check
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.motions import Drawing, Samples

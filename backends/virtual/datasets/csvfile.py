@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pa10d.recording import Recording
+from pa10d.measurement.recording import Recording
 
 
 def write_csv(path: Path, run: Recording) -> None:

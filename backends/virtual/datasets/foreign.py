@@ -13,9 +13,9 @@ from backends.virtual.load_plant import load_plant
 from backends.virtual.plant.records import Array
 from backends.virtual.plant.run import Servo
 from backends.virtual.plant.servo import feed_forward, nominal, servo_for
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.recording import Recording
 
 
 def foreign_runs(

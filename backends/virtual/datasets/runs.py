@@ -10,8 +10,8 @@ from backends.virtual.plant.plant import Plant
 from backends.virtual.plant.records import Array
 from backends.virtual.plant.servo import feed_forward, nominal, servo_for
 from backends.virtual.plant.warmth import celsius
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.recording import Recording
 
 KINDS = ("train_a", "train_b", "valid_a", "valid_b")
 LEAD_IN = 1.0  # s in which the motion gathers speed, before the recording begins

@@ -11,8 +11,8 @@ import numpy as np
 from backends.virtual.datasets.robot import open_robot, reach_of
 from backends.virtual.datasets.runs import KINDS, motion_of, run_motion
 from backends.virtual.plant.plant import Plant, build
+from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.recording import Recording
 
 
 def make_runs(

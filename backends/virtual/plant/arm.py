@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from backends.virtual.plant.records import Array, Ints
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 

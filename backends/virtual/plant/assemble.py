@@ -27,7 +27,7 @@ from backends.virtual.plant.substeps import inertias
 from backends.virtual.plant.textbook import Textbook
 from backends.virtual.plant.transmission import transmission_of
 from backends.virtual.plant.warmth import warmth_of
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 

@@ -17,7 +17,7 @@ from backends.virtual.plant.compiled import inner
 from backends.virtual.plant.gather import of
 from backends.virtual.plant.hidden import Hidden
 from backends.virtual.plant.records import Array, Ints, Record
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 LUGRE, MAXWELL = 1, 2
 ELEMENTS = 8

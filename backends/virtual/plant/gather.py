@@ -8,7 +8,7 @@ import numpy as np
 
 from backends.virtual.plant.hidden import Hidden
 from backends.virtual.plant.records import Array
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 
 def of(effects: Iterable[Hidden], name: str) -> list[Hidden]:

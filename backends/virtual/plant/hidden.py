@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from backends.virtual.plant.catalogue import ABOVE_ZERO, ALL, REQUIRED, Where
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 
 @dataclass(frozen=True)

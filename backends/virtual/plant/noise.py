@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from backends.virtual.plant.records import Array
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 KINDS: dict[str, dict[str, float]] = {
     "none": {"white": 0.0, "slow": 0.0, "corner_hz": 1.0},

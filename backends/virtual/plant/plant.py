@@ -18,7 +18,7 @@ from backends.virtual.plant.state import Physics, figures_of, new_scratch, new_s
 from backends.virtual.plant.substeps import longest_substep
 from backends.virtual.plant.textbook import Textbook, peak_torques, textbook_of
 from backends.virtual.plant.warmth import celsius
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 PA10_RESOLUTION = 2.0 * math.pi / 819200  # rad per encoder count

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from backends.virtual.plant.records import Array
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
 DYNAMICS = ("rotor_inertia", "coulomb", "viscous")

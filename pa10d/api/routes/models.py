@@ -25,12 +25,12 @@ from pa10d.api.schemas import (
     ModelDetails,
     ModelPage,
 )
+from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.improvement import improvement_job
 from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
-from pa10d.errors import UserError
 from pa10d.export.endings import ENDINGS, Format
 from pa10d.store.entries import SetAside
 from pa10d.store.models import ModelInfo

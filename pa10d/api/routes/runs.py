@@ -17,8 +17,8 @@ from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.schemas import Run, RunChange, RunPage
+from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
-from pa10d.errors import UserError
 from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.entries import SetAside

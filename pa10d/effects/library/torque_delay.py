@@ -3,7 +3,7 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, View
-from pa10d.signals import delayed
+from pa10d.measurement.signals import delayed
 
 
 class TorqueDelay(Effect):

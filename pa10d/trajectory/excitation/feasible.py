@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.problem import CLEAR, Problem
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.trajectory.check import check
 from pa10d.trajectory.excitation.criterion import Criterion
 from pa10d.trajectory.excitation.feasible import (

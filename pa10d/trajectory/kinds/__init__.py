@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.kinds.base import Kind, validated
 from pa10d.trajectory.kinds.boundary_velocity import BoundaryVelocity
 from pa10d.trajectory.kinds.chirp import ChirpSweep

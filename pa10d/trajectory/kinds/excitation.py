@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.polish import QUICK, polish
 from pa10d.trajectory.excitation.problem import Problem
 from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Positive

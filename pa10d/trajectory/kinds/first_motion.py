@@ -8,8 +8,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.errors import UserError
 from pa10d.trajectory.kinds.base import Array, Kind
 from pa10d.trajectory.kinds.strokes import RAMP_SHARE, stroke
 from pa10d.trajectory.motions import Drawing

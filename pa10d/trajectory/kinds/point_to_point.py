@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Share
 from pa10d.trajectory.motions import Drawing, move_time
 from pa10d.trajectory.plan import Plan, Segment, joined

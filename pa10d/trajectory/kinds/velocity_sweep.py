@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 from pa10d.trajectory.kinds.base import Array, Count, Kind, Positive, Share
 from pa10d.trajectory.kinds.strokes import fastest, to_and_fro
 from pa10d.trajectory.plan import Plan, Segment, joined

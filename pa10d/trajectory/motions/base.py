@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 Array = NDArray[np.float64]
 State = tuple[Array, Array, Array]

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass, delayed
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass, delayed
 
 Array = NDArray[np.float64]
 

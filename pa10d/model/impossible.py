@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pa10d.common.words import listed, percent
 from pa10d.dynamics.typical import usual_poses
 from pa10d.effects.context import posed
-from pa10d.model import TorqueModel
-from pa10d.words import listed, percent
+from pa10d.model.model import TorqueModel
 
 REMEDY = "use the feasible parameters (--parameters feasible) where something is to move by it"
 

@@ -13,12 +13,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.effects import Context, Effect, Value, effect
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed, torque_of
-from pa10d.errors import UserError
 
 Array = NDArray[np.float64]
 

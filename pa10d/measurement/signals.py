@@ -15,7 +15,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 Array = NDArray[np.float64]
 

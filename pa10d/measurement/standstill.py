@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.signals import Lowpass
+from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from pa10d.yamlfile import expected
+from pa10d.common.yamlfile import expected
 
 
 def _count(n: int) -> BeforeValidator:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot, regressor
 from pa10d.effects import Context
-from pa10d.motion import VelocitySource, motion, velocity_source
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass, delayed
-from pa10d.standstill import RESTING, standstill
+from pa10d.measurement.motion import VelocitySource, motion, velocity_source
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass, delayed
+from pa10d.measurement.standstill import RESTING, standstill
 
 Array = NDArray[np.float64]
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pa10d.equation import edge_time, motion_band
-from pa10d.motion import motion, velocity_source
-from pa10d.recording import Recording
-from pa10d.signals import Lowpass
-from pa10d.standstill import share_left
+from pa10d.measurement.motion import motion, velocity_source
+from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
+from pa10d.measurement.standstill import share_left
+from pa10d.regression.equation import edge_time, motion_band
 
 ENOUGH = 0.5  # of the motion
 STEP = 1.15  # by which a band is widened at a time

@@ -18,7 +18,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
 
 LARGEST = 16 << 20  # bytes of a file
 DEEPEST = 100  # sections within sections

@@ -1,0 +1,1 @@
+"""What was measured: recordings, their samples and signals, the motion in them."""
