@@ -7,6 +7,7 @@ takes long to import is imported inside the function that needs it.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import os
 import pkgutil
@@ -14,8 +15,10 @@ import sys
 from collections.abc import Sequence
 from types import ModuleType
 
-from pa10d.cli.answer import print_answer, print_failure
+from pa10d.cli.answer import Answer, print_answer, print_failure
 from pa10d.cli.commands import Commands, current, root_parser
+from pa10d.cli.completion import complete
+from pa10d.cli.progress import end_progress
 from pa10d.common.errors import Unsound, UserError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
@@ -34,15 +37,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = Commands(subparsers)
     for family in families():
         family.add_commands(commands)
-    options = parser.parse_args(arguments)
+    complete(parser)
+    options, more = parser.parse_known_args(arguments)
+    if more:
+        options.parser.error(f"unrecognized arguments: {' '.join(more)}")
     options.data = getattr(options, "data", None)
     options.json = getattr(options, "json", False)
     current.patient = options.patient
     try:
-        answer = options.run(options)
-        print_answer(answer, options.json, options.kind)
-        sys.stdout.flush()
-        return answer.status
+        return _carried_out(options)
     except Unsound as error:
         print_failure(f"{error} (--force)", options.json, findings=error.findings)
     except UserError as error:
@@ -56,3 +59,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         print_failure(f"{where}{error.strerror or error}", options.json)
     return FAILED
+
+
+def _carried_out(options: argparse.Namespace) -> int:
+    from pa10d.cli.remembered import profile_of, remember
+
+    given = getattr(options, "profile", None)
+    options.profile = profile_of(options)
+    try:
+        answer: Answer = options.run(options)
+    finally:
+        end_progress()
+    print_answer(answer, options.json, options.kind)
+    sys.stdout.flush()
+    if answer.status == DONE:
+        remember(options, given)
+    return answer.status

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands
-from pa10d.cli.daemon_client import progress_line
+from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
 if TYPE_CHECKING:
@@ -23,6 +23,10 @@ def add_commands(commands: Commands) -> None:
         case_study,
         "the paper's chapter 3 on the virtual arm, joints 1-4",
         patient=True,
+        examples=(
+            "pa10d case-study --quick",
+            "pa10d --data study case-study --seed 2 --report study.html",
+        ),
     )
     parser.add_argument(
         "--seed", type=seed_number, default=1, metavar="N", help="which arm (default: 1)"

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pa10d import __version__
 from pa10d.cli.answer import Answer
+from pa10d.cli.parser import Parser
 
 DEFAULT_PROFILE = "pa10-sim"
+FIRST_STEPS = (
+    "pa10d demo",
+    "pa10d run import train.csv --profile robot.urdf --name train",
+    "pa10d identify train --profile robot.urdf --name m0",
+    "pa10d diagnose m0 --fit train",
+    "pa10d COMMAND --help",
+)
 Run = Callable[[argparse.Namespace], Answer]
 
 
@@ -24,13 +32,13 @@ class Current:
 current = Current()
 
 
-def root_parser() -> tuple[argparse.ArgumentParser, Any]:
+def root_parser() -> tuple[Parser, Any]:
     """The parser of ``pa10d`` and the place where commands hang."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="pa10d",
         description="Hold a robot arm by its amplifiers and learn what its torque is made of.",
         parents=[_anywhere()],
-        allow_abbrev=False,
+        examples=FIRST_STEPS,
     )
     parser.add_argument("--version", action="version", version=f"pa10d {__version__}")
     return parser, parser.add_subparsers(metavar="COMMAND", required=True)
@@ -44,34 +52,40 @@ class Commands:
         self._subparsers, self._within = subparsers, within
 
     def add(
-        self, name: str, run: Run, says: str, *, patient: bool = False, **more: Any
-    ) -> argparse.ArgumentParser:
+        self, name: str, run: Run, says: str, *, examples: Sequence[str], patient: bool = False
+    ) -> Parser:
         """A command: ``run(options)`` gives its Answer. The caller adds options to the parser.
 
+        examples: whole command lines, shown by its --help.
         patient: interrupted, it ends what it started in good order; others end at once."""
-        parser = self._parser(name, says, **more)
-        parser.set_defaults(run=run, patient=patient, kind=f"{self._within}{name}")
+        parser = self._parser(name, says, examples)
+        parser.set_defaults(
+            run=run, patient=patient, kind=f"{self._within}{name}", parser=parser,
+            takes_profile=False, remembers=False,
+        )  # fmt: skip
         return parser
 
     def group(self, name: str, says: str) -> Commands:
         """A command with commands of its own, such as ``pa10d run import``."""
-        parser = self._parser(name, says)
+        parser = self._parser(name, says, ())
         return Commands(parser.add_subparsers(metavar="COMMAND", required=True), f"{name}-")
 
-    def _parser(self, name: str, says: str, **more: Any) -> argparse.ArgumentParser:
-        parser: argparse.ArgumentParser = self._subparsers.add_parser(
-            name, help=says, description=says, parents=[_anywhere()], allow_abbrev=False, **more
+    def _parser(self, name: str, says: str, examples: Sequence[str]) -> Parser:
+        parser: Parser = self._subparsers.add_parser(
+            name, help=says, description=says, parents=[_anywhere()], examples=examples
         )
         return parser
 
 
-def profile_option(parser: argparse.ArgumentParser) -> None:
-    """--profile P."""
+def profile_option(parser: argparse.ArgumentParser, *, remembers: bool = True) -> None:
+    """--profile P; remembers: without it, the one that was last used with the data."""
+    default = f"the one last used with this data, else {DEFAULT_PROFILE}"
+    parser.set_defaults(takes_profile=True, remembers=remembers)
     parser.add_argument(
         "--profile",
         metavar="P",
-        default=DEFAULT_PROFILE,
-        help=f"the robot: a profile's name or YAML file (default: {DEFAULT_PROFILE})",
+        help="the robot: a profile's name or YAML file, or a URDF file "
+        f"(default: {default if remembers else DEFAULT_PROFILE})",
     )
 
 
@@ -90,7 +104,7 @@ def force_option(parser: argparse.ArgumentParser) -> None:
 
 def _anywhere() -> argparse.ArgumentParser:
     """Options that are taken before and after the command, whichever way."""
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser = Parser(add_help=False)
     parser.add_argument(
         "--data",
         metavar="DIR",

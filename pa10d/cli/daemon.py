@@ -19,7 +19,17 @@ PORT = 8010
 
 def add_commands(commands: Commands) -> None:
     """The family around the daemon."""
-    serving = commands.add("serve", serve, "the daemon with HTTP API and web page", patient=True)
+    serving = commands.add(
+        "serve",
+        serve,
+        "the daemon with HTTP API and web page",
+        patient=True,
+        examples=(
+            "pa10d serve",
+            "pa10d serve --profile arm.yaml --port 0",
+            "pa10d serve --hide any",
+        ),
+    )
     serving.add_argument("--port", type=int, default=PORT, help=f"0: a free one (default: {PORT})")
     serving.add_argument("--host", default="127.0.0.1", help="address to listen on")
     serving.add_argument(
@@ -43,7 +53,15 @@ def add_commands(commands: Commands) -> None:
     serving.add_argument("--seed", type=int, help="of what is hidden: same seed, same arm")
     robot_options(serving)
     experimenting = commands.add(
-        "experiment", experiment, "run one experiment → run ids", patient=True
+        "experiment",
+        experiment,
+        "run one experiment → run ids",
+        patient=True,
+        examples=(
+            "pa10d experiment excitation --name train",
+            "pa10d experiment tracking --set period=4 joints=[1,2] --name fast",
+            "pa10d experiment --plan settle.yaml",
+        ),
     )
     experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
     experimenting.add_argument(
@@ -61,16 +79,40 @@ def add_commands(commands: Commands) -> None:
     replace_option(experimenting, "the run of this name")
     robot_options(experimenting)
     controlling = commands.add(
-        "controller", controller, "which control law holds and moves the arm from now on"
+        "controller",
+        controller,
+        "which control law holds and moves the arm from now on",
+        examples=(
+            "pa10d controller",
+            "pa10d controller computed_torque --model m1",
+        ),
     )
     controlling.add_argument(
         "law", nargs="?", choices=("pid", "computed_torque"), help="absent: say which it is"
     )
     controlling.add_argument("--model", help="for computed torque: name, id or the start of an id")
-    checking = commands.add("check", check, "go or no-go before power", patient=True)
+    checking = commands.add(
+        "check",
+        check,
+        "go or no-go before power",
+        patient=True,
+        examples=(
+            "pa10d check --profile pa10-7c",
+            "pa10d check --seconds 10",
+        ),
+    )
     checking.add_argument("--seconds", type=float, default=2.0, help="for each timing test")
     robot_options(checking)
-    simulating = commands.add("sim", sim, "the virtual arm alone, in its own process", patient=True)
+    simulating = commands.add(
+        "sim",
+        sim,
+        "the virtual arm alone, in its own process",
+        patient=True,
+        examples=(
+            "pa10d sim",
+            "pa10d sim --profile arm.yaml",
+        ),
+    )
     robot_options(simulating)
 
 
@@ -107,7 +149,8 @@ def serve(options: argparse.Namespace) -> Answer:
 
 def experiment(options: argparse.Namespace) -> Answer:
     """``experiment``: by the daemon that runs on this data, else by one of our own."""
-    from pa10d.cli.daemon_client import daemon_for, progress_line, read_plan
+    from pa10d.cli.daemon_client import daemon_for, read_plan
+    from pa10d.cli.progress import progress_line
 
     plan = read_plan(options.kind, options.plan, options.settings)
     keys = ("name", "tags", "controller", "model", "replace")

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import profile_option
+from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.client import Client
-
-BAR = 30  # characters
 
 
 def robot_options(parser: argparse.ArgumentParser) -> None:
@@ -85,24 +83,6 @@ def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> d
     if not isinstance(plan, dict) or "kind" not in plan:
         raise UserError(f"{file}: no 'kind'; expected {{kind: …, parameters: …}}")
     return {**plan, "parameters": {**(plan.get("parameters") or {}), **given}}
-
-
-def progress_line() -> Callable[[float, str], None]:
-    """A bar on a terminal, a line per step elsewhere."""
-    said = ""
-
-    def show(share: float, message: str) -> None:
-        nonlocal said
-        if sys.stderr.isatty():
-            done = round(BAR * share)
-            bar = "█" * done + "·" * (BAR - done)
-            end = "\n" if share >= 1 else ""
-            print(f"\r{bar} {share:4.0%} {message:40.40s}", end=end, file=sys.stderr, flush=True)
-        elif message not in ("", "done", said):
-            note(f"{share:4.0%} {message}")
-            said = message
-
-    return show
 
 
 def improve_by_daemon(options: argparse.Namespace) -> Answer:

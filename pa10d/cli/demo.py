@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands, profile_option
-from pa10d.cli.daemon_client import progress_line
+from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
 if TYPE_CHECKING:
@@ -20,9 +20,17 @@ if TYPE_CHECKING:
 def add_commands(commands: Commands) -> None:
     """``demo``."""
     parser = commands.add(
-        "demo", demo, "the whole story on a simulated arm with a hidden effect", patient=True
+        "demo",
+        demo,
+        "the whole story on a simulated arm with a hidden effect",
+        patient=True,
+        examples=(
+            "pa10d demo",
+            "pa10d demo --hide stribeck:4 --seed 3",
+            "pa10d demo --profile arm.yaml",
+        ),
     )
-    profile_option(parser)
+    profile_option(parser, remembers=False)
     parser.add_argument(
         "--hide", metavar="EFFECT[:JOINT]",
         help="what the arm hides, or 'none' (default: drawn at random)",

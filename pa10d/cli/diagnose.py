@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, current, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
-from pa10d.cli.models import _library, _model, _progress
+from pa10d.cli.models import _library, _model
+from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
 
@@ -19,7 +20,16 @@ if TYPE_CHECKING:
 
 def add_commands(commands: Commands) -> None:
     """``diagnose``, ``add`` and ``improve``."""
-    parser = commands.add("diagnose", diagnose, "which physical effect is missing, or what changed")
+    parser = commands.add(
+        "diagnose",
+        diagnose,
+        "which physical effect is missing, or what changed",
+        examples=(
+            "pa10d diagnose m0 --fit train --validate valid",
+            "pa10d diagnose m0 --fit monday --validate friday --frozen",
+            "pa10d diagnose m0 --fit train --effect stribeck --joint 4 --report why.html",
+        ),
+    )
     _model(parser)
     _sides(parser)
     parser.add_argument(
@@ -30,7 +40,15 @@ def add_commands(commands: Commands) -> None:
     _report(parser)
     force_option(parser)
 
-    parser = commands.add("add", add, "a new version of a model with an effect fitted in")
+    parser = commands.add(
+        "add",
+        add,
+        "a new version of a model with an effect fitted in",
+        examples=(
+            "pa10d add m0 stribeck --joint 4 --fit train --name m1",
+            "pa10d add m0 smooth_map --joint 2 --over q,dq --fit train --name m1",
+        ),
+    )
     _model(parser)
     parser.add_argument("effect", metavar="EFFECT", help="of the library, or smooth_map")
     _joints(parser)
@@ -44,7 +62,15 @@ def add_commands(commands: Commands) -> None:
     force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
-    parser = commands.add("improve", improve, "diagnose and add until nothing significant is left")
+    parser = commands.add(
+        "improve",
+        improve,
+        "diagnose and add until nothing significant is left",
+        examples=(
+            "pa10d improve m0 --fit train --validate valid --name best",
+            "pa10d improve m0 --fit train --name best --experiments",
+        ),
+    )
     _model(parser)
     _sides(parser)
     parser.add_argument("--name", required=True, metavar="NEW", help="the last version's name")
@@ -68,7 +94,7 @@ def diagnose(options: argparse.Namespace) -> Answer:
 
     found = diagnose_runs(
         _library(options), options.model_, options.fit, options.validate, frozen=options.frozen,
-        effect=options.effect, joints=options.joint, force=options.force, progress=_progress,
+        effect=options.effect, joints=options.joint, force=options.force, progress=progress_line(),
     )  # fmt: skip
     document = found.document()
     _write_report(options, found, document)
@@ -83,7 +109,7 @@ def add(options: argparse.Namespace) -> Answer:
     info, model, warnings = add_effect(
         _library(options), options.model_, options.effect, options.joint, options.fit,
         name=options.name, over=[x.strip() for x in options.over.split(",") if x.strip()],
-        replace_model=options.replace, force=options.force, progress=_progress,
+        replace_model=options.replace, force=options.force, progress=progress_line(),
     )  # fmt: skip
     for warning in warnings:
         note(f"warning: {warning}")
@@ -120,7 +146,7 @@ def improve(options: argparse.Namespace) -> Answer:
     made = improve_model(
         _library(options), options.model_, options.fit, options.validate, name=options.name,
         replace_model=options.replace, smooth=options.smooth, force=options.force,
-        progress=_progress,
+        progress=progress_line(),
     )  # fmt: skip
     text = in_words(made.diagnosis)
     if made.infos:

@@ -12,11 +12,29 @@ from pa10d.cli.commands import Commands
 def add_commands(commands: Commands) -> None:
     """The family ``effect``."""
     effects = commands.group("effect", "effects: list, new, check, page")
-    effects.add("list", list_, "what a torque model may contain beside its rigid bodies")
-    parser = effects.add("new", new, "a package for an effect of your own: class, test and page")
+    effects.add(
+        "list",
+        list_,
+        "what a torque model may contain beside its rigid bodies",
+        examples=("pa10d effect list",),
+    )
+    parser = effects.add(
+        "new",
+        new,
+        "a package for an effect of your own: class, test and page",
+        examples=("pa10d effect new belt_slip --out belt_slip",),
+    )
     parser.add_argument("name", metavar="NAME", help="its id: small letters and underscores")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: ./NAME")
-    parser = effects.add("check", check, "does an effect keep what models rely on?")
+    parser = effects.add(
+        "check",
+        check,
+        "does an effect keep what models rely on?",
+        examples=(
+            "pa10d effect check",
+            "pa10d effect check belt_slip --hide",
+        ),
+    )
     parser.add_argument("ids", metavar="ID", nargs="*", help="default: all that are installed")
     parser.add_argument(
         "--hide", action="store_true",
@@ -26,7 +44,12 @@ def add_commands(commands: Commands) -> None:
         "--draws", type=int, default=20, metavar="N",
         help="random shapes and motions for each check (default: 20)",
     )  # fmt: skip
-    parser = effects.add("page", page, "an effect's documentation page, made from its class")
+    parser = effects.add(
+        "page",
+        page,
+        "an effect's documentation page, made from its class",
+        examples=("pa10d effect page stribeck",),
+    )
     parser.add_argument("effect", metavar="ID")
 
 

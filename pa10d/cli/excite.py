@@ -8,14 +8,21 @@ from typing import Any
 
 from pa10d.cli.answer import Answer, note, plain, table
 from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
-
-STEP = 0.1  # share of the search between two lines of progress
 
 
 def add_commands(commands: Commands) -> None:
     """``excite``."""
-    parser = commands.add("excite", excite, "find a trajectory that excites all parameters")
+    parser = commands.add(
+        "excite",
+        excite,
+        "find a trajectory that excites all parameters",
+        examples=(
+            "pa10d excite --joints 1-4 --seconds 60 --out traj.yaml",
+            "pa10d excite --profile robot.urdf --floor none --out traj.yaml",
+        ),
+    )
     profile_option(parser)
     add = parser.add_argument
     add("--joints", metavar="A-B", help="such as 1-4 or 1,2,4 (default: all)")
@@ -52,7 +59,7 @@ def excite(options: argparse.Namespace) -> Answer:
     found = search(
         options.profile, _joints(options.joints), seconds=options.seconds,
         generations=options.generations, seed=options.seed, cycles=options.cycles,
-        workers=options.workers, progress=_teller(), fundamental=1.0 / options.period,
+        workers=options.workers, progress=progress_line(), fundamental=1.0 / options.period,
         harmonics=options.harmonics, samples=options.samples, floor=_floor(options.floor),
         boundary=options.boundary, noise=options.noise, smallest=options.smallest,
         evenness=options.even, scaled=options.scaled,
@@ -91,17 +98,6 @@ def _text(joints: tuple[int, ...], about: dict[str, Any]) -> str:
             f"{about['seconds']:.1f} s",
         ]
     )
-
-
-def _teller() -> Any:
-    told = [0.0]
-
-    def tell(share: float, words: str) -> None:
-        if share >= told[0]:
-            told[0] = share + STEP
-            note(f"{100 * share:3.0f} %  {words}")
-
-    return tell
 
 
 def _joints(text: str | None) -> list[int] | None:

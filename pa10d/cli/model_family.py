@@ -19,15 +19,38 @@ if TYPE_CHECKING:
 def add_commands(commands: Commands) -> None:
     """The family ``model``."""
     models = commands.group("model", "torque models: list, show, history, export")
-    models.add("list", list_, "all models, oldest first")
-    _model(models.add("show", show, "a model's parameters with units and standard errors"))
-    parser = models.add("history", history, "what a model was made from, all judged alike")
+    models.add("list", list_, "all models, oldest first", examples=("pa10d model list",))
+    _model(
+        models.add(
+            "show",
+            show,
+            "a model's parameters with units and standard errors",
+            examples=("pa10d model show m0",),
+        )
+    )
+    parser = models.add(
+        "history",
+        history,
+        "what a model was made from, all judged alike",
+        examples=(
+            "pa10d model history m1",
+            "pa10d model history m1 --runs valid",
+        ),
+    )
     _model(parser)
     parser.add_argument(
         "--runs", nargs="+", action="extend", default=[], metavar="RUN",
         help="runs to judge by (default: those that the model was judged by, else fitted to)",
     )  # fmt: skip
-    parser = models.add("export", export, "a model for other programs")
+    parser = models.add(
+        "export",
+        export,
+        "a model for other programs",
+        examples=(
+            "pa10d model export m1 --format mjcf --out arm.xml",
+            "pa10d model export m1 --format c",
+        ),
+    )
     _model(parser)
     parser.add_argument("--format", required=True, choices=FORMATS)
     parser.add_argument(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, force_option, profile_option, replace_option
+from pa10d.cli.progress import progress_line
 
 if TYPE_CHECKING:
     from pa10d.services.library import Library
@@ -16,7 +17,15 @@ if TYPE_CHECKING:
 
 def add_commands(commands: Commands) -> None:
     """``identify`` and ``compare``."""
-    parser = commands.add("identify", identify, "fit the textbook torque model to runs")
+    parser = commands.add(
+        "identify",
+        identify,
+        "fit the textbook torque model to runs",
+        examples=(
+            "pa10d identify train --profile robot.urdf --name m0",
+            "pa10d identify monday tuesday --with torque_offset --name m0",
+        ),
+    )
     _runs(parser)
     profile_option(parser)
     parser.add_argument("--name", required=True, metavar="MODEL", help="the new model's name")
@@ -39,7 +48,15 @@ def add_commands(commands: Commands) -> None:
     force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
 
-    parser = commands.add("compare", compare, "how large a model's error is, and where")
+    parser = commands.add(
+        "compare",
+        compare,
+        "how large a model's error is, and where",
+        examples=(
+            "pa10d compare m0 valid",
+            "pa10d compare m0 valid --report where.html",
+        ),
+    )
     _model(parser)
     _runs(parser)
     parser.add_argument(
@@ -58,7 +75,7 @@ def identify(options: argparse.Namespace) -> Answer:
         _library(options), options.runs, options.profile, name=options.name,
         cutoff=options.cutoff, with_effects=options.effects,
         robust=options.robust, faster_than=options.faster_than, replace=options.replace,
-        force=options.force, progress=_progress,
+        force=options.force, progress=progress_line(),
     )  # fmt: skip
     found = made.summary
     for warning in found.get("warnings", ()):
@@ -83,7 +100,7 @@ def compare(options: argparse.Namespace) -> Answer:
     library = _library(options)
     found = compare_runs(
         library, options.model_, options.runs, ancestors=options.report is not None,
-        cutoff=options.cutoff, force=options.force, progress=_progress,
+        cutoff=options.cutoff, force=options.force, progress=progress_line(),
     )  # fmt: skip
     document = found.document()
     for warning in document["warnings"]:
@@ -129,10 +146,6 @@ def _runs(parser: argparse.ArgumentParser) -> None:
 
 def _model(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model_", metavar="MODEL", help="name, id or the start of an id")
-
-
-def _progress(share: float, what: str) -> None:
-    note(f"{share:4.0%}  {what}")
 
 
 def _rows(joints: Sequence[str], values: Sequence[float]) -> list[list[str]]:

@@ -17,6 +17,7 @@ from typing import NoReturn
 from pa10d.cli import INTERRUPTED, main
 from pa10d.cli.answer import note
 from pa10d.cli.commands import current
+from pa10d.cli.progress import show_cursor
 
 GRACE = 0.7  # s
 
@@ -60,6 +61,7 @@ def _leave() -> NoReturn:
 
         for child in multiprocessing.active_children():
             child.kill()
+    show_cursor()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     os._exit(INTERRUPTED)

@@ -20,7 +20,14 @@ def add_commands(commands: Commands) -> None:
     """The family ``run``."""
     runs = commands.group("run", "recordings: import, list, show, check, export, repair, delete")
     parser = runs.add(
-        "import", import_, "take a recording (CSV, ROS bag, Parquet, MAT …) into the store"
+        "import",
+        import_,
+        "take a recording (CSV, ROS bag, Parquet, MAT …) into the store",
+        examples=(
+            "pa10d run import train.csv --profile robot.urdf --name train",
+            "pa10d run import bag_folder --profile robot.urdf --check",
+            "pa10d run import log.csv --map 't[ms]=time' 'joint_{n}_position[deg]=q'",
+        ),
     )
     parser.add_argument(
         "file", type=Path, metavar="FILE|FOLDER", help="time,q1..qn,tau1..taun and more"
@@ -39,18 +46,30 @@ def add_commands(commands: Commands) -> None:
     )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="store it whatever --check says")
     replace_option(parser, "the run of this name")
-    runs.add("list", list_, "all runs, oldest first")
-    _one_run(runs.add("show", show, "what is known of a run"))
-    checking = runs.add("check", check, "what to know of a run before fitting")
+    runs.add("list", list_, "all runs, oldest first", examples=("pa10d run list",))
+    _one_run(runs.add("show", show, "what is known of a run", examples=("pa10d run show train",)))
+    checking = runs.add(
+        "check", check, "what to know of a run before fitting", examples=("pa10d run check train",)
+    )
     _one_run(checking)
     profile_option(checking)
-    exporting = runs.add("export", export, "write a run as a file")
+    exporting = runs.add(
+        "export",
+        export,
+        "write a run as a file",
+        examples=("pa10d run export train --format mcap",),
+    )
     _one_run(exporting)
     exporting.add_argument("--format", required=True, choices=FORMATS)
     exporting.add_argument("--out", type=Path, metavar="FILE", help="default: ./NAME.FORMAT")
     replace_option(exporting, "an existing file")
-    runs.add("repair", repair, "finish runs whose recorder was killed (done at every start too)")
-    _one_run(runs.add("delete", delete, "remove a run"))
+    runs.add(
+        "repair",
+        repair,
+        "finish runs whose recorder was killed (done at every start too)",
+        examples=("pa10d run repair",),
+    )
+    _one_run(runs.add("delete", delete, "remove a run", examples=("pa10d run delete train",)))
 
 
 def import_(options: argparse.Namespace) -> Answer:

@@ -8,11 +8,20 @@ import json
 from pa10d.cli.answer import VERSION, Answer
 from pa10d.cli.commands import Commands
 from pa10d.common.errors import UserError
+from pa10d.common.words import did_you_mean
 
 
 def add_commands(commands: Commands) -> None:
     """``schema``."""
-    parser = commands.add("schema", schema, "the JSON schema of what a command prints with --json")
+    parser = commands.add(
+        "schema",
+        schema,
+        "the JSON schema of what a command prints with --json",
+        examples=(
+            "pa10d schema",
+            "pa10d schema diagnose",
+        ),
+    )
     parser.add_argument(
         "name", nargs="?", metavar="NAME", help="such as identify or diagnose; without: all names"
     )
@@ -26,6 +35,9 @@ def schema(options: argparse.Namespace) -> Answer:
         return Answer({"names": sorted(SCHEMAS)}, "\n".join(sorted(SCHEMAS)))
     name = options.name.removeprefix("pa10d/").partition("/")[0]
     if name not in SCHEMAS:
-        raise UserError(f"schema {options.name!r}: expected one of {', '.join(sorted(SCHEMAS))}")
+        raise UserError(
+            f"schema {options.name!r}: expected one of {', '.join(sorted(SCHEMAS))}"
+            f"{did_you_mean(name, SCHEMAS)}"
+        )
     found = {"$id": f"pa10d/{name}/{VERSION}", **SCHEMAS[name].model_json_schema()}
     return Answer(found, json.dumps(found, indent=2, ensure_ascii=False))

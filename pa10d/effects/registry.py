@@ -8,6 +8,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import did_you_mean
 from pa10d.effects import library
 from pa10d.effects.base import Effect
 from pa10d.effects.check import fault
@@ -43,7 +44,8 @@ def effect(name: str, over: tuple[str, ...] = ()) -> Effect:
         return smooth_map(over or SmoothMap().over)
     known = all_effects()
     if name not in known:
-        raise UserError(f"{name}: no such effect; expected one of {', '.join(sorted(known))}")
+        expected = f"expected one of {', '.join(sorted(known))}"
+        raise UserError(f"{name}: no such effect; {expected}{did_you_mean(name, known)}")
     return known[name]
 
 

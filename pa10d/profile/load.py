@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import did_you_mean
 from pa10d.common.yamlfile import YamlFile, read_yaml, validate
 from pa10d.profile.profile import Profile
 
@@ -26,7 +27,10 @@ def find_profile(name: str | os.PathLike[str]) -> Path:
         if candidate.is_file():
             return candidate
     known = sorted({p.stem for folder in profile_folders() for p in folder.glob("*.yaml")})
-    raise UserError(f"{name}: no such profile; expected a YAML file or one of {', '.join(known)}")
+    raise UserError(
+        f"{name}: no such profile; expected a YAML or URDF file or one of {', '.join(known)}"
+        f"{did_you_mean(str(name), known)}"
+    )
 
 
 def load_profile(name: str | os.PathLike[str]) -> Profile:

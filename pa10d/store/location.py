@@ -8,10 +8,15 @@ from pathlib import Path
 from pa10d.common.errors import UserError
 
 
-def data_folder(given: str | os.PathLike[str] | None = None) -> Path:
-    """``given``, else PA10D_DATA, else the user's data folder; made where it does not exist."""
+def data_place(given: str | os.PathLike[str] | None = None) -> Path:
+    """``given``, else PA10D_DATA, else the user's data folder, whether it is there or not."""
     home = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    folder = Path(given or os.environ.get("PA10D_DATA") or Path(home) / "pa10d").absolute()
+    return Path(given or os.environ.get("PA10D_DATA") or Path(home) / "pa10d").absolute()
+
+
+def data_folder(given: str | os.PathLike[str] | None = None) -> Path:
+    """The same place; made where it does not exist."""
+    folder = data_place(given)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from typing import Protocol, TypeVar
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import did_you_mean
 
 _FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
 LONGEST = 100
@@ -66,6 +67,8 @@ def resolve(wanted: str, items: Sequence[Item], kind: str) -> Item:
         some = ", ".join(f"{item.id} ({item.name})" for item in starts[:3])
         more = " …" if len(starts) > 3 else ""
         raise UserError(f"{kind} {wanted!r}: {len(starts)} ids begin so: {some}{more}")
+    meant = did_you_mean(wanted, [item.name for item in items])
     raise UserError(
         f"{kind} {wanted!r}: none of this name or id; 'pa10d {kind} list' shows what there is"
+        f"{meant}"
     )

@@ -1,0 +1,71 @@
+"""The profile that was last used with a data folder stands for ``--profile`` where none is given.
+
+Remembered by the folder itself, but believed only by whom it belongs to and where it was written:
+a data folder that came from elsewhere does not choose what is loaded here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+from pa10d.cli.answer import note
+from pa10d.cli.commands import DEFAULT_PROFILE
+from pa10d.common.errors import UserError
+
+FILE = "profile.json"
+
+
+def profile_of(options: argparse.Namespace) -> str | None:
+    """What the command shall use: what was said, else what is remembered, else the default."""
+    given: str | None = getattr(options, "profile", None)
+    if not options.takes_profile or given is not None:
+        return given
+    known = _recalled(_folder(options)) if options.remembers else None
+    if known is None:
+        return DEFAULT_PROFILE
+    if known != DEFAULT_PROFILE:
+        note(f"profile {known}, as last used with this data (--profile for another)")
+    return known
+
+
+def remember(options: argparse.Namespace, given: str | None) -> None:
+    """After a command that went well with the profile ``given``."""
+    if given is None or not options.remembers or not (folder := _folder(options)).is_dir():
+        return
+    from pa10d.profile import find_profile
+
+    shipped = Path(given).suffix == "" and not Path(given).exists()
+    document = {"profile": given if shipped else str(find_profile(given)), "data": str(folder)}
+    if _recalled(folder) != document["profile"]:
+        fresh = folder / f".{FILE}.{os.getpid()}"
+        fresh.write_text(json.dumps(document) + "\n", encoding="utf-8")
+        fresh.replace(folder / FILE)
+
+
+def _folder(options: argparse.Namespace) -> Path:
+    from pa10d.store.location import data_place
+
+    return data_place(options.data)
+
+
+def _recalled(folder: Path) -> str | None:
+    file = folder / FILE
+    if not file.is_file():
+        return None
+    from pa10d.profile import find_profile
+
+    try:
+        if file.stat().st_uid != os.getuid():
+            return None
+        document = json.loads(file.read_bytes())
+        profile, written = document["profile"], document["data"]
+        if not isinstance(profile, str) or written != str(folder):
+            return None
+        if folder in find_profile(profile).parents:
+            return None
+        return profile
+    except (OSError, ValueError, KeyError, TypeError, UserError):
+        return None  # moved or renamed since: the default is named in every --help
