@@ -77,7 +77,7 @@ def _models(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
 def _profiles(prefix: str, **_: Any) -> list[str]:
     from argcomplete.completers import FilesCompleter
 
-    from pa10d.profile import profile_folders
+    from pa10d.profile.load import profile_folders
 
     shipped = [path.stem for folder in profile_folders() for path in folder.glob("*.yaml")]
     return [*shipped, *FilesCompleter(("yaml", "urdf"))(prefix)]
