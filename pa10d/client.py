@@ -384,7 +384,7 @@ def local_daemon(
     channel: a bus of its own; default: one that nobody else uses. clock: ``simulated`` runs as
     fast as this machine can. Everything ends with the block, the arm at rest.
     """
-    from pa10d.daemon.simulator import wants_simulator
+    from pa10d.daemon.processes.simulator import wants_simulator
     from pa10d.profile import load_profile
 
     command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]

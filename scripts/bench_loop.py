@@ -20,7 +20,7 @@ import numpy as np
 from pa10d.client import Client, JobFailed, local_daemon
 from pa10d.control.ring import Ring
 from pa10d.daemon.presence import present
-from pa10d.daemon.runtime import ring_of
+from pa10d.daemon.processes.runtime import ring_of
 
 RATE, PERIOD = 500.0, 4.0  # Hz; s of the sine that is tracked
 SIGNIFICANT = 0.05

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from backends.registry import load_object
-from backends.virtual.mechanics import INNER_STEP
+from backends.virtual.drives.mechanics import INNER_STEP
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile, Simulation
 

@@ -11,11 +11,11 @@ from backends.eds import eds_path
 from backends.frames import frames
 from backends.ports import Port
 from backends.scaling import scaling_of
-from backends.virtual.drive import TEMPERATURE, VirtualDrive
+from backends.virtual.drives.drive import TEMPERATURE, VirtualDrive
+from backends.virtual.drives.mechanics import Actuation, Mechanics
+from backends.virtual.drives.node import BOOTING
+from backends.virtual.drives.object_dictionary import LiveDictionary
 from backends.virtual.load_plant import load_plant
-from backends.virtual.mechanics import Actuation, Mechanics
-from backends.virtual.node import BOOTING
-from backends.virtual.object_dictionary import LiveDictionary
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile, Simulation
 

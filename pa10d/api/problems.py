@@ -14,9 +14,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
 from pa10d.common.errors import Busy, Unsound, UserError
-from pa10d.daemon.crowded import Crowded
-from pa10d.daemon.lease import Held
-from pa10d.daemon.robot import CommandRefused
+from pa10d.daemon.processes.crowded import Crowded
+from pa10d.daemon.robot.lease import Held
+from pa10d.daemon.robot.robot import CommandRefused
 
 MEDIA = "application/problem+json"
 KINDS = {

@@ -25,7 +25,7 @@ from pa10d.api.listeners import LARGEST, listeners
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.presence import Presence, announced, present
-from pa10d.daemon.runtime import own, runtime_folder
+from pa10d.daemon.processes.runtime import own, runtime_folder
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 

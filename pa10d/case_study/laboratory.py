@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.client import Client, local_daemon
-from pa10d.daemon.simulator import simulated_bus
+from pa10d.daemon.processes.simulator import simulated_bus
 from pa10d.profile import Profile
 
 

@@ -121,7 +121,7 @@ def serve(options: argparse.Namespace) -> Answer:
     from pa10d.api.access import tokens_from
     from pa10d.api.server import Settings
     from pa10d.api.server import serve as run
-    from pa10d.daemon.simulator import is_simulated
+    from pa10d.daemon.processes.simulator import is_simulated
     from pa10d.daemon.timekeeping import kept_time
     from pa10d.services.robots import load_robot
     from pa10d.store.location import data_folder
@@ -212,7 +212,7 @@ def check(options: argparse.Namespace) -> Answer:
 def sim(options: argparse.Namespace) -> Answer:
     """``sim``: until interrupted."""
     from pa10d.common.errors import UserError
-    from pa10d.daemon.simulator import claim, serve_arm
+    from pa10d.daemon.processes.simulator import claim, serve_arm
     from pa10d.profile import load_profile
 
     profile = _on_bus(load_profile(options.profile), options)

@@ -15,7 +15,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.words import listed
 
 if TYPE_CHECKING:
-    from pa10d.diagnose.outcome import Diagnosis
+    from pa10d.diagnose.outcome.diagnosis import Diagnosis
 
 
 def add_commands(commands: Commands) -> None:
@@ -103,7 +103,7 @@ def diagnose(options: argparse.Namespace) -> Answer:
 
 def add(options: argparse.Namespace) -> Answer:
     """``add``."""
-    from pa10d.diagnose.delivery import delivered
+    from pa10d.diagnose.search.delivery import delivered
     from pa10d.services.diagnoses import add_effect
 
     info, model, warnings = add_effect(
@@ -177,8 +177,8 @@ def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     import numpy as np
 
-    from pa10d.diagnose.next_experiment import as_command
-    from pa10d.diagnose.words import nothing
+    from pa10d.diagnose.outcome.next_experiment import as_command
+    from pa10d.diagnose.outcome.words import nothing
 
     n = len(found.rms)
     what = "has changed" if found.frozen else "is missing"

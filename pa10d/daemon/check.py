@@ -28,7 +28,7 @@ from pa10d.control.realtime import PRIORITY
 from pa10d.control.ring import Ring
 from pa10d.control.states import Refused
 from pa10d.daemon.presence import present
-from pa10d.daemon.simulator import simulated_bus
+from pa10d.daemon.processes.simulator import simulated_bus
 from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check
 from pa10d.profile import Profile

@@ -11,17 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import UserError
-from pa10d.daemon.budget import of_a_job, of_an_answer
-from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
-from pa10d.daemon.jobs import Job, Jobs, Progress, Report
-from pa10d.daemon.lease import Lease
+from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report
+from pa10d.daemon.jobs.shelf import Shelf
 from pa10d.daemon.notify import notify, watchdog_period
-from pa10d.daemon.robot import RobotProcess
-from pa10d.daemon.shelf import Shelf
-from pa10d.daemon.simulator import Simulator, wants_simulator
-from pa10d.daemon.telemetry import Telemetry
-from pa10d.daemon.workers import TaskFailed, Workers
+from pa10d.daemon.processes.budget import of_a_job, of_an_answer
+from pa10d.daemon.processes.crowded import Crowded
+from pa10d.daemon.processes.simulator import Simulator, wants_simulator
+from pa10d.daemon.processes.workers import TaskFailed, Workers
+from pa10d.daemon.robot.lease import Lease
+from pa10d.daemon.robot.robot import RobotProcess
+from pa10d.daemon.robot.telemetry import Telemetry
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
@@ -154,7 +154,7 @@ class Daemon:
     def compute(
         self, kind: str, task: str, request: dict[str, Any], *, sheet: bool = False, **more: Any
     ) -> Job:
-        """Start a job that one worker carries out: a function of ``pa10d.daemon.tasks``.
+        """Start a job that one worker carries out: a function of ``pa10d.daemon.jobs.tasks``.
 
         sheet: the task takes a folder for its plots and words, too.
         """
@@ -168,12 +168,12 @@ class Daemon:
 
     async def compute_now(self, task: str, progress: Progress, **arguments: Any) -> Any:
         """The result of a task, for a job that has more to do."""
-        call = f"pa10d.daemon.tasks:{task}"
+        call = f"pa10d.daemon.jobs.tasks:{task}"
         return await self.workers.run(call, progress, data=str(self.data), **arguments)
 
     async def answer(self, task: str, **arguments: Any) -> Any:
         """The result of a short task, for a request that waits for it; jobs are not before it."""
-        call = f"pa10d.daemon.tasks:{task}"
+        call = f"pa10d.daemon.jobs.tasks:{task}"
         return await self.desk.run(call, lambda *_: None, data=str(self.data), **arguments)
 
     async def look(self, plot: str, **arguments: Any) -> Any:

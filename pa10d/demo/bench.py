@@ -14,7 +14,7 @@ from pathlib import Path
 
 from pa10d.client import Client, local_daemon
 from pa10d.common.errors import UserError
-from pa10d.daemon.simulator import simulated_bus, wants_simulator
+from pa10d.daemon.processes.simulator import simulated_bus, wants_simulator
 from pa10d.demo.hidden import Hidden, with_secret
 from pa10d.profile import Profile
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.words import listed, percent, times
-from pa10d.diagnose.words import nothing
+from pa10d.diagnose.outcome.words import nothing
 from pa10d.effects import all_effects
 from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
-from pa10d.diagnose.candidates import Candidate, places, suspects
-from pa10d.diagnose.delivery import warnings as said
-from pa10d.diagnose.errors_of import term_covariance
-from pa10d.diagnose.foretold import foretold
-from pa10d.diagnose.next_experiment import settle_doubt
-from pa10d.diagnose.outcome import Confusion, Diagnosis, Finding
-from pa10d.diagnose.remaining import MATERIAL, Unexplained, remaining, unnamed
-from pa10d.diagnose.search import STEPS, Judged, Search, Suspects
-from pa10d.diagnose.sides import two_sides
-from pa10d.diagnose.state import State
-from pa10d.diagnose.structure import Structure, find_structure
-from pa10d.diagnose.versions import held_out, snapshot, versions_of
-from pa10d.diagnose.words import reason, sentence
+from pa10d.diagnose.evidence.errors_of import term_covariance
+from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
+from pa10d.diagnose.outcome.next_experiment import settle_doubt
+from pa10d.diagnose.outcome.words import reason, sentence
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.search.candidates import Candidate, places, suspects
+from pa10d.diagnose.search.delivery import warnings as said
+from pa10d.diagnose.search.steps import STEPS, Judged, Search, Suspects
+from pa10d.diagnose.search.versions import held_out, snapshot, versions_of
+from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.remaining import MATERIAL, Unexplained, remaining, unnamed
+from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable
 from pa10d.measurement.recording import Recording

@@ -10,7 +10,7 @@ from typing import Any
 
 from pa10d.compare import Comparison as Compared
 from pa10d.compare import document
-from pa10d.diagnose.outcome import Diagnosis as FoundOut
+from pa10d.diagnose.outcome.diagnosis import Diagnosis as FoundOut
 from pa10d.face.model import Model, Parameter
 from pa10d.face.run import Run
 from pa10d.face.values import Array, ByContent, frozen, listed, settled

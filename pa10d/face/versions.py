@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pa10d.diagnose import adding, procedure
+from pa10d.diagnose import procedure
+from pa10d.diagnose.asked import adding
 from pa10d.face.answers import Diagnosis, Improvement
 from pa10d.face.model import Model
 from pa10d.face.questions import Cancel, Progress, heeding, recordings

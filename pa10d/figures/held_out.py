@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.compare import RunResidual, run_residual
-from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.side import Side
-from pa10d.diagnose.sides import two_sides
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.regression.side import Side
+from pa10d.diagnose.regression.sides import two_sides
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.structure import Structure
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.unknown.structure import Structure
 from pa10d.figures.decimate import thinned
 from pa10d.figures.errors import binned
 from pa10d.figures.evidence import before_after, evidence

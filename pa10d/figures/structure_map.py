@@ -7,7 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.structure import Structure, motion_variables
+from pa10d.diagnose.unknown.structure import Structure, motion_variables
 from pa10d.figures.decimate import thinned
 from pa10d.figures.errors import binned
 from pa10d.figures.held_out import HeldOut

@@ -10,8 +10,8 @@ import numpy as np
 
 from pa10d import __version__
 from pa10d.common.words import listed
-from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.remaining import MATERIAL
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.unknown.remaining import MATERIAL
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from pa10d.common.words import listed, percent
-from pa10d.diagnose.next_experiment import as_command
-from pa10d.diagnose.outcome import Diagnosis, Finding
+from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
+from pa10d.diagnose.outcome.next_experiment import as_command
 from pa10d.effects import all_effects
 from pa10d.figures.diagnosis_texts import BEFORE_AFTER, COURSE, EVIDENCE
 from pa10d.figures.of_diagnosis import OVER_TIME, shown_joint

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.compare import Comparison
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.staircase import Step
 from pa10d.figures.texts import Reading

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pa10d.diagnose.outcome import Diagnosis
-from pa10d.diagnose.remaining import Unexplained
-from pa10d.diagnose.structure import Structure
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.unknown.remaining import Unexplained
+from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
 from pa10d.figures.diagnosis_texts import CURVE, MAP
 from pa10d.figures.plotly import Figure

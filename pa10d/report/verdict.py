@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from pa10d.common.words import listed, percent, times
-from pa10d.diagnose.outcome import Diagnosis, Finding
-from pa10d.diagnose.remaining import Unexplained
-from pa10d.diagnose.words import nothing
+from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
+from pa10d.diagnose.outcome.words import nothing
+from pa10d.diagnose.unknown.remaining import Unexplained
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
-from pa10d.diagnose.adding import add_asked, refuse_slips
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.asked.adding import add_asked, refuse_slips
+from pa10d.diagnose.asked.smooth import add_map
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose, suspicion
-from pa10d.diagnose.smooth import add_map
 from pa10d.model import TorqueModel
 from pa10d.services.doubts import new_plan
 from pa10d.services.library import Library
@@ -109,7 +109,7 @@ def add_effect(
 ) -> tuple[ModelInfo, TorqueModel, list[str]]:
     """Store a new version with an effect fitted in; the old one stays.
 
-    over: quantities of a smooth map; see ``pa10d.diagnose.adding``.
+    over: quantities of a smooth map; see ``pa10d.diagnose.asked.adding``.
     """
     if not replace_model:
         library.models.refuse_taken(name)

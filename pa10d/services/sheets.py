@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.services.diagnoses import as_judged
 from pa10d.services.library import Library
 from pa10d.services.models import Compared

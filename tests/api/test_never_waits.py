@@ -10,7 +10,7 @@ import pytest
 
 from pa10d.api.app import create_app
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.shelf import Shelf
+from pa10d.daemon.jobs.shelf import Shelf
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels, RunStore
 from pa10d.store.folders import locked
@@ -71,7 +71,7 @@ def test_stop_is_answered_while_a_suspended_process_holds_the_runs(asked, monkey
 
 
 def test_too_many_that_wait_for_the_data_folder_are_told_so(asked, monkeypatch):
-    monkeypatch.setattr("pa10d.daemon.shelf.MOST", 2)
+    monkeypatch.setattr("pa10d.daemon.jobs.shelf.MOST", 2)
 
     async def scenario(http, daemon, control):
         with locked(daemon.runs.folder):
@@ -90,7 +90,7 @@ def test_too_many_that_wait_for_the_data_folder_are_told_so(asked, monkeypatch):
 
 
 def test_too_many_jobs_are_told_so(asked, monkeypatch):
-    monkeypatch.setattr("pa10d.daemon.jobs.MOST", 1)
+    monkeypatch.setattr("pa10d.daemon.jobs.jobs.MOST", 1)
 
     async def scenario(http, daemon, control):
         async def for_ever(report):

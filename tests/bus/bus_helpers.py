@@ -23,7 +23,7 @@ from backends.canopen_cia402 import CanopenBackend
 from backends.eds import OWN_EDS
 from backends.frames import frame
 from backends.protocol import BackendFault, Feedback
-from backends.virtual.injection import Injection
+from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 from pa10d.profile import Profile, load_profile
 

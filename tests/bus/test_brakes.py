@@ -13,7 +13,7 @@ from backends.canopen_cia402.brakes import CLOSES_IN, Brakes
 from backends.cia402 import Control
 from backends.frames import frame, frames
 from backends.protocol import BackendFault
-from backends.virtual.injection import Injection
+from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 from pa10d.profile import Profile
 

@@ -38,7 +38,7 @@ from backends.faults import REMEDIES, fault
 from backends.frames import frame
 from backends.ports import Port, VirtualBusPort
 from backends.protocol import BackendFault
-from backends.virtual.injection import Injection
+from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 from pa10d.control.faults import REMEDIES as OUR_REMEDIES
 from pa10d.profile import Profile

@@ -16,7 +16,7 @@ from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.eds import OWN_EDS
 from backends.protocol import BackendFault, Feedback
-from backends.virtual.injection import Injection
+from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 
 

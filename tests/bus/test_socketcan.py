@@ -17,7 +17,7 @@ from backends import by_hand
 from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.protocol import BackendFault
-from backends.virtual.injection import Injection
+from backends.virtual.drives.injection import Injection
 from pa10d.profile import Profile
 
 pytestmark = [

@@ -13,16 +13,16 @@ import psutil
 import pytest
 
 from pa10d.common.errors import UserError
-from pa10d.daemon.budget import Budget
-from pa10d.daemon.crowded import Crowded
 from pa10d.daemon.events import Events
-from pa10d.daemon.jobs import Jobs
-from pa10d.daemon.workers import Workers
+from pa10d.daemon.jobs.jobs import Jobs
+from pa10d.daemon.processes.budget import Budget
+from pa10d.daemon.processes.crowded import Crowded
+from pa10d.daemon.processes.workers import Workers
 
 PLENTY = Budget(4 << 30, 120.0)
 GREEDY = """
 import json
-from pa10d.daemon import worker
+from pa10d.daemon.processes import worker
 worker.ALLOWED = ("numpy",)
 worker.restrain(700 << 20)
 print(json.dumps(worker.carry_out({"call": "numpy:ones", "arguments": {"shape": 1 << 28}}, print)))
@@ -39,7 +39,7 @@ async def _closed(workers):
 
 def _is_worker(process):
     with contextlib.suppress(psutil.NoSuchProcess):
-        return not (words := process.cmdline()) or "pa10d.daemon.worker" in words
+        return not (words := process.cmdline()) or "pa10d.daemon.processes.worker" in words
     return False
 
 
@@ -77,7 +77,7 @@ def test_workers_are_the_first_to_go_when_memory_runs_out():
 
 
 def test_tasks_that_wait_for_a_process_are_counted(monkeypatch):
-    monkeypatch.setattr("pa10d.daemon.workers.WAITING", 1)
+    monkeypatch.setattr("pa10d.daemon.processes.workers.WAITING", 1)
 
     async def main():
         workers = Workers(PLENTY, most=1)
@@ -100,7 +100,7 @@ async def _answer(report):
 
 
 def test_a_job_that_is_over_leaves_memory_and_its_result_stays(tmp_path, monkeypatch):
-    monkeypatch.setattr("pa10d.daemon.jobs.KEPT", 5)
+    monkeypatch.setattr("pa10d.daemon.jobs.jobs.KEPT", 5)
 
     async def main():
         jobs = Jobs(tmp_path / "jobs", Events())
@@ -124,7 +124,7 @@ def test_a_job_whose_result_finds_no_room_keeps_it_in_memory_and_says_so(tmp_pat
 
     async def main():
         jobs = Jobs(tmp_path / "jobs", Events())
-        monkeypatch.setattr("pa10d.daemon.jobs.write_json", full)
+        monkeypatch.setattr("pa10d.daemon.jobs.jobs.write_json", full)
         job = jobs.start("x", {}, _answer)
         await job.task
         assert job.status == "succeeded"

@@ -75,7 +75,7 @@ def test_control_is_killed(arm, kill, powered):
 
 def test_the_virtual_arm_is_killed(arm, kill):
     arm.enable()
-    kill("pa10d.daemon.simulator")
+    kill("pa10d.daemon.processes.simulator")
     until = time.monotonic() + 30
     while not any("ended by signal 9" in note for note in arm.robot()["notes"]):
         assert time.monotonic() < until
@@ -94,7 +94,7 @@ def test_the_virtual_arm_is_killed(arm, kill):
 def test_what_is_still_away_is_named(arm, kill):
     """Both at once, and nothing is told twice."""
     arm.enable()
-    kill("pa10d.daemon.simulator")
+    kill("pa10d.daemon.processes.simulator")
     kill("pa10d.control")
     arm.wait_for_robot("fault")
     assert arm.reset()["state"] == "inactive"

@@ -8,7 +8,7 @@ import pytest
 from loops import run_apart
 
 from pa10d.common.errors import UserError
-from pa10d.daemon import improvement
+from pa10d.daemon.motions import improvement
 from pa10d.services import diagnoses
 
 SWEEP = {"kind": "velocity_sweep", "parameters": {"joints": [5]}}

@@ -88,7 +88,7 @@ def _whole(bench):
 
 def kill_workers(bench):
     """The one that works and those that idle."""
-    pids = bench.pids_of("pa10d.daemon.worker")
+    pids = bench.pids_of("pa10d.daemon.processes.worker")
     assert pids
     for pid in pids:
         os.kill(pid, signal.SIGKILL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from loops import run_apart
 
-from pa10d.daemon.experiment import Experiment
+from pa10d.daemon.motions.experiment import Experiment
 
 
 class SlowRobot:

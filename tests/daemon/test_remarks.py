@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from pa10d.daemon import check, robot
+from pa10d.daemon import check
+from pa10d.daemon.robot import robot
 
 QUIET, WARNS = 0x0250, 0x02D0
 

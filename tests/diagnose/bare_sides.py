@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.signal import lfilter
 
-from pa10d.diagnose.side import PerJoint, Side
+from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
 

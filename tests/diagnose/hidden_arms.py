@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effect
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose, one_thread
-from pa10d.diagnose.search import Search, rms
-from pa10d.diagnose.sides import two_sides
-from pa10d.diagnose.state import State
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.search.steps import Search, rms
 from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.effects import effect
 from pa10d.identify.procedure import identify

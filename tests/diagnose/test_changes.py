@@ -7,9 +7,9 @@ import pytest
 from bare_sides import ar1
 from two_links import V0, recordings, textbook
 
-from pa10d.diagnose.outcome import Confusion
+from pa10d.diagnose.outcome.diagnosis import Confusion
+from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.words import reason, sentence
 from pa10d.effects import Value, all_effects, effect
 from pa10d.effects.base import smooth_sign
 from pa10d.model import Term

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from two_links import recordings, textbook
 
-from pa10d.diagnose.delivery import delivered, warnings
 from pa10d.diagnose.procedure import add, diagnose
+from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.judgement import judge, run_residual, worse
 
 

@@ -7,8 +7,8 @@ import pytest
 from bare_sides import ar1
 from two_links import recordings, state_of, textbook
 
-from pa10d.diagnose.errors_of import full_covariance, honest_covariance, term_covariance
-from pa10d.diagnose.search import Search
+from pa10d.diagnose.evidence.errors_of import full_covariance, honest_covariance, term_covariance
+from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 from pa10d.model import Term
 

@@ -8,7 +8,14 @@ import scipy.linalg
 from bare_sides import RATE, ar1, bare_side, smooth_signal
 from scipy import stats
 
-from pa10d.diagnose.evidence import Doubt, fit_side_power, judge, quadratic_form, rivalry, spread
+from pa10d.diagnose.evidence.held_out import (
+    Doubt,
+    fit_side_power,
+    judge,
+    quadratic_form,
+    rivalry,
+    spread,
+)
 
 SAMPLES = 1500
 NOISES = {"white": 0.0, "ar1": 0.9, "slow": 0.98}

@@ -8,7 +8,7 @@ from bare_sides import bare_side, stacked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.fit import Fit, Prior, iterated_fit, weighted_fit
+from pa10d.diagnose.regression.fit import Fit, Prior, iterated_fit, weighted_fit
 
 SIGMA = np.array([0.5, 2.0, 1.0])
 

@@ -20,7 +20,7 @@ from hidden_arms import (
 )
 from scipy.stats import norm
 
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.effects import all_effects
 
 VISIBLE = 0.9

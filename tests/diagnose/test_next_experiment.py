@@ -11,8 +11,8 @@ import pytest
 from two_links import recordings, robot, textbook
 
 from pa10d.cli.daemon_client import read_plan
-from pa10d.diagnose.candidates import Candidate
-from pa10d.diagnose.next_experiment import as_command, requests, settle_doubt
+from pa10d.diagnose.outcome.next_experiment import as_command, requests, settle_doubt
+from pa10d.diagnose.search.candidates import Candidate
 from pa10d.effects import effect
 from pa10d.trajectory.kinds import KINDS, validated
 from pa10d.trajectory.poses import Surroundings

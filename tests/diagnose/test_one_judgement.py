@@ -11,7 +11,7 @@ import pytest
 from two_links import CUTOFF, URDF, recordings
 
 from pa10d.cli import main
-from pa10d.daemon import tasks
+from pa10d.daemon.jobs import tasks
 from pa10d.judgement import judge
 from pa10d.services import plots
 from pa10d.services.library import open_library

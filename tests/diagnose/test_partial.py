@@ -9,8 +9,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from pa10d.diagnose.fit import weighted_fit
-from pa10d.diagnose.partial import bounded, partials
+from pa10d.diagnose.regression.fit import weighted_fit
+from pa10d.diagnose.regression.partial import bounded, partials
 
 SIGMA = np.array([0.5, 2.0])
 FREE = (-np.inf, np.inf)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from two_links import recordings, state_of, textbook
 
-from pa10d.diagnose.errors_of import term_covariance
-from pa10d.diagnose.reversals import moved_by_reversals
-from pa10d.diagnose.search import Search
-from pa10d.diagnose.slopes import with_slopes
+from pa10d.diagnose.evidence.errors_of import term_covariance
+from pa10d.diagnose.evidence.reversals import moved_by_reversals
+from pa10d.diagnose.regression.slopes import with_slopes
+from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 
 TRUE = {"Fs": 1.0, "vs": 0.3, "delta": 1.5}

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from two_links import CUTOFF, RATE, recordings, state_of
 
 from pa10d.compare import noise_floor, residual_of
-from pa10d.diagnose.ripple import (
+from pa10d.diagnose.search.ripple import (
     HIGHEST_ORDER,
     LOWEST_ORDER,
     chance_beside_neighbours,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.shapes import approach, refine
+from pa10d.diagnose.regression.shapes import approach, refine
 from pa10d.effects.base import ShapeParameter
 
 

@@ -7,8 +7,8 @@ import pytest
 from two_links import CUTOFF, RATE, recordings, robot, state_of, textbook
 
 from pa10d.common.errors import UserError
-from pa10d.diagnose.partial import partials
-from pa10d.diagnose.sides import blocks, two_sides
+from pa10d.diagnose.regression.partial import partials
+from pa10d.diagnose.regression.sides import blocks, two_sides
 from pa10d.effects import effect
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare

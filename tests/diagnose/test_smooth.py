@@ -12,7 +12,7 @@ from two_links import motion, recordings, robot, textbook
 from pa10d.common.errors import UserError
 from pa10d.compare import noise_floor, run_residual, scores
 from pa10d.compare.unexplained import map_warnings
-from pa10d.diagnose.smooth import Smoothed, add_map
+from pa10d.diagnose.asked.smooth import Smoothed, add_map
 from pa10d.effects import Context
 from pa10d.measurement.recording import Recording
 from pa10d.store.models import ModelStore

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pa10d.diagnose.stiffness import Problem, stiffness
+from pa10d.diagnose.asked.stiffness import Problem, stiffness
 
 K, ROWS = 20, 3000
 

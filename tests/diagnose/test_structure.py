@@ -9,7 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_links import recordings, state_of
 
-from pa10d.diagnose.structure import basis_of, find_structure, hats, knots, questions, remembered
+from pa10d.diagnose.unknown.structure import (
+    basis_of,
+    find_structure,
+    hats,
+    knots,
+    questions,
+    remembered,
+)
 
 
 @given(st.integers(0, 1000))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_links import recordings, state_of, textbook
 
-from pa10d.diagnose.timing import align, joint_delays, shared, weighted_median
+from pa10d.diagnose.search.timing import align, joint_delays, shared, weighted_median
 from pa10d.measurement.signals import delayed
 
 finite = st.floats(-10, 10)

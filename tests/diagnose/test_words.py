@@ -1,6 +1,6 @@
 """The verdict in words."""
 
-from pa10d.diagnose.words import nothing
+from pa10d.diagnose.outcome.words import nothing
 
 
 def test_noise_is_noise():

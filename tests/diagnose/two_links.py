@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from pa10d.diagnose.sides import two_sides
-from pa10d.diagnose.state import State
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import State
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
 from pa10d.identify.procedure import identify

@@ -7,7 +7,7 @@ from pa10d.effects import TEXTBOOK, all_effects
 
 ROOT = Path(__file__).resolve().parents[2]
 BESIDE = {
-    ("pa10d/diagnose/timing.py", "torque_delay"),  # measures each joint's delay by it
+    ("pa10d/diagnose/search/timing.py", "torque_delay"),  # measures each joint's delay by it
     ("pa10d/api/schemas.py", "stribeck"),  # an example in the API's description
     ("pa10d/case_study/arm.py", "stribeck"),  # an entry for the simulator
 }

@@ -9,7 +9,7 @@ import pytest
 
 from pa10d.api.schemas import IdentifyRequest
 from pa10d.cli import main
-from pa10d.daemon import tasks
+from pa10d.daemon.jobs import tasks
 from pa10d.dynamics import regressor
 from pa10d.export.endings import FORMATS
 from pa10d.services.library import open_library

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from backends.virtual.datasets import make_runs
-from pa10d.diagnose.next_experiment import as_command
-from pa10d.diagnose.outcome import Confusion, Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
+from pa10d.diagnose.outcome.next_experiment import as_command
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import all_effects

@@ -24,8 +24,8 @@ import yaml
 
 from backends.canopen_cia402 import CanopenBackend
 from backends.cia402 import State
+from backends.virtual.drives.node import OPERATIONAL
 from backends.virtual.machine import VirtualArm
-from backends.virtual.node import OPERATIONAL
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
 from pa10d.control.faults import Fault

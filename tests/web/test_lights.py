@@ -70,7 +70,10 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     until(page, "document.querySelectorAll('.scope canvas').length === 4")
     client.enable()
     arms = subprocess.run(
-        ["pgrep", "-f", "pa10d.daemon.simulator"], capture_output=True, text=True, check=True
+        ["pgrep", "-f", "pa10d.daemon.processes.simulator"],
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout.split()
     own = [int(one) for one in arms if _parent(int(one)) == pid]
     for one in own:

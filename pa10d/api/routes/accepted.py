@@ -8,7 +8,7 @@ from fastapi import Response
 from fastapi.responses import FileResponse
 
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.jobs import Job
+from pa10d.daemon.jobs.jobs import Job
 
 
 def accepted(job: Job, response: Response) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from pa10d.api.schemas import (
     Sheet,
 )
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.jobs import Job as DaemonJob
+from pa10d.daemon.jobs.jobs import Job as DaemonJob
 
 router = APIRouter(tags=["analyses"])
 Limit = Annotated[int, Query(ge=1, le=500)]

@@ -16,10 +16,10 @@ from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import refuse_taken_run
 from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList, SeriesRequest
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.jobs import Report
-from pa10d.daemon.motions import experiment_job
-from pa10d.daemon.readiness import readiness
-from pa10d.daemon.series import series_job
+from pa10d.daemon.jobs.jobs import Report
+from pa10d.daemon.motions.kinds import experiment_job
+from pa10d.daemon.motions.series import series_job
+from pa10d.daemon.robot.readiness import readiness
 from pa10d.services.experiments import refuse_wrong_request
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import KINDS

@@ -12,7 +12,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import whole
 from pa10d.api.schemas import Job, JobPage, JobStatus, JobWithResult
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.jobs import Job as DaemonJob
+from pa10d.daemon.jobs.jobs import Job as DaemonJob
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 

@@ -27,7 +27,7 @@ from pa10d.api.schemas import (
 )
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.improvement import improvement_job
+from pa10d.daemon.motions.improvement import improvement_job
 from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pa10d.api.problems import Problem
 from pa10d.daemon.daemon import MOVING, Daemon
-from pa10d.daemon.readiness import refuse_unless_ready
+from pa10d.daemon.robot.readiness import refuse_unless_ready
 
 
 def require_ready(daemon: Daemon) -> None:

@@ -1,0 +1,1 @@
+"""The virtual drives: objects, state machine, wire and the motor that each turns."""

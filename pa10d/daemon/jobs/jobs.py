@@ -1,0 +1,219 @@
+"""Jobs: everything that takes longer than a request. Progress, result, cancel; kept on disk."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import shutil
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
+from pa10d.daemon.events import Events
+from pa10d.daemon.processes.crowded import Crowded
+from pa10d.store.entries import Id, read_entry
+from pa10d.store.folders import write_json
+from pa10d.store.names import new_id
+
+Status = Literal["queued", "running", "succeeded", "failed", "cancelled"]
+OVER = ("succeeded", "failed", "cancelled")
+MOST = 64  # jobs that are not over
+KEPT = 500  # finished jobs on disk; in memory they are without their results
+LARGEST = 64 << 20  # bytes of one that is read back
+TELL_EVERY = 0.1  # s between progress events of one job
+
+log = logging.getLogger("pa10d.jobs")
+
+
+@dataclass
+class Job:
+    """One job. ``request`` is what was asked for, ``error`` one line where it failed.
+
+    kept: its document, with the result, is on disk, and the result no longer in memory.
+    """
+
+    __pydantic_config__ = ConfigDict(strict=True, arbitrary_types_allowed=True)
+
+    id: Id
+    kind: str
+    request: dict[str, Any]
+    created: str
+    status: Status = "queued"
+    progress: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 0.0
+    message: str = ""
+    result: Any = None
+    error: str | None = None
+    started: str | None = None
+    finished: str | None = None
+    task: asyncio.Task[None] | None = field(default=None, repr=False)
+    told: float = field(default=0.0, repr=False)
+    kept: bool = field(default=False, repr=False)
+
+    def document(self) -> dict[str, Any]:
+        """For clients; of one that is ``kept`` the file says more."""
+        return {k: v for k, v in vars(self).items() if k not in ("task", "told", "kept")}
+
+    def brief(self) -> dict[str, Any]:
+        """Without the result, which may be large."""
+        return {k: v for k, v in self.document().items() if k != "result"}
+
+
+Progress = Callable[[float, str], None]
+Work = Callable[["Report"], Awaitable[Any]]
+
+
+class Report:
+    """How a job tells how far it is."""
+
+    def __init__(self, jobs: Jobs, job: Job) -> None:
+        self._jobs, self.job = jobs, job
+
+    def __call__(self, progress: float, message: str = "") -> None:
+        """0 … 1 and what is being done."""
+        self.job.progress = min(max(progress, 0.0), 1.0)
+        self.job.message = message or self.job.message
+        self._jobs.tell(self.job)
+
+
+def part(report: Progress, first: float, last: float) -> Progress:
+    """A report for a part of a job: 0 … 1 there is first … last in the whole."""
+
+    def tell(share: float, message: str = "") -> None:
+        report(first + (last - first) * share, message)
+
+    return tell
+
+
+class Jobs:
+    """All jobs of this data folder."""
+
+    def __init__(self, folder: Path, events: Events) -> None:
+        self._folder, self._events = folder, events
+        folder.mkdir(exist_ok=True)
+        self._jobs: dict[str, Job] = {}
+        for path in sorted(folder.glob("[!.]*.json"))[-KEPT:]:
+            try:
+                job = _read(path)
+            except UserError as error:
+                log.warning("set aside: %s", error)
+                continue
+            self._jobs[job.id] = job
+
+    def all(self) -> list[Job]:
+        """Oldest first."""
+        return list(self._jobs.values())
+
+    def get(self, number: str) -> Job | None:
+        """The job with this id."""
+        return self._jobs.get(number)
+
+    def file_of(self, job: Job) -> Path:
+        """The whole document of a job that is ``kept``."""
+        return self._folder / f"{job.id}.json"
+
+    def folder_of(self, job: Job) -> Path:
+        """Where a job keeps what is too large for its document; it goes when the job goes."""
+        return self._folder / job.id
+
+    def running(self, kind: str | None = None) -> list[Job]:
+        """Jobs that are not over."""
+        mine = [j for j in self._jobs.values() if j.status not in OVER]
+        return [j for j in mine if kind in (None, j.kind)]
+
+    def start(self, kind: str, request: dict[str, Any], work: Work) -> Job:
+        """Begin at once; the job is seen from now on. Crowded where there are too many."""
+        if len(self.running()) >= MOST:
+            raise Crowded(f"{MOST} jobs are queued or running; wait for one to end, or cancel it")
+        job = Job(new_id(), kind, request, _now())
+        self._jobs[job.id] = job
+        job.task = asyncio.get_running_loop().create_task(self._carry_out(job, work))
+        self._events.publish("job", job.brief())
+        return job
+
+    async def cancel(self, job: Job) -> None:
+        """Ask it to end, and wait until it has."""
+        if job.task is not None and job.status not in OVER:
+            job.task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await asyncio.wait([job.task])
+
+    async def close(self) -> None:
+        """Cancel all that run."""
+        await asyncio.gather(*(self.cancel(job) for job in self.running()))
+
+    def tell(self, job: Job, at_once: bool = False) -> None:
+        """An event about the job, not too often."""
+        now = time.monotonic()
+        if at_once or now - job.told >= TELL_EVERY:
+            job.told = now
+            self._events.publish("job", job.brief())
+
+    async def _carry_out(self, job: Job, work: Work) -> None:
+        job.status, job.started = "running", _now()
+        try:
+            job.result = await asyncio.to_thread(plain, await work(Report(self, job)))
+            job.status, job.progress, job.message = "succeeded", 1.0, "done"
+        except asyncio.CancelledError:
+            job.status, job.message = "cancelled", "cancelled"
+        except (UserError, Crowded) as error:
+            job.status, job.error = "failed", str(error)
+        except Exception as error:
+            log.exception("job %s (%s)", job.id, job.kind)
+            job.status, job.error = "failed", f"{type(error).__name__}: {error}"
+        job.finished = _now()
+        self.tell(job, at_once=True)
+        await self._keep(job)
+        job.task = None
+
+    async def _keep(self, job: Job) -> None:
+        """On disk; where that is full, the result stays in memory, and the job says so."""
+        try:
+            await asyncio.to_thread(self._write, job)
+        except OSError as error:
+            said = f"not kept on disk: {error.strerror}"
+            job.message = f"{job.message}; {said}" if job.message else said
+            self.tell(job, at_once=True)
+        else:
+            job.kept, job.result = True, None
+        for number in list(self._jobs)[:-KEPT]:
+            if self._jobs[number].status in OVER:
+                del self._jobs[number]
+
+    def _write(self, job: Job) -> None:
+        write_json(self.file_of(job), plain(job.document()))
+        for old in sorted(self._folder.glob("[!.]*.json"))[:-KEPT]:
+            shutil.rmtree(old.with_suffix(""), ignore_errors=True)
+            old.unlink(missing_ok=True)
+
+
+def _read(path: Path) -> Job:
+    """One that is over, without its result; UserError where the file is none of ours."""
+    try:
+        job = _typed().validate_json(read_entry(path, LARGEST))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise UserError(f"{path}: {first['loc']}: {first['msg']}; expected a job") from error
+    if job.id != path.stem or job.status not in OVER:
+        raise UserError(
+            f"{path}: found job {job.id!r}, {job.status}; expected the file's own, over"
+        )
+    job.result, job.kept = None, True
+    return job
+
+
+@cache
+def _typed() -> TypeAdapter[Job]:
+    return TypeAdapter(Job)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

@@ -1,0 +1,224 @@
+"""What workers compute for the daemon: services, with arguments and results that JSON knows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pa10d.common.errors import Unsound, UserError
+
+Progress = Callable[[float, str], None]
+
+if TYPE_CHECKING:
+    from pa10d.export.endings import Format
+    from pa10d.model import Parameters
+
+
+def import_file(
+    data: str,
+    file: str,
+    profile: str,
+    name: str | None,
+    mapping: list[str],
+    replace: bool,
+    check: bool = False,
+    force: bool = False,
+) -> dict[str, Any]:
+    """A recording into the store → its description."""
+    from pa10d.services.robots import load_robot
+    from pa10d.services.runs import import_run
+    from pa10d.store import RunStore
+
+    found, robot = load_robot(profile)
+    try:
+        result = import_run(
+            RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
+            check=check, force=force,
+        )  # fmt: skip
+    except Unsound:
+        raise
+    except UserError as error:  # where the upload lies for a moment is nobody's business
+        raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
+    return result.info.document()
+
+
+def export_file(data: str, run: str, format: str, file: str) -> None:
+    """A run as a file."""
+    from pa10d.store import RunStore
+    from pa10d.store.export import export_run
+
+    store = RunStore(data)
+    export_run(store, store.find(run), format, Path(file), replace=False)
+
+
+def identify(
+    data: str,
+    runs: list[str],
+    profile: str,
+    name: str,
+    cutoff: float | None,
+    with_effects: list[str],
+    robust: bool,
+    faster_than: list[float] | None,
+    replace: bool,
+    progress: Progress,
+    force: bool = False,
+) -> dict[str, Any]:
+    """The textbook model → what ``pa10d identify --json`` says."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import identify_runs
+
+    return identify_runs(
+        open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
+        robust=robust, faster_than=faster_than, replace=replace, force=force,
+        progress=progress,
+    ).summary  # fmt: skip
+
+
+def compare(
+    data: str,
+    model: str,
+    runs: list[str],
+    progress: Progress,
+    sheet: str | None = None,
+    cutoff: float | None = None,
+    force: bool = False,
+) -> dict[str, Any]:
+    """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs.
+
+    sheet: a folder for plots and words."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import compare_runs
+    from pa10d.services.sheets import write_comparison_sheet
+
+    found = compare_runs(
+        open_library(data),
+        model,
+        runs,
+        ancestors=True,
+        cutoff=cutoff,
+        force=force,
+        progress=progress,
+    )
+    if sheet is not None:
+        progress(0.95, "plots")
+        write_comparison_sheet(found, Path(sheet))
+    return found.document()
+
+
+def model_document(data: str, model: str) -> dict[str, Any]:
+    """A stored model with its parameters."""
+    from pa10d.services.library import open_library
+    from pa10d.services.model_details import model_details
+
+    library = open_library(data)
+    info = library.models.find(model)
+    return vars(info) | model_details(library.models.load(info))
+
+
+def model_history(data: str, model: str) -> dict[str, Any]:
+    """A model and all it was made from, judged alike."""
+    from pa10d.services.history import history
+    from pa10d.services.library import open_library
+
+    return {"items": [version.document() for version in history(open_library(data), model)]}
+
+
+def model_text(data: str, model: str, format: Format, parameters: Parameters) -> dict[str, Any]:
+    """A model for other programs: its text and what it cannot carry."""
+    from pa10d.services.library import open_library
+    from pa10d.services.models import export_model
+
+    info, made = export_model(open_library(data), model, format, parameters)
+    return {"name": info.name, "text": made.text, "not_carried": list(made.not_carried)}
+
+
+def live_model_of(data: str, model: str) -> dict[str, Any]:
+    """The part of a stored model that the control loop evaluates."""
+    from pa10d.control.live_model import live_model
+    from pa10d.services.library import open_library
+
+    return live_model(open_library(data).models.load(model)).document()
+
+
+def diagnose(
+    data: str,
+    model: str,
+    fit: list[str],
+    validate: list[str],
+    frozen: bool,
+    effect: str | None,
+    joints: list[int],
+    progress: Progress,
+    sheet: str | None = None,
+    force: bool = False,
+) -> dict[str, Any]:
+    """Which effect is missing → what ``pa10d diagnose --json`` says. sheet: a folder for plots."""
+    from pa10d.services.diagnoses import diagnose_runs
+    from pa10d.services.library import open_library
+    from pa10d.services.sheets import write_diagnosis_sheet
+
+    library = open_library(data)
+    found = diagnose_runs(
+        library, model, fit, validate, frozen=frozen, effect=effect, joints=joints,
+        force=force, progress=progress,
+    )  # fmt: skip
+    if sheet is not None:
+        progress(0.98, "plots")
+        write_diagnosis_sheet(library, found, Path(sheet), model, fit, validate)
+    return found.document()
+
+
+def add(
+    data: str,
+    model: str,
+    effect: str,
+    joints: list[int],
+    fit: list[str],
+    name: str,
+    replace: bool,
+    progress: Progress,
+    over: list[str] | None = None,
+    force: bool = False,
+) -> dict[str, Any]:
+    """A new version of a model with an effect fitted in."""
+    from pa10d.diagnose.search.delivery import delivered
+    from pa10d.services.diagnoses import add_effect
+    from pa10d.services.library import open_library
+
+    info, made, warnings = add_effect(
+        open_library(data), model, effect, joints, fit, name=name, over=over or (),
+        replace_model=replace, force=force, progress=progress,
+    )  # fmt: skip
+    return {
+        "id": info.id,
+        "name": info.name,
+        "parent": made.parent,
+        "change": made.change,
+        "held_out": [float(v) for v in made.held_out["held out"]],
+        **delivered(made),
+        "warnings": warnings,
+    }
+
+
+def improve(
+    data: str,
+    model: str,
+    fit: list[str],
+    validate: list[str],
+    name: str,
+    replace: bool,
+    progress: Progress,
+    tried: list[dict[str, Any]] | None = None,
+    smooth: bool = False,
+    force: bool = False,
+) -> dict[str, Any]:
+    """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
+    from pa10d.services.diagnoses import improve_model
+    from pa10d.services.library import open_library
+
+    return improve_model(
+        open_library(data), model, fit, validate, name=name, replace_model=replace,
+        tried=tried, smooth=smooth, force=force, progress=progress,
+    ).document()  # fmt: skip

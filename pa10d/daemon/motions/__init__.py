@@ -1,0 +1,1 @@
+"""Requests that move the arm, carried out as jobs."""

@@ -1,0 +1,272 @@
+"""An experiment from request to recommendation, as a job: plan, check, enable, run, analyse."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import logging
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pa10d.common.errors import UserError
+from pa10d.daemon.jobs.jobs import Progress, part
+from pa10d.daemon.robot.readiness import readiness
+from pa10d.daemon.robot.robot import CommandRefused
+
+if TYPE_CHECKING:
+    from pa10d.daemon.daemon import Daemon
+
+LOOK_EVERY = 0.1  # s
+SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
+SOFTER_TRIES = 2  # with softer gains each
+SHORT = 0.5  # s in which a run ends as a rule
+CLOSE_RUN = 10.0  # s for the recorder to finish a run
+STOPPED = 15.0  # s for the arm to come to rest
+PLANNED, CHECKED, MOVED = 0.1, 0.15, 0.9  # progress after each step
+
+log = logging.getLogger("pa10d.experiment")
+
+
+def request_of(plan: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """A plan, such as a diagnosis gives, as a whole request."""
+    usual: dict[str, Any] = {
+        "name": None,
+        "tags": [],
+        "controller": None,
+        "model": None,
+        "replace": False,
+    }
+    return {"kind": plan["kind"], "parameters": plan.get("parameters") or {}, **usual, **more}
+
+
+class Experiment:
+    """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check."""
+
+    numbers = itertools.count(1)
+
+    def __init__(
+        self,
+        daemon: Daemon,
+        request: dict[str, Any],
+        report: Progress,
+        figures: dict[str, Any] | None = None,
+    ) -> None:
+        """figures: of the joints, where they are not those that the robot keeps."""
+        self._figures = figures
+        self._daemon, self._robot = daemon, daemon.robot
+        self._request, self._report = request, report
+        self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
+        self.moved = False
+        self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
+
+    async def carry_out(self) -> dict[str, Any]:
+        """To the end; the arm is left as it was found. An arm that swings is tried with softer
+        gains, if it was measured."""
+        for _ in range(SOFTER_TRIES):
+            try:
+                return await self._once()
+            except UserError:
+                if not await self._softened():
+                    raise
+        return await self._once()
+
+    async def _softened(self) -> bool:
+        """Whether the arm swung, and has got softer gains; the fault is left for that."""
+        fault, robot = self._robot.fault, self._robot
+        if fault is None or fault["kind"] != "oscillation" or robot.joints is None:
+            return False
+        kept = await self._daemon.workers.run(
+            "pa10d.services.joints:soften",
+            lambda *_: None,
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+        )
+        if kept is None:
+            return False
+        await robot.reset()
+        await robot.use_gains(kept["gains"], keep=True)
+        robot.joints = kept
+        note = f"{fault['cause']}: again with {kept['softer']:.0%} of the bandwidth"
+        self.result.setdefault("notes", []).append(note)
+        self.result["runs"] = []
+        self._request = {**self._request, "replace": self._request["name"] is not None}
+        return True
+
+    async def _once(self) -> dict[str, Any]:
+        was_unpowered = not self._robot.moving
+        self._folder.mkdir(exist_ok=True)
+        try:
+            await self._plan()
+            prepared = await self._prepare()
+            prepared = await self._power_up(prepared)
+            await self._use_controller(prepared)
+            await self._move(prepared)
+            await self._analyse()
+        except CommandRefused as refusal:
+            raise UserError(str(refusal)) from refusal
+        finally:
+            await self._leave(was_unpowered)
+        return self.result
+
+    async def _plan(self) -> None:
+        self._report(0.0, "planning")
+        self.result["plan"] = await self._daemon.workers.run(
+            "pa10d.services.experiments:make_plan",
+            part(self._report, 0.0, PLANNED),
+            profile=str(self._daemon.profile.path),
+            kind=self._request["kind"],
+            parameters=self._request["parameters"],
+            folder=str(self._folder),
+        )
+
+    async def _prepare(self) -> dict[str, Any]:
+        """The way to the plan and the pre-check of both; nothing has moved yet."""
+        self._report(PLANNED, "checking limits, torque and collisions")
+        prepared: dict[str, Any] = await self._daemon.workers.run(
+            "pa10d.services.experiments:prepare_motion",
+            lambda *_: None,
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+            folder=str(self._folder),
+            start=self._robot.pose().tolist(),
+            model=self._model(),
+            joints=self._joints(),
+            ahead=self._request["controller"] is None or self._figures is not None,
+        )
+        self.result["checks"] = [*readiness(self._robot), *prepared["checks"]]
+        wrong = [c["sentence"] for c in self.result["checks"] if c["level"] == "error"]
+        if wrong:
+            raise UserError("the pre-check refused the motion: " + "; ".join(wrong[:3]))
+        return prepared
+
+    async def _power_up(self, prepared: dict[str, Any]) -> dict[str, Any]:
+        if self._robot.state == "inactive":
+            self._report(CHECKED, "enabling the arm")
+            await self._robot.enable()
+        state = await self._robot.until("holding", "fault", timeout=5.0)
+        if state != "holding":
+            raise UserError(f"the arm is {state}, expected holding{self._why()}")
+        if np.abs(self._robot.pose() - prepared["start"]).max() > SHIFTED:
+            return await self._prepare()
+        return prepared
+
+    def _joints(self) -> dict[str, Any] | None:
+        """What was measured of the joints, where a plain servo moves them."""
+        if self._figures is not None:
+            return {"figures": self._figures}
+        law = self._request["controller"] or self._robot.controller["name"]
+        return self._robot.joints if law == "pid" else None
+
+    def _model(self) -> str | None:
+        """Whose torque the motion carries along: the model asked for, or the one that is loaded, so
+        that the effects which the loop does not evaluate itself are not lost."""
+        if self._request["controller"] is None:
+            return self._robot.model
+        model: str | None = self._request["model"]
+        return model
+
+    async def _use_controller(self, prepared: dict[str, Any]) -> None:
+        name = self._request["controller"]
+        if name == "computed_torque":
+            await self._robot.use({"name": name, "model": prepared["live"]}, self._model())
+        elif name == "pid":
+            await self._robot.use({"name": "pid"})
+
+    async def _move(self, prepared: dict[str, Any]) -> None:
+        self.moved = True
+        motions = prepared["motions"]
+        total = sum(m["seconds"] for m in motions)
+        before = 0.0
+        for k, motion in enumerate(motions):
+            share = [CHECKED + (MOVED - CHECKED) * s / total
+                     for s in (before, before + motion["seconds"])]  # fmt: skip
+            name = self._request["name"]
+            if name is not None and len(motions) > 1:
+                name = f"{name}-{k + 1}"
+            await self._run(motion, name, part(self._report, *share))
+            before += motion["seconds"]
+
+    async def _run(self, motion: dict[str, Any], name: str | None, report: Any) -> None:
+        """One motion, recorded."""
+        number, robot = next(self.numbers), self._robot
+        announced = await robot.record(
+            "announce", motion=number, rows=motion["last"], name=name,
+            kind=self._request["kind"], plan_file=motion["plan_file"], tags=self._request["tags"],
+            replace=self._request["replace"],
+        )  # fmt: skip
+        run = announced["run"]["id"]
+        ended = robot.expect_run(run)
+        try:
+            where = {"rows": motion["file"], "first": motion["first"], "last": motion["last"]}
+            await robot.command("run", number=number, **where)
+            await self._follow(number, motion["rows"], report)
+            await self._finish_recording(ended)
+        except BaseException:
+            with contextlib.suppress(CommandRefused):
+                if not ended.done():
+                    await robot.record("withdraw")
+            raise
+        finally:
+            robot.forget_run(run)
+        info = ended.result()
+        self.result["runs"].append(info["id"])
+        self.result["recorded"].append({k: info[k] for k in ("id", "name", "status", "duration")})
+        if info["status"] != "success":
+            raise UserError(f"run {info['name']}: {info['status']}; {info['reason']}")
+
+    async def _follow(self, number: int, rows: int, report: Any) -> None:
+        """Until the motion is over, whatever ends it."""
+        ring, get = self._robot.ring, self._robot.ring.layout.get
+        while self._robot.state == "running":
+            await asyncio.sleep(LOOK_EVERY)
+            last = ring.last()
+            if last is not None and get(last, "motion") == number:
+                report(float(get(last, "row")) / rows, "moving")
+        state = await self._robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
+        if state in ("fault", "offline"):
+            log.warning("experiment ended while %s%s", state, self._why())
+
+    async def _finish_recording(self, ended: asyncio.Future[dict[str, Any]]) -> None:
+        await asyncio.wait([ended], timeout=SHORT)
+        if not ended.done():
+            answer = await self._robot.record("withdraw")
+            if answer["withdrawn"]:
+                where = "stopped on the way to the start; nothing was recorded"
+                raise UserError(f"{where}{self._why()}")
+        await asyncio.wait_for(asyncio.shield(ended), CLOSE_RUN)
+
+    async def _analyse(self) -> None:
+        self._report(MOVED, "analysing")
+        found = await self._daemon.workers.run(
+            "pa10d.services.experiments:analyse",
+            part(self._report, MOVED, 1.0),
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+            kind=self._request["kind"],
+            runs=self.result["runs"],
+        )
+        self.result |= found
+
+    async def _leave(self, was_unpowered: bool) -> None:
+        """At rest, and unpowered where it was so before; also when cancelled."""
+        await asyncio.shield(self._come_to_rest(was_unpowered))
+        for file in self._folder.glob("*"):
+            file.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            self._folder.rmdir()
+
+    async def _come_to_rest(self, power_off: bool) -> None:
+        robot = self._robot
+        if robot.state in ("running", "stopping"):
+            robot.stop()
+            await robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
+        if power_off and robot.moving:  # one that still stops powers off once it rests
+            with contextlib.suppress(CommandRefused):
+                await robot.disable()
+
+    def _why(self) -> str:
+        fault = self._robot.fault
+        return f": {fault['sentence']}" if fault else ""

@@ -1,0 +1,114 @@
+"""The first motion of an arm: its joints are measured part by part, and gains set from each."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+from pa10d.common.errors import UserError
+from pa10d.daemon.jobs.jobs import Progress, part
+from pa10d.daemon.motions.experiment import Experiment
+from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.services.joints import SOFTER, kept_joints
+
+if TYPE_CHECKING:
+    from pa10d.daemon.daemon import Daemon
+
+SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
+TRIES = 3  # with softer and softer gains where the arm swings
+SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
+
+
+class FirstMotion:
+    """Carried out as an experiment is; the arm is left as it was found, with its new gains."""
+
+    def __init__(self, daemon: Daemon, request: dict[str, Any], report: Progress) -> None:
+        self._daemon, self._robot = daemon, daemon.robot
+        self._request, self._report = request, report
+        self.moved = False
+        self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
+        self._softer = 1.0
+        self._before: dict[str, Any] = {}
+
+    async def carry_out(self) -> dict[str, Any]:
+        """Measure, keep, and use from now on; skipped where that was done."""
+        kept = kept_joints(self._daemon.data, self._daemon.profile)
+        if kept is not None and not self._request["parameters"].get("again"):
+            said = [SKIPPED.format(kept["measured"]), *kept["sentences"]]
+            self.result |= {"joints": kept, "recommendation": said}
+            return self.result
+        was_unpowered = not self._robot.moving
+        try:
+            return await self._measure()
+        except BaseException:
+            await self._take_back()
+            raise
+        finally:
+            if was_unpowered and self._robot.moving:
+                with contextlib.suppress(CommandRefused):
+                    await self._robot.command("disable", timeout=30.0)
+
+    async def _measure(self) -> dict[str, Any]:
+        begin = await self._ask("parts_to_run", parameters=self._request["parameters"])
+        self._before = begin["before"]
+        gains, figures, learnt = begin["gains"], None, {}
+        runs: dict[str, str] = {}
+        before = 0.0
+        for name in begin["parts"]:
+            share = SHARES[name]
+            inner = part(self._report, before, before + share)
+            runs[name] = await self._run(name, gains, figures, inner)
+            before += share
+            learnt = await self._ask("learn", runs=runs, softer=self._softer)
+            gains, figures = learnt["gains"], learnt["figures"]
+        kept = await self._ask("keep_joints", runs=list(runs.values()), learnt=learnt)
+        await self._robot.use_gains(gains, keep=True)
+        self._robot.joints = kept
+        self.result |= {"joints": kept, "recommendation": kept["sentences"]}
+        return self.result
+
+    async def _run(self, name: str, gains: Any, figures: Any, report: Progress) -> str:
+        """One part → its run; with softer gains where the arm swings with these."""
+        for left in reversed(range(TRIES)):
+            await self._robot.use_gains(gains, keep=False)
+            request = self._request | {"controller": "pid", "model": None, "name": None}
+            request["parameters"] = {**self._request["parameters"], "part": name}
+            experiment = Experiment(self._daemon, request, report, figures)
+            try:
+                found = await experiment.carry_out()
+            except UserError:
+                fault = self._robot.fault
+                if not left or not fault or fault["kind"] != "oscillation":
+                    raise
+                self._softer *= SOFTER
+                self.result.setdefault("notes", []).append(
+                    f"{fault['cause']}: again with {self._softer:.0%} of the bandwidth"
+                )
+                gains = _softened(gains)
+                await self._robot.reset()
+                continue
+            self.moved = True
+            self.result["recorded"] += found["recorded"]
+            self.result["runs"] += found["runs"]
+            return str(found["runs"][0])
+        raise AssertionError("the last try raises")
+
+    async def _ask(self, what: str, **more: Any) -> Any:
+        return await self._daemon.workers.run(
+            f"pa10d.services.joints:{what}",
+            lambda *_: None,
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+            **more,
+        )
+
+    async def _take_back(self) -> None:
+        """The gains that there were before; an arm that is held gets them without a step."""
+        with contextlib.suppress(CommandRefused):
+            if self._before:
+                await self._robot.use_gains(self._before, keep=False)
+
+
+def _softened(gains: dict[str, list[float]]) -> dict[str, list[float]]:
+    powers = {"kp": 2, "ki": 3, "kd": 1, "push": 0}
+    return {key: [SOFTER ** powers[key] * v for v in values] for key, values in gains.items()}

@@ -1,0 +1,197 @@
+"""The virtual arm as a process of its own, started by the daemon where nobody else has."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import fcntl
+import logging
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import IO
+
+from pa10d.common.errors import UserError
+from pa10d.daemon.processes.child import ENVIRONMENT
+from pa10d.profile import Profile
+
+START_TIME = 120.0  # s; the plant may have to be compiled
+END_TIME = 2.0  # s; nothing is lost where it is killed
+READY = "ready"
+PRIORITY = 70  # below the control process: drives answer in time, but do not hold the loop up
+
+log = logging.getLogger("pa10d.simulator")
+
+
+def wants_simulator(profile: Profile) -> bool:
+    """Whether the profile's bus carries a virtual arm."""
+    return profile.simulation is not None and profile.can.interface in ("virtualbus", "virtual")
+
+
+class Simulator:
+    """It does not come back by itself, a dead arm is a fault to be seen; ``start`` starts anew."""
+
+    def __init__(self, profile: Profile) -> None:
+        self._profile = profile
+        self.process: asyncio.subprocess.Process | None = None
+        self._alive: int | None = None  # held open as long as it shall live
+
+    @property
+    def dead(self) -> str | None:
+        """How the arm that was started here ended, None while it lives."""
+        code = None if self.process is None else self.process.returncode
+        if code is None:
+            return None
+        return f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
+
+    async def start(self) -> None:
+        """Until it is on the bus. Where one is there already, that one is used."""
+        if is_simulated(self._profile):
+            log.info("a virtual arm is on '%s' already", self._profile.can.channel)
+            return
+        reading, writing = os.pipe()
+        self.process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "pa10d.daemon.processes.simulator", "--alive", str(reading),
+            pass_fds=(reading,),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            env={**os.environ, **ENVIRONMENT},
+        )  # fmt: skip
+        os.close(reading)
+        self._let_go()
+        self._alive = writing
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(self._profile.model_dump_json().encode())
+        self.process.stdin.close()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self.process.stdout.readline(), START_TIME)
+
+    async def close(self) -> None:
+        """End it."""
+        if self.process is None:
+            return
+        self._let_go()
+        with contextlib.suppress(ProcessLookupError):
+            self.process.terminate()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self.process.wait(), END_TIME)
+        if self.process.returncode is None:
+            self.process.kill()
+            await self.process.wait()
+
+    def _let_go(self) -> None:
+        """The one that there was may end."""
+        if self._alive is not None:
+            os.close(self._alive)
+            self._alive = None
+
+
+def lock_path(profile: Profile) -> Path:
+    """Held by the virtual arm of this bus."""
+    name = f"pa10d-sim-{os.getuid()}-{profile.can.interface}-{profile.can.channel}.lock"
+    return Path(tempfile.gettempdir()) / name.replace(os.sep, "_")
+
+
+def is_simulated(profile: Profile) -> bool:
+    """Whether a virtual arm is on this bus."""
+    try:
+        with lock_path(profile).open("a") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return False
+    except BlockingIOError:
+        return True
+
+
+def claim(profile: Profile) -> IO[str] | None:
+    """Become the virtual arm of this bus; None where there is one."""
+    file = lock_path(profile).open("a")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        return None
+    return file
+
+
+def serve_arm(
+    profile: Profile, ready: Callable[[], None], stopped: Callable[[], bool] = lambda: False
+) -> None:
+    """The virtual arm in this process, until told to end; in real time with real-time priority."""
+    from backends.virtual.arm import serve
+    from pa10d.control.realtime import prepare
+
+    def on_the_bus() -> None:
+        if profile.simulation is not None and profile.simulation.clock == "real":
+            prepare(PRIORITY)
+        ready()
+
+    with contextlib.suppress(KeyboardInterrupt):
+        serve(profile, ready=on_the_bus, stopped=stopped)
+
+
+@contextlib.contextmanager
+def simulated_bus(profile: Profile) -> Iterator[None]:
+    """A virtual arm for the length of the block, where the profile wants one and none is there."""
+    if not wants_simulator(profile) or is_simulated(profile):
+        yield
+        return
+    reading, writing = os.pipe()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pa10d.daemon.processes.simulator", "--alive", str(reading)],
+        pass_fds=(reading,), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        env={**os.environ, **ENVIRONMENT},
+    )  # fmt: skip
+    os.close(reading)
+    assert process.stdin is not None
+    assert process.stdout is not None
+    try:
+        process.stdin.write(profile.model_dump_json())
+        process.stdin.close()
+        if process.stdout.readline().strip() != READY:
+            raise UserError("the virtual arm did not start; its messages are above")
+        yield
+    finally:
+        os.close(writing)
+        process.terminate()
+        process.wait()
+        process.stdout.close()
+
+
+LINGER = 5.0  # s for which the arm outlives its daemon: it has to come to rest first
+
+
+def main() -> None:
+    """Profile on stdin; ends when the daemon has been gone for a while, or when told to."""
+    parser = argparse.ArgumentParser(prog="pa10d-simulator")
+    parser.add_argument("--alive", type=int, required=True, help="closed when the daemon ends")
+    given = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    profile = Profile.model_validate_json(sys.stdin.read())
+    lock = claim(profile)
+    if lock is None:
+        print(READY, flush=True)
+        return
+    gone = threading.Event()
+
+    def watch() -> None:
+        os.read(given.alive, 1)
+        gone.wait(LINGER)
+        gone.set()
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
+    except UserError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+"""``python -m pa10d.daemon.processes.worker``: computes one thing at a time, at low priority.
+
+Reads one JSON line per task from its pipe, ``{"call": "package.module:function", "arguments":
+{…}}``, and answers with lines ``{"progress", "message"}`` and, last, ``{"result"}`` or
+``{"error", "status"}``. The daemon cancels a task by ending this process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import errno
+import importlib
+import inspect
+import json
+import logging
+import os
+import resource
+import signal
+import socket
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pa10d.common.errors import Unsound, UserError
+
+FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
+OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
+ALLOWED = ("pa10d.daemon.jobs.tasks", "pa10d.services.")
+
+Progress = Callable[[float, str], None]
+
+
+def main() -> None:
+    """Serve until the daemon closes the pipe."""
+    parser = argparse.ArgumentParser(prog="pa10d-worker")
+    parser.add_argument("--pipe", type=int, required=True)
+    parser.add_argument("--nice", type=int, required=True)
+    parser.add_argument("--memory", type=int, required=True, help="bytes it may take")
+    given = parser.parse_args()
+    logging.basicConfig(level=logging.INFO, format="worker: %(message)s")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    os.nice(given.nice)
+    restrain(given.memory)
+    connection = socket.socket(fileno=given.pipe)
+    lines = connection.makefile("rb")
+
+    def say(message: dict[str, Any]) -> None:
+        connection.sendall(json.dumps(message, allow_nan=False).encode() + b"\n")
+
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        for line in lines:
+            say(carry_out(json.loads(line), say))
+
+
+def restrain(memory: int) -> None:
+    """What asks for more is told no; where the machine runs out all the same, this process goes
+    before the daemon, the recorder and control."""
+    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text(str(FIRST_TO_GO))
+
+
+def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+    """Do one task; never raises for what the task did."""
+    from pa10d.common.jsonable import plain
+
+    def progress(share: float, message: str = "") -> None:
+        say({"progress": round(float(share), 4), "message": message})
+
+    try:
+        function, arguments = resolve(task["call"]), dict(task["arguments"])
+        if "progress" in inspect.signature(function).parameters:
+            arguments["progress"] = progress
+        return {"result": plain(function(**arguments))}
+    except Unsound as error:
+        return {"error": str(error), "expected": True, "findings": error.findings}
+    except UserError as error:
+        return {"error": str(error), "expected": True}
+    except MemoryError:
+        most = resource.getrlimit(resource.RLIMIT_DATA)[0] / 2**30
+        said = f"needs more than the {most:.3g} GiB of memory that one job may take"
+        return {"error": said, "expected": True, "spent": True}
+    except OSError as error:
+        if error.errno not in OF_THE_DISK:
+            logging.error("%s", traceback.format_exc())
+        what = f"{error.filename or 'data folder'}: {error.strerror}; nothing was stored"
+        return {"error": what, "expected": error.errno in OF_THE_DISK}
+    except Exception as error:
+        logging.error("%s", traceback.format_exc())
+        return {"error": f"{type(error).__name__}: {error}", "expected": False}
+
+
+def resolve(call: str) -> Callable[..., Any]:
+    """The function behind ``package.module:function``, of our own rooms only."""
+    module, _, name = call.partition(":")
+    if not module.startswith(ALLOWED):
+        raise UserError(f"{call}: not a service")
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return function
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""What the daemon itself knows of an arm that is to move: its state, its bus, its drives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from backends.bus_budget import profile_budget
+from backends.cia402 import remarks
+from pa10d.daemon.robot.robot import CANOPEN, CommandRefused, RobotProcess
+from pa10d.experiments.checks import Check
+
+
+def readiness(robot: RobotProcess) -> list[dict[str, Any]]:
+    """The part of a pre-check that no plan changes."""
+    try:
+        refuse_unless_ready(robot)
+    except CommandRefused as refusal:
+        text = f"{refusal}; {refusal.answer['remedy']}"
+        return [Check("error", "state", text).document()]
+    found = [Check("ok", "state", f"the arm is {robot.state}"), *_bus(robot), *_drives(robot)]
+    return [check.document() for check in found]
+
+
+def refuse_unless_ready(robot: RobotProcess) -> None:
+    """Before a job is made of it: CommandRefused where the arm's state does not allow motion."""
+    if robot.state in ("inactive", "holding"):
+        return
+    remedies = {
+        "offline": "wait until the robot is connected, or connect it",
+        "fault": "remove the cause, then reset",
+    }
+    remedy = remedies.get(robot.state, "wait for the motion to end, or stop it")
+    why = robot.why_offline if robot.state == "offline" else (robot.fault or {}).get("sentence", "")
+    raise CommandRefused(
+        {
+            "state": robot.state,
+            "needed": ["inactive", "holding"],
+            "detail": f"experiment: the arm is {robot.state}" + (f": {why}" if why else ""),
+            "remedy": remedy,
+        }
+    )
+
+
+def _bus(robot: RobotProcess) -> list[Check]:
+    if robot.profile.backend != CANOPEN:
+        return []
+    budget = profile_budget(robot.profile)
+    return [Check("ok" if budget.fits else "error", "bus", budget.sentence())]
+
+
+def _drives(robot: RobotProcess) -> list[Check]:
+    last = robot.ring.last()
+    if last is None:
+        return [Check("error", "drives", "no drive was heard yet; wait a second")]
+    late = robot.ring.layout.get(last, "age") >= robot.profile.safety.stale_cycles
+    silent = [
+        Check("error", "drives", f"joint {j + 1}: its drive does not answer", int(j) + 1)
+        for j in np.flatnonzero(late)
+    ]
+    warned = [
+        Check("warning", "drives", f"joint {j + 1}: {remark}", j + 1)
+        for j, word in enumerate(robot.ring.layout.get(last, "status"))
+        for remark in remarks(int(word))
+    ]
+    return [*(silent or [Check("ok", "drives", "every drive answers in every cycle")]), *warned]

@@ -1,0 +1,1 @@
+"""What somebody asks for by name: an effect or a map, fitted in beside the model."""

@@ -1,0 +1,144 @@
+"""What a diagnosis says, as objects and as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.jsonable import plain
+from pa10d.diagnose.search.delivery import delivered, warnings
+from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
+from pa10d.diagnose.unknown.structure import Structure
+from pa10d.effects import Value
+from pa10d.judgement import Judgement
+from pa10d.model import Term, TorqueModel
+
+Array = NDArray[np.float64]
+Verdict = Literal["missing", "none", "unknown"]
+
+
+@dataclass(frozen=True)
+class Confusion:
+    """Another explanation that this data cannot tell from the finding."""
+
+    effect: str
+    joints: tuple[int, ...]
+    why: str
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One missing effect (or change), on top of the findings before it.
+
+    rms_before, rms_after: (n,) N·m held out, refitted without and with it
+    size: N·m RMS of its torque on the held-out side where it acts, and its standard error
+    slope: of the held-out residual on the predicted change; 1 for a true effect
+    """
+
+    term: Term
+    parameters: dict[str, Value]
+    rms_before: Array
+    rms_after: Array
+    p_value: float
+    slope: float
+    size: Value
+    confounded_with: tuple[Confusion, ...]
+    next_experiment: dict[str, Any] | None
+    sentence: str
+
+    def document(self) -> dict[str, Any]:
+        """As INTERFACES has it, and a little more."""
+        return {
+            "effect": self.term.effect_id,
+            "joints": [j + 1 for j in self.term.joints],
+            "parameters": {name: v.document() for name, v in self.parameters.items()},
+            "rms_before": self.rms_before.tolist(),
+            "rms_after": self.rms_after.tolist(),
+            "p_value": self.p_value,
+            "slope": self.slope,
+            "size": {
+                "value": self.size.value,
+                "std_error": self.size.std_error,
+                "unit": self.size.unit,
+            },
+            "confounded_with": [
+                {"effect": c.effect, "joints": [j + 1 for j in c.joints], "why": c.why}
+                for c in self.confounded_with
+            ],
+            "next_experiment": self.next_experiment,
+            "sentence": self.sentence,
+        }
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The whole answer.
+
+    rms: (n,) N·m of the given model, refitted unless frozen, on the held-out side
+    as_given, left: the given model as it came, and the one with all findings, there
+    remaining: what is left on each joint, and what this data can say about it
+    model: with all findings fitted in; versions: one model per step, the given one (refitted
+    unless frozen) first; what was judged is what is stored
+    judged_on: in words, which data the fit has not seen
+    """
+
+    verdict: Verdict
+    rms: Array
+    as_given: Judgement
+    left: Judgement
+    cutoff: float
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Unexplained, ...]
+    remaining: tuple[Remaining, ...]
+    model: TorqueModel
+    versions: tuple[TorqueModel, ...]
+    judged_on: str
+    frozen: bool
+
+    @property
+    def noise_floor(self) -> Array:
+        """(n,) N·m; nan where this data does not show it."""
+        return self.left.floor.values
+
+    @property
+    def mapped(self) -> tuple[Structure, ...]:
+        """What is unexplained and of which one or two quantities are known that it depends on."""
+        return tuple(one for one in self.unexplained if isinstance(one, Structure))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be known before the model is used."""
+        return tuple(warnings(self.model)) if self.findings else ()
+
+    def document(self) -> dict[str, Any]:
+        """JSON of ``diagnose``."""
+        return {
+            "verdict": self.verdict,
+            "rms": self.rms.tolist(),
+            "rms_as_given": plain(self.as_given.rms),
+            **self.left.floor.document(),
+            "cutoff_hz": self.cutoff,
+            "mask": self.left.mask,
+            "refitted": not self.frozen,
+            "runs": list(self.left.runs),
+            "findings": [f.document() for f in self.findings],
+            "unexplained": [
+                {
+                    "joint": s.joint + 1,
+                    "depends_on": list(s.variables),
+                    "share": s.share,
+                    "rms": s.rms,
+                    "p_value": s.p_value,
+                }
+                for s in self.unexplained
+            ],
+            "promised": delivered(self.model)["promised"],
+            "achieved": delivered(self.model)["achieved"],
+            "remaining": [line.document() for line in self.remaining],
+            "judged_on": self.judged_on,
+            "frozen": self.frozen,
+            "warnings": list(self.warnings),
+        }

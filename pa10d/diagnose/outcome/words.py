@@ -1,0 +1,94 @@
+"""A finding in one sentence that a technician understands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pa10d.common.words import listed, percent, times
+from pa10d.diagnose.outcome.diagnosis import Confusion
+from pa10d.effects import Effect, Value, effect
+from pa10d.model import Term
+
+Array = NDArray[np.float64]
+
+
+def sentence(
+    term: Term,
+    before: Array,
+    after: Array,
+    size: Value,
+    confusions: Sequence[Confusion],
+    frozen: bool,
+) -> str:
+    """What and where, how large, and what it takes away of the joint that it helps most.
+
+    before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed
+    """
+    own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
+    worst = int(own[np.argmax((before**2 - after**2)[own])])
+    share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
+    said = (changed if frozen else missing)(term, f"about {size.value:.2g} {size.unit}")
+    text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
+    if confusions:
+        others = sorted({effect(c.effect).named for c in confusions})
+        text += f" This data cannot yet tell it from {listed(others, 'or')}."
+    return text
+
+
+STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's own error
+
+
+def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
+    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
+    floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
+    ratio = np.asarray(rms) / np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
+    large = np.flatnonzero(ratio > STILL_LARGE)
+    first = "Nothing has changed" if frozen else "Nothing is missing"
+    if not len(large) and not np.all(np.isfinite(ratio)):
+        return (
+            f"{first} that this data can show; but it does not show how strong the noise is. "
+            "Record one motion twice: what differs is noise, and what comes again is none."
+        )
+    if not len(large):
+        return f"{first}: what the model leaves over on new data is measurement noise."
+    joints = listed([str(j + 1) for j in large])
+    keeps = "s {} keep" if len(large) > 1 else " {} keeps"
+    return (
+        f"{first} that this data can show. Joint{keeps.format(joints)} up to "
+        f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
+        "clearly enough. Record more, or the same motion twice: what repeats is no noise."
+    )
+
+
+def missing(term: Term, size: str) -> str:
+    """``Joint 4 shows Stribeck friction (extra friction at low speed): … that the model lacks``."""
+    verb = "show" if len(term.joints) > 1 else "shows"
+    return f"{_place(term)} {verb} {_explained(term.effect)}: {size} that the model lacks"
+
+
+def changed(term: Term, size: str) -> str:
+    """``Joint 4 now has more Coulomb friction …`` than when the model was made."""
+    kind, verb = term.effect, "have" if len(term.joints) > 1 else "has"
+    if kind.question == "textbook":
+        way = "more" if term.coefficients[0] > 0 else "less"
+        return f"{_place(term)} now {verb} {way} {_explained(kind)} than its model: {size}"
+    return f"{_place(term)} now {verb} {_explained(kind)}: {size} that its model does not know"
+
+
+def reason(kind: Effect, other: Effect) -> str:
+    """Why this data cannot tell one from the other."""
+    return kind.confounders.get(
+        other.id, "on this data both ask for nearly the same torque, and leave as small an error"
+    )
+
+
+def _explained(kind: Effect) -> str:
+    return f"{kind.named} ({kind.plainly})" if kind.plainly else kind.named
+
+
+def _place(term: Term) -> str:
+    joints = listed([str(j + 1) for j in term.joints])
+    return f"Joint{'s' if len(term.joints) > 1 else ''} {joints}" if joints else "The arm"

@@ -1,0 +1,145 @@
+"""Weighted least squares of the model at hand, kept ready for adding one candidate.
+
+Everything a candidate needs to be judged (Frisch-Waugh-Lovell) follows from the orthonormal
+basis Q of the present columns: what the model absorbs of the candidate is Q·Qᵀc.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pa10d.diagnose.regression.side import PerJoint, Side
+
+Array = NDArray[np.float64]
+
+NEAR_NULL = 1e-5  # directions of the column-scaled matrix weaker than this are truncated
+
+
+@dataclass
+class Fit:
+    """Least squares of τ on given columns over one side, weighted by 1/σ_j per joint.
+
+    basis     joint -> (m_j, r): rows of the orthonormal basis of the weighted columns
+    to_beta   (p, r): coefficients = to_beta @ basis coordinates
+    residual  joint -> (m_j,) weighted residual
+    coordinates (r,): the target's in the basis
+    """
+
+    sigma: Array
+    basis: PerJoint
+    to_beta: Array
+    beta: Array
+    residual: PerJoint
+    rank: int
+    coordinates: Array
+
+    def rms(self) -> Array:
+        """(n,) N·m RMS of the unweighted residual per joint."""
+        n = len(self.sigma)
+        return np.array(
+            [float(np.sqrt(np.mean(self.residual[j] ** 2))) * self.sigma[j] for j in range(n)]
+        )
+
+    def without(self, columns: slice) -> Fit:
+        """The same least squares with some columns left out, by downdating the basis.
+
+        The directions that only these columns reach are basis @ to_betaᵀ[columns]; a column of
+        zeros reaches none.
+        """
+        reach = self.to_beta[columns]
+        lost = np.linalg.qr(reach[reach.any(axis=1)].T)[0]
+        basis, residual = {}, {}
+        coordinates = self.coordinates
+        back = lost.T @ coordinates
+        for j, q in self.basis.items():
+            own = q @ lost
+            basis[j] = q - own @ lost.T
+            residual[j] = self.residual[j] + own @ back
+        kept = self.to_beta - (self.to_beta @ lost) @ lost.T
+        rest = coordinates - lost @ back
+        return Fit(self.sigma, basis, kept, kept @ coordinates, residual, self.rank, rest)
+
+    def covariance(self) -> Array:
+        """(p, p) for unit-variance independent errors; the caller knows better about noise."""
+        return np.asarray(self.to_beta @ self.to_beta.T)
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of the first coefficients: rows of (root @ (β - mean))² join the sum."""
+
+    mean: Array
+    root: Array
+
+    def rows(self, width: int) -> tuple[Array, Array]:
+        """As equations for ``width`` coefficients: matrix (p0, width) and target (p0,)."""
+        matrix = np.zeros((len(self.root), width))
+        matrix[:, : len(self.mean)] = self.root
+        return matrix, self.root @ self.mean
+
+
+def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | None = None) -> Fit:
+    """One weighted least-squares solution with near-null directions truncated."""
+    parts = [columns[j] / sigma[j] for j in range(side.n)]
+    targets = [side.tau[j] / sigma[j] for j in range(side.n)]
+    if prior is not None:
+        matrix, known = prior.rows(parts[0].shape[1])
+        parts, targets = [*parts, matrix], [*targets, known]
+    stacked, target = np.concatenate(parts), np.concatenate(targets)
+    scale = np.linalg.norm(stacked, axis=0)
+    empty = scale == 0
+    scale[empty] = 1.0
+    stacked /= scale
+    triangle = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
+    _, values, right = np.linalg.svd(triangle, full_matrices=False)
+    strong = values > NEAR_NULL * values[0]
+    turn = right[strong].T / values[strong]
+    basis = stacked @ turn
+    # one step of refinement: R⁻¹ loses digits that the basis needs for what it leaves over
+    correction = scipy.linalg.cholesky(basis.T @ basis, lower=False)
+    basis = scipy.linalg.solve_triangular(correction, basis.T, trans=1, lower=False).T
+    turn = scipy.linalg.solve_triangular(correction, turn.T, trans=1, lower=False).T
+    coordinates = basis.T @ target
+    residual = target - basis @ coordinates
+    cuts = np.cumsum([len(side.tau[j]) for j in range(side.n)])
+    to_beta = turn / scale[:, None]
+    to_beta[empty] = 0.0
+    return Fit(
+        sigma=sigma,
+        basis=dict(enumerate(np.split(basis, cuts)[: side.n])),
+        to_beta=to_beta,
+        beta=to_beta @ coordinates,
+        residual=dict(enumerate(np.split(residual, cuts)[: side.n])),
+        rank=int(strong.sum()),
+        coordinates=coordinates,
+    )
+
+
+def iterated_fit(
+    side: Side,
+    columns: PerJoint,
+    sigma: Array | None = None,
+    prior: Prior | None = None,
+    rounds: int = 3,
+) -> Fit:
+    """Weighted fit with each joint's σ estimated from its own residual."""
+    weights = np.array([max(float(np.std(side.tau[j])), 1e-9) for j in range(side.n)])
+    if sigma is not None:
+        weights, rounds = sigma, 1
+    fit = weighted_fit(side, columns, weights, prior)
+    for _ in range(rounds):
+        smaller = np.maximum(fit.rms(), 1e-9)
+        if np.all(np.abs(np.log(smaller / weights)) < 0.05):
+            break
+        weights = smaller
+        fit = weighted_fit(side, columns, weights, prior)
+    return fit
+
+
+def predict(columns: PerJoint, beta: Array) -> PerJoint:
+    """Torque per joint (m_j,) of given columns and coefficients."""
+    return {j: c @ beta for j, c in columns.items()}

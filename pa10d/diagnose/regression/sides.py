@@ -1,0 +1,129 @@
+"""Which samples a fit may see and which it is judged on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.errors import UserError
+from pa10d.diagnose.regression.side import Side
+from pa10d.measurement.recording import Recording
+from pa10d.model import TorqueModel
+from pa10d.regression.equation import RunEquation, prepare
+
+Array = NDArray[np.float64]
+
+BLOCKS = 6  # alternate blocks of time of a run that must serve both sides
+GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
+PER_UNKNOWN = 2.0  # independent samples, least number
+FEWEST = 12  # independent samples of a joint that is judged: its variance is known to 40 %
+
+
+def two_sides(
+    model: TorqueModel, fit: Sequence[Recording], validate: Sequence[Recording]
+) -> tuple[Side, Side, str]:
+    """Fit and held-out side, and in words what the judgement rests on.
+
+    Runs that only stand on one side are used whole. Where nothing is left to validate on, or a
+    run stands on both sides, it is cut into blocks of time that take turns.
+    """
+    if not fit:
+        raise UserError("diagnose: no run to fit, expected at least one")
+    names = [r.name for r in fit]
+    both = [r for r in validate if r.name in names]
+    shared = list(both) if validate else list(fit)
+    shared_names = {r.name for r in shared}
+    train = [_equation(model, r) for r in fit if r.name not in shared_names]
+    held = [_equation(model, r) for r in validate if r.name not in shared_names]
+    for recording in shared:
+        first, second = blocks(_equation(model, recording))
+        train.append(first)
+        held.append(second)
+    if not shared:
+        words = f"runs {', '.join(r.name for r in validate)}, which the fit has not seen"
+    elif held and len(held) > len(shared):
+        words = (
+            f"runs {', '.join(r.name for r in validate)}; of {', '.join(sorted(shared_names))}, "
+            "which the fit uses as well, every other block of time"
+        )
+    else:
+        words = (
+            f"every other block of time of {', '.join(sorted(shared_names))}; the blocks between "
+            "were fitted (no separate validation run)"
+        )
+    for side, what in ((train, "to fit"), (held, "to judge by")):
+        moving = np.any([run.keep.any(axis=0) for run in side], axis=0)
+        if not moving.all():
+            still = ", ".join(str(j + 1) for j in np.flatnonzero(~moving))
+            raise UserError(
+                f"diagnose: joint {still} never moves in the data {what}, expected all joints to; "
+                "use other runs or a profile with fewer joints"
+            )
+    _enough_to_fit(model, train)
+    _enough_to_judge(held)
+    return Side(train), Side(held), words
+
+
+def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
+    """Refuse data with so few independent samples that what the unknowns of the model are off by
+    moves its torque by more than half of the noise's power."""
+    needed, found = PER_UNKNOWN * len(model.covariance), float(np.sum(_independent(train)))
+    if found < needed:
+        seconds = sum(float(run.keep.mean(axis=1).sum()) / run.rate for run in train)
+        raise UserError(
+            f"diagnose: {seconds:.2g} s of motion in the data to fit, too little for the "
+            f"{len(model.covariance)} unknowns of {model.name}; expected {needed / found:.1f} "
+            "times as much"
+        )
+
+
+def _enough_to_judge(held: Sequence[RunEquation]) -> None:
+    """Refuse data that has too few independent samples of a joint to know its noise by: nothing
+    is fitted to them, so the number of unknowns does not matter."""
+    found = _independent(held)
+    few = np.flatnonzero(found < FEWEST)
+    if len(few):
+        j = int(few[0])
+        raise UserError(
+            f"diagnose: {found[j]:.0f} independent samples of joint {j + 1} in motion in the data "
+            f"to judge by, expected at least {FEWEST}: a longer run of another motion, or a wider "
+            "band (--cutoff)"
+        )
+
+
+def _independent(runs: Sequence[RunEquation]) -> Array:
+    """(n,) samples that a band of the cut-off can hold in the time that counts: two a period."""
+    return np.asarray(
+        np.sum([2.0 * r.lowpass.cutoff / r.rate * r.keep.sum(axis=0) for r in runs], axis=0)
+    )
+
+
+def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:
+    """The run twice, each with every other block of time kept."""
+    samples = len(run.keep)
+    block = np.minimum(np.arange(samples) * BLOCKS // samples, BLOCKS - 1)
+    guard = int(np.ceil(GUARD_PERIODS / run.lowpass.cutoff * run.rate))
+    seam = np.zeros(samples, dtype=bool)
+    for start in np.flatnonzero(np.diff(block)) + 1:
+        seam[max(0, start - guard) : start + guard] = True
+    even = (block % 2 == 0) & ~seam
+    odd = (block % 2 == 1) & ~seam
+    return _within(run, even), _within(run, odd)
+
+
+def _within(run: RunEquation, rows: NDArray[np.bool_]) -> RunEquation:
+    """Nothing but these rows (M,) counts."""
+    whole = rows[:, None]
+    return replace(run, keep=run.keep & whole, moving=run.moving & whole, inside=run.inside & rows)
+
+
+def _equation(model: TorqueModel, recording: Recording) -> RunEquation:
+    if recording.joints != model.robot.n:
+        raise UserError(
+            f"{recording.name}: {recording.joints} joints, expected {model.robot.n} as in model "
+            f"{model.name}"
+        )
+    return prepare(recording, model.robot, model.cutoff, model.shift)

@@ -1,0 +1,199 @@
+"""Every effect on every joint that may be missing, each with its best shape on the fit side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.parallel import shared_map
+from pa10d.diagnose.regression.partial import Partial, partials
+from pa10d.diagnose.regression.shapes import refine
+from pa10d.diagnose.regression.side import PerJoint
+from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.search.ripple import order_peaks
+from pa10d.effects import Context, Effect, all_effects
+from pa10d.model import Term
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect on its joints with the shape that the fit side likes best."""
+
+    effect: Effect
+    joints: tuple[int, ...]
+    shape: dict[str, float]
+    partial: Partial
+
+    @property
+    def gain(self) -> float:
+        """Weighted squared error that it removes from the fit side."""
+        return self.partial.gain
+
+    @property
+    def term(self) -> Term:
+        """As a term of a model."""
+        return Term(self.effect.id, self.joints, self.partial.theta, dict(self.shape))
+
+
+Best = tuple[dict[str, float], Partial]
+"""A shape and what it adds."""
+
+THREADS = 2
+TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
+WORTH_JUDGING = 0.5  # of the best variant's gain
+THIN = 10  # samples of which one is looked at for where to start
+
+
+def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
+    """All pairs of effect and joints: what may be missing, or (frozen) what may have changed."""
+    out: list[tuple[Effect, tuple[int, ...]]] = []
+    for effect in all_effects().values():
+        changed = effect.question == "changed" or effect.also_changes
+        if not (changed if frozen else effect.question == "missing"):
+            continue
+        out += [(effect, joints) for joints in places(effect, n)]
+    return out
+
+
+def places(effect: Effect, n: int) -> Iterable[tuple[int, ...]]:
+    """The joints an effect may sit on."""
+    if effect.scope == "robot":
+        return [()]
+    if effect.scope == "pair":
+        return list(combinations(range(n), 2))
+    return [(j,) for j in range(n)]
+
+
+def scan(
+    state: State,
+    pairs: Sequence[tuple[Effect, tuple[int, ...]]],
+    tick: Callable[[float], None] = lambda share: None,
+) -> list[Candidate]:
+    """Best starting shape of every suspect, strongest first; of suspects that come in variants
+    (a bump or a wave, warmed by time or by its own heat) of each that the fit side does not speak
+    clearly against: which one holds is for the held-out side to say."""
+    _prepare(state, [effect for effect, _ in pairs])
+    tried = shared_map(lambda pair: _best_starts(state, *pair), pairs, tick)
+    found = [
+        Candidate(effect, joints, *best)
+        for (effect, joints), variants in zip(pairs, tried, strict=True)
+        for best in variants
+    ]
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def sharpened(state: State, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The same candidates with their shapes refined on the fit side, strongest first."""
+    refined = shared_map(lambda c: _refined(state, c), candidates)
+    found = [
+        replace(candidate, shape=shape, partial=partial)
+        for candidate, (shape, partial) in zip(candidates, refined, strict=True)
+    ]
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def _prepare(state: State, effects: Iterable[Effect]) -> None:
+    """What many suspects look at, before two processes would compute it each for themselves."""
+    if any(e.uses_model and e.reaches_other_joints for e in effects):
+        with ThreadPoolExecutor(THREADS) as pool:  # compiled code that leaves the interpreter
+            list(pool.map(lambda context: context.sensitivity(0), state.train.contexts))
+
+
+def _refined(state: State, candidate: Candidate) -> Best:
+    known: dict[tuple[float, ...], Partial] = {}
+    kind, falls = candidate.effect, state.may_fall(candidate.effect)
+
+    def partial_of(shape: dict[str, float]) -> Partial:
+        key = tuple(shape.values())
+        if key not in known:
+            columns = state.train.columns(kind, candidate.joints, [shape])
+            known[key] = partials(state.fit, columns, kind, len(kind.coefficients), falls=falls)[0]
+        return known[key]
+
+    shape = refine(kind, candidate.shape, lambda s: partial_of(s).gain)
+    return shape, partial_of(shape)
+
+
+def held_columns(state: State, candidate: Candidate) -> PerJoint:
+    """Columns of a candidate on the held-out side."""
+    return state.held.columns(candidate.effect, candidate.joints, [candidate.shape])
+
+
+def all_motion(contexts: Sequence[Context]) -> Context:
+    """Every run's motion, thinned out, as one that lasts as long as the longest: where to start
+    must not depend on which run comes first (only one of them may reach a stop)."""
+    longest = max(float(c.t[-1] - c.t[0]) for c in contexts)
+
+    def joined(parts: Iterable[Array]) -> Array:
+        return np.concatenate([x[::THIN] for x in parts])
+
+    def of_all(parts: Iterable[Array | None]) -> Array | None:
+        there = [x for x in parts if x is not None]
+        return joined(there) if len(there) == len(contexts) else None
+
+    q = joined(c.q for c in contexts)
+    return replace(
+        contexts[0],
+        t=np.linspace(0.0, longest, len(q)),
+        q=q,
+        dq=joined(c.dq for c in contexts),
+        ddq=joined(c.ddq for c in contexts),
+        total=joined(c.total for c in contexts),
+        temperature=of_all(c.temperature for c in contexts),
+        rubbing=of_all(c.rubbing for c in contexts),
+    )
+
+
+def _best_starts(state: State, effect: Effect, joints: tuple[int, ...]) -> list[Best]:
+    width, falls = len(effect.coefficients), state.may_fall(effect)
+    own = effect.starts_by_own_equation
+    choices = [s.name for s in effect.shapes if s.scale == "choice"]
+    variants: dict[tuple[float | None, ...], Best] = {}
+    for shapes in _starts(state, effect, joints):
+        columns = state.train.columns(effect, joints, shapes, own)
+        found = partials(state.fit, columns, effect, width, falls=falls)
+        for shape, partial in zip(shapes, found, strict=True):
+            variant = tuple(shape.get(name) for name in choices)
+            best = variants.get(variant)
+            if partial.identifiable and (best is None or partial.gain > best[1].gain):
+                variants[variant] = dict(shape), partial
+    if own:
+        return _in_all_equations(state, effect, joints, list(variants.values()))
+    most = max((partial.gain for _, partial in variants.values()), default=0.0)
+    return [best for best in variants.values() if best[1].gain >= WORTH_JUDGING * most]
+
+
+def _in_all_equations(
+    state: State, effect: Effect, joints: tuple[int, ...], found: list[Best]
+) -> list[Best]:
+    """The same shapes, judged on all joints that they reach."""
+    out = []
+    for shape, _ in found:
+        columns = state.train.columns(effect, joints, [shape])
+        (partial,) = partials(
+            state.fit, columns, effect, len(effect.coefficients), falls=state.may_fall(effect)
+        )
+        if partial.identifiable:
+            out.append((shape, partial))
+    return out
+
+
+def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:
+    """Shapes to begin with, in groups that fit into memory together."""
+    if effect.line_order:
+        peaks = order_peaks(state.train, state.train_residual(), joints[0])
+        shapes: list = [{effect.line_order: order} for order in peaks]
+    else:
+        # what reaches other joints asks for inertias, which the first run has at hand
+        one_run = effect.reaches_other_joints
+        context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
+        shapes = list(effect.starts(context, joints))
+    for start in range(0, len(shapes), TOGETHER):
+        yield shapes[start : start + TOGETHER]

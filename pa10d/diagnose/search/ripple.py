@@ -1,0 +1,114 @@
+"""Torque ripple in the spectrum of the residual against angle: where to start looking, and how
+easily noise alone has such a line somewhere."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.regression.side import PerJoint, Side
+
+Array = NDArray[np.float64]
+
+HIGHEST_ORDER = 220.0  # cycles per revolution
+LEAST_SPAN = 1e-3  # rad
+STEPS = 3  # orders looked at per resolution
+LOWEST_ORDER = 4.0  # below, gravity and ripple cannot be told apart
+
+
+def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> list[float]:
+    """Orders N (cycles per revolution) of the strongest lines of the residual against q_j.
+
+    The power of residual·exp(-iNq), each sample weighted with what the low-pass leaves of a line
+    at its momentary frequency N·|q̇|/2π, over a grid as fine as the range of q resolves.
+    """
+    q, v, r = _along(side, residual, joint)
+    span = float(q.max() - q.min())
+    if span < LEAST_SPAN:
+        return []
+    step = max(0.12, np.pi / span / 3.0)
+    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, step)
+    lowpass = side.runs[0].lowpass
+    power = 2 * lowpass.order
+    score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
+    peaks = np.flatnonzero((score[1:-1] >= score[:-2]) & (score[1:-1] >= score[2:])) + 1
+    best = peaks[np.argsort(score[peaks])[::-1][:count]]
+    return [float(orders[i]) for i in best]
+
+
+def chance_of_line(side: Side, joint: int, power: float) -> float:
+    """Probability that noise alone has a line of at least this power at any order looked through.
+
+    power: of the strongest line, χ² of two where its order is given beforehand. An order is no
+    parameter like others: with every cycle over the range of q it is a new attempt. Upper bound
+    for large power after Baluev, Mon. Not. R. Astron. Soc. 385 (2008), eq. 6:
+    e^(-z)·(1 + W·√z), z half the power, W = range of orders in cycles per rad · √(4π·var q).
+    """
+    q = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
+    seen = np.concatenate([x[k[:, joint]] for x, k in zip(q, side.keep, strict=True)])
+    attempts = (HIGHEST_ORDER - LOWEST_ORDER) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
+    z = 0.5 * power
+    return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
+
+
+def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: float) -> float:
+    """Probability that the spectrum of a residual against q_j has a line as strong as the one at
+    ``order`` by chance, when it is as strong as it is around it.
+
+    Against the level of its own neighbourhood, since a residual of slow motion is no white noise
+    against the angle: ordinates of a smooth spectrum are exponential, their mean is the median
+    over ln 2. An order is known to a resolution of 2π over the range of q; the line is the
+    strongest within it, and neighbours are farther away than that on both sides.
+    """
+    q, v, r = _along(side, residual, joint)
+    span = float(np.ptp(q)) if len(q) else 0.0
+    if span < LEAST_SPAN:
+        return 1.0
+    step = 2.0 * np.pi / span / STEPS
+    reach = int(np.clip(order / step / 4.0, 6 * STEPS, 40 * STEPS))
+    offsets = np.arange(-reach, reach + 1)
+    orders = order + step * offsets
+    lowpass = side.runs[0].lowpass
+    power = 2 * lowpass.order
+    kept = orders > 0.5 * LOWEST_ORDER
+    orders, offsets = orders[kept], offsets[kept]
+    score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
+    own = np.abs(offsets) <= STEPS
+    level = float(np.median(score[np.abs(offsets) > 2 * STEPS])) / np.log(2.0)
+    return float(min(1.0, 2.0 * np.exp(-score[own].max() / max(level, 1e-300))))
+
+
+def _along(side: Side, residual: PerJoint, joint: int) -> tuple[Array, Array, Array]:
+    """Angle (rad), speed (rad/s) and residual (N·m) of the samples that count."""
+    angle = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
+    speed = [run.context.dq[:: run.lowpass.factor, joint] for run in side.runs]
+    keep = [k[:, joint] for k in side.keep]
+    q, v = (
+        np.concatenate([x[k] for x, k in zip(parts, keep, strict=True)]) for parts in (angle, speed)
+    )
+    return q, np.abs(v), residual[joint]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "nsz", "contract"})
+def _lines(q, slowness, r, orders, power):
+    """|Σ g·r·exp(-iNq)|² / Σ g² at equally spaced orders N, g = 1 / (1 + N^power · slowness).
+
+    Each order's phases are those of the one before, turned on by one step.
+    """
+    m, step = len(q), orders[1] - orders[0]
+    real, imaginary = np.cos(orders[0] * q), np.sin(orders[0] * q)
+    turn_real, turn_imaginary = np.cos(step * q), np.sin(step * q)
+    out = np.empty(len(orders))
+    for k in range(len(orders)):
+        steep, a, b, total = orders[k] ** power, 0.0, 0.0, 0.0
+        for i in range(m):
+            gain = 1.0 / (1.0 + steep * slowness[i])
+            a += gain * r[i] * real[i]
+            b += gain * r[i] * imaginary[i]
+            total += gain * gain
+            turned = real[i] * turn_real[i] - imaginary[i] * turn_imaginary[i]
+            imaginary[i] = imaginary[i] * turn_real[i] + real[i] * turn_imaginary[i]
+            real[i] = turned
+        out[k] = (a * a + b * b) / max(total, 1e-12)
+    return out

@@ -1,0 +1,439 @@
+"""Forward steps with backward pruning: add what is missing until nothing significant is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of
+from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
+from pa10d.diagnose.regression.fit import Fit, predict
+from pa10d.diagnose.regression.partial import Partial, partials
+from pa10d.diagnose.regression.shapes import approach, free_shapes, refine
+from pa10d.diagnose.regression.side import PerJoint
+from pa10d.diagnose.regression.slopes import newton_move
+from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.search.candidates import Candidate, held_columns, scan, sharpened
+from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
+from pa10d.diagnose.search.timing import align
+from pa10d.diagnose.unknown.structure import all_maps
+from pa10d.effects import Effect
+from pa10d.model import Term
+
+Array = NDArray[np.float64]
+Place = tuple[str, tuple[int, ...]]
+Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
+
+LEVEL = 0.01  # false alarms over a whole search
+HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone
+SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
+PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
+LEAST_GAIN = 12.0  # drop of the weighted squared error below which noise alone does as well
+STEPS = 8
+MORE_ROUNDS = 4  # of settling, beyond the usual
+WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints
+SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
+MATERIAL = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
+MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
+OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
+SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
+TELL_APART = 2.6  # standard errors by which the better of two rivals must lead (1 %)
+
+
+@dataclass
+class Judged:
+    """A candidate with its held-out evidence, corrected for all that were judged beside it."""
+
+    candidate: Candidate
+    evidence: Evidence
+    p_corrected: float
+    change: PerJoint = field(repr=False, default_factory=dict)
+
+    @property
+    def place(self) -> Place:
+        """Effect and joints."""
+        return self.candidate.effect.id, self.candidate.joints
+
+    @property
+    def gain(self) -> float:
+        """Weighted squared error that it removes, on both sides together."""
+        own = self.candidate.effect.speaks_on(self.candidate.joints)
+        return self.candidate.gain + float(np.sum(self.evidence.gains[own]))
+
+    @property
+    def complexity(self) -> int:
+        """Number of free parameters that it spends."""
+        return complexity(self.candidate)
+
+    @property
+    def acceptable(self) -> bool:
+        """Significant, of the predicted size, material, itself, and harmful to no joint."""
+        e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
+        own = kind.speaks_on(self.candidate.joints)
+        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
+        degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
+        return bool(
+            not degenerate
+            and self.p_corrected < LEVEL
+            and e.p_value < HELD_OUT_LEVEL
+            and SLOPES[0] < e.slope < SLOPES[1]
+            and drop > MATERIAL
+            and not e.worse
+        )
+
+
+@dataclass
+class Step:
+    """One addition: what was chosen, and what else explained the same error nearly as well."""
+
+    chosen: Judged
+    rivals: list[Judged]  # cannot be told apart from it on this data
+    before: Array
+    after: Array
+
+
+@dataclass
+class Search:
+    """The course of a search: ``state`` is the model as far as it has come."""
+
+    state: State
+    suspects: Suspects
+    fixed: int
+    steps: list[Step] = field(default_factory=list)
+    progress: Callable[[float, str], None] = lambda share, text: None
+
+    def run(self, steps: int = STEPS) -> Search:
+        """Add, prune, add again."""
+        self._align()
+        refused: set[Place] = set()
+        for number in range(steps):
+            self.progress(number / steps, f"step {number + 1}: looking through the library")
+            judged = self.look()
+            good = [j for j in judged if j.acceptable and j.place not in refused]
+            if not good:
+                break
+            chosen, tied = self.prefer(good, judged)
+            before = rms(self.state.held_residual())
+            dropped = self.take(chosen)
+            if dropped is None:
+                refused.add(chosen.place)
+                continue
+            refused |= dropped | self.reconsider()
+            self.steps.append(Step(chosen, tied, before, rms(self.state.held_residual())))
+        return self
+
+    def take(self, chosen: Judged) -> set[Place] | None:
+        """Add a candidate and settle; says what became redundant, or None where, refitted around
+        it, the model got worse elsewhere or it does not hold itself: not what was promised.
+
+        A joint whose error fell draws the fit towards itself. On weakly excited data that alone
+        may spoil another joint, so a second attempt leaves the weights as they were.
+        """
+        saved = self.state.copy()
+        for weights in (saved.weights, saved.fit.sigma):
+            self.state = saved.copy()
+            self.state.weights = weights
+            self.state.push(chosen.candidate.term)
+            self.settle()
+            dropped = self.prune()
+            if chosen.place not in dropped and not harmful(saved, self.state):
+                return dropped
+        self.state = saved
+        return None
+
+    def best(self, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
+        """The best shape of one effect in one place, or None where the data cannot show it."""
+        found = scan(self.state, [(effect, joints)])
+        return sharpened(self.state, found)[0] if found else None
+
+    def rivals_of(self, term: Term) -> list[Judged]:
+        """What explained the same error equally well when the term was chosen."""
+        for step in self.steps:
+            if step.chosen.place == (term.effect_id, term.joints):
+                return step.rivals
+        return []
+
+    def contest(self) -> list[int]:
+        """Joints on which the findings are beaten by a plain smooth map of the motion.
+
+        A true effect explains its error better than any generic map can. Where a map alone
+        leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
+        that the library does not have: they are dropped, and the joint is left unexplained.
+        """
+        concerned = sorted({j for t in self.state.terms[self.fixed :] for j in t.joints})
+        if not concerned:
+            return []
+        bare = self.state.bare(self.fixed)
+        now = self.state.held_residual()
+        outdone = [
+            maps[0].joint
+            for maps in all_maps(bare, concerned)
+            if any(m.outdoes(now, OUTDONE) for m in maps)
+        ]
+        for index in reversed(range(self.fixed, len(self.state.terms))):
+            if any(j in outdone for j in self.state.terms[index].joints):
+                self.state.drop(index)
+        if outdone:
+            self.settle()
+        return outdone
+
+    def look(self) -> list[Judged]:
+        """Scan all suspects and judge the shortlist on the held-out side."""
+        # of a model that stays as it is, what it has already may have changed
+        first = self.fixed if self.state.prior is not None else 0
+        present = {(t.effect_id, t.joints) for t in self.state.terms[first:]}
+        open_suspects = [
+            (e, joints)
+            for e, joints in self.suspects
+            if (e.id, joints) not in present or e.repeatable
+        ]
+        found = self._shortlist(scan(self.state, open_suspects))
+        sharp = sharpened(self.state, found)
+        columns = [self._columns(c) for c in sharp]
+        seen = [_seen_change(self.state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
+        own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
+        doubts = Doubts.of(self.state, own)
+        return [
+            self.judge(c, len(found), s, doubts.beside(o))
+            for c, s, o in zip(sharp, seen, own, strict=True)
+        ]
+
+    def _columns(self, candidate: Candidate) -> PerJoint:
+        return self.state.train.columns(candidate.effect, candidate.joints, [candidate.shape])
+
+    def _shortlist(self, found: list[Candidate]) -> list[Candidate]:
+        """The strongest of every joint, as far as the fit side alone does not speak against them:
+        a joint with a large error must not hide what another one has to say."""
+        per_joint: dict[int, set[str]] = {}
+        out = []
+        for candidate in found:
+            there = [per_joint.setdefault(j, set()) for j in candidate.joints or (-1,)]
+            kind = candidate.effect.id
+            if all(len(kinds) >= PER_JOINT and kind not in kinds for kinds in there):
+                continue
+            if candidate.gain < LEAST_GAIN:
+                continue
+            for kinds in there:
+                kinds.add(kind)
+            out.append(candidate)
+        return out
+
+    def judge(self, candidate: Candidate, among: int, seen: PerJoint, doubt: Doubt) -> Judged:
+        """Held-out evidence of one candidate; seen: what it changes on the fit side (weighted);
+        doubt: of the present model beside it."""
+        fit, partial = self.state.fit, candidate.partial
+        change = self.state.change(
+            fit, held_columns(self.state, candidate), partial.seen, partial.theta
+        )
+        found = judge(self.state.held, self.state.held_residual(), change, doubt)
+        p = self._corrected(fit, seen, candidate, found, among)
+        return Judged(candidate, found, p, change)
+
+    def _corrected(
+        self, fit: Fit, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
+    ) -> float:
+        """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
+        the candidate was chosen, and for those judged beside it on the held-out side."""
+        power = fit_side_power(self.state.train, fit.residual, seen)
+        if candidate.effect.line_order:
+            own = chance_of_line(self.state.train, candidate.joints[0], power)
+        else:
+            own = float(scipy.stats.chi2.sf(power, complexity(candidate)))
+        chosen = min(1.0, own * len(self.suspects))
+        both = scipy.stats.chi2.sf(
+            -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
+        )
+        line, beside = candidate.effect.line_order, 0.0
+        if line:
+            left, order = self.state.held_residual(fit), candidate.shape[line]
+            joint = candidate.joints[0]
+            beside = chance_beside_neighbours(self.state.held, left, joint, order)
+        return float(max(min(1.0, both * among), beside))
+
+    def prefer(self, good: list[Judged], judged: list[Judged]) -> tuple[Judged, list[Judged]]:
+        """The best candidate, or the simplest of those that this data cannot tell from it."""
+        best = max(good, key=lambda j: j.gain)
+        tied = [j for j in judged if j is best or self._tied(best, j)]
+        chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
+        return chosen, [j for j in tied if j.place != chosen.place]
+
+    def _tied(self, best: Judged, other: Judged) -> bool:
+        residual = self.state.held_residual()
+        overlap, z = rivalry(self.state.held, residual, best.change, other.change)
+        alike = np.all(other.evidence.after < (1.0 + MATERIAL) * best.evidence.after)
+        return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
+
+    def settle(self, rounds: int = 2) -> None:
+        """Refit; loads of the new model; shapes of all nonlinear terms anew. Where loads and shapes
+        draw each other on (a gap, a spring), as many more rounds as bring something."""
+        self.state.refit()
+        self._align()
+        drawn = self.state.drawn_by_loads
+        best, least, idle = self.state, np.inf, 0
+        for _ in range(rounds + MORE_ROUNDS * drawn):
+            self._relinearise()
+            self.state.relook()
+            self.state.refit()
+            for index, term in enumerate(self.state.terms):
+                if term.effect.shapes and self._worth_refining(index):
+                    self._refine(index)
+            self.state.relook()
+            self.state.refit()
+            left = float(np.sum(np.log(self.state.fit.rms())))
+            idle = 0 if left < least - WORTH_A_ROUND else idle + 1
+            if left < least or not drawn:
+                best, least = self.state.copy(), left
+            if idle == 2:
+                break
+        self.state = best
+
+    def prune(self) -> set[Place]:
+        """Drop additions that later ones made redundant, the least useful first; says which."""
+        dropped: set[Place] = set()
+        while len(self.state.terms) > self.fixed:
+            weakest = None
+            for index in range(self.fixed, len(self.state.terms)):
+                judged = self.judge_term(index)
+                if not judged.acceptable and (
+                    weakest is None or judged.evidence.gain < weakest[1].evidence.gain
+                ):
+                    weakest = (index, judged)
+            if weakest is None:
+                break
+            dropped.add(weakest[1].place)
+            self.state.drop(weakest[0])
+            self.state.refit()
+        return dropped
+
+    def reconsider(self) -> set[Place]:
+        """Drop earlier findings that the newest one, fitted again in their absence, can do
+        without: what imitated it until it was there. Says which."""
+        dropped: set[Place] = set()
+        for index in reversed(range(self.fixed, len(self.state.terms) - 1)):
+            if not set(self.state.terms[index].joints) & set(self.state.terms[-1].joints):
+                continue
+            saved, earlier = self.state.copy(), self.state.terms[index]
+            before = rms(self.state.held_residual())
+            self.state.drop(index)
+            self.settle()
+            if np.any(rms(self.state.held_residual()) > (1.0 + MATERIAL) * before):
+                self.state = saved
+            else:
+                dropped.add((earlier.effect_id, earlier.joints))
+        return dropped
+
+    def judge_term(self, index: int) -> Judged:
+        """Held-out evidence of a term already in the model, on top of all others."""
+        rest = self.state.fit.without(self.state.place(index))
+        term = self.state.terms[index]
+        train, held = self.state.blocks[index]
+        kind = term.effect
+        falls = index >= self.fixed and self.state.may_fall(kind)
+        partial = partials(rest, train, kind, len(kind.coefficients), falls=falls)[0]
+        change = self.state.change(rest, held, partial.seen, partial.theta)
+        doubt = doubt_of(self.state, rest, self.state.fit.residual)
+        found = judge(self.state.held, self.state.held_residual(rest), change, doubt)
+        candidate = Candidate(term.effect, term.joints, term.shape, partial)
+        seen = _seen_change(rest, train, candidate)
+        p = self._corrected(rest, seen, candidate, found, SHORTLIST)
+        return Judged(candidate, found, p)
+
+    def _align(self) -> None:
+        """A frozen model brings its own timing: nothing there may be explained by moving it."""
+        if self.state.prior is None:
+            align(self.state)
+
+    def _relinearise(self) -> None:
+        for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
+            shape = term.effect.relinearised(term.coefficients, term.shape)
+            if shape != term.shape:
+                self.state.terms[index] = replace(term, shape=shape)
+
+    def _worth_refining(self, index: int) -> bool:
+        if index >= self.fixed:
+            return True
+        touched = {j for t in self.state.terms[self.fixed :] for j in t.joints}
+        return self.state.terms[index].joints[0] in touched
+
+    def _refine(self, index: int) -> None:
+        term = self.state.terms[index]
+        rest = self.state.fit.without(self.state.place(index))
+        width = len(term.effect.coefficients)
+        falls = index >= self.fixed and self.state.may_fall(term.effect)
+
+        train = self.state.train
+
+        def fitted(shape: dict[str, float]) -> Partial:
+            columns = train.columns(term.effect, term.joints, [shape])
+            return partials(rest, columns, term.effect, width, falls=falls)[0]
+
+        def gain(shape: dict[str, float]) -> float:
+            return fitted(shape).gain
+
+        def move(shape: dict[str, float]) -> Array:
+            there = replace(term, shape=shape, coefficients=fitted(shape).theta)
+            return newton_move(train, rest, there)
+
+        if term.effect.reaches_other_joints:  # links thrown about: rough, and dear to compute
+            shape = refine(term.effect, term.shape, gain, evaluations=10)
+        else:
+            shape = approach(term.effect, term.shape, gain, move)
+        only_rounds = all(s.smoothing for s in free_shapes(term.effect, term.shape))
+        if only_rounds and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
+            return  # how sharp a corner is shows only on what passes it slowly: no guessing
+        if shape != term.shape:
+            self.state.replace_term(index, replace(term, shape=shape))
+            self.state.refit()
+
+
+def _seen_change(fit: Fit, columns: PerJoint, candidate: Candidate) -> PerJoint:
+    """joint -> (m_j,) weighted: what a candidate changes on the fit side, the model refitted."""
+    partial = candidate.partial
+    absorbed = partial.seen @ partial.theta
+    change = {j: -(q @ absorbed) for j, q in fit.basis.items()}
+    for j, c in columns.items():
+        change[j] = change[j] + c @ partial.theta / fit.sigma[j]
+    return change
+
+
+def harmful(before: State, after: State) -> bool:
+    """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
+    on one joint? The same with reversals, which no fit looks at, where a joint did not get worse
+    without them already.
+
+    On short recordings a right effect may move what several joints share within its uncertainty,
+    and away from where a joint happened to do well: that is no reason to go without it.
+    """
+    r0, r1 = before.held_residual(), after.held_residual()
+    ratio = rms(r1) / np.maximum(rms(r0), 1e-300)
+    if np.sum(ratio**2 - 1.0) > 0:
+        return True
+    if np.max(ratio) > 1.0 + MUCH_WORSE:
+        moved = {j: r0[j] - r1[j] for j in r0}
+        worse = judge(after.held, r0, moved, doubt_of(after)).worse
+        if any(ratio[j] > 1.0 + MUCH_WORSE for j in worse):
+            return True
+    everywhere = after.moving_rms() / np.maximum(before.moving_rms(), 1e-300)
+    beyond = everywhere / np.maximum(ratio, 1.0)
+    return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
+
+
+def complexity(candidate: Candidate) -> int:
+    """Number of free parameters of an effect."""
+    kind = candidate.effect
+    free = sum(not c.nuisance for c in kind.coefficients)
+    return free + sum(s.scale != "choice" for s in kind.shapes_in(candidate.shape))
+
+
+def rms(residual: dict[int, Array]) -> Array:
+    """(n,) N·m."""
+    return np.array([float(np.sqrt(np.mean(residual[j] ** 2))) for j in sorted(residual)])
+
+
+def explained(state: State) -> Array:
+    """(n,) RMS of the model's torque on the held-out side, N·m."""
+    return rms(predict(state.held_matrix, state.fit.beta))

@@ -1,0 +1,106 @@
+"""One timing offset between torque and position, common to the whole robot.
+
+A torque held over a sample period is half a period late, stamps come from different clocks: such
+an offset shows in every joint alike and is no finding. It is taken out before the search, as the
+weighted median over the joints, so that a delay of one joint alone stays where it is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.evidence.held_out import quadratic_form
+from pa10d.diagnose.regression.partial import partials
+from pa10d.diagnose.regression.state import State
+from pa10d.effects import effect
+
+Array = NDArray[np.float64]
+
+SIGNIFICANT = 3.0  # standard errors
+ROUNDS = 3
+AGREE = 0.6  # share of the joints' weight that must agree with a common offset
+MOST_SAMPLES = 3.0  # raw periods: the model brought its own offset, this is a correction
+
+
+def align(state: State) -> float:
+    """Take the common offset out of both sides; returns it in s (0 where insignificant)."""
+    taken = 0.0
+    for _ in range(ROUNDS):
+        delays, errors = joint_delays(state)
+        offset, error = weighted_median(delays, errors)
+        if abs(offset) < SIGNIFICANT * error or not shared(offset, delays, errors):
+            break
+        limit = MOST_SAMPLES / state.train.runs[0].lowpass.rate
+        if abs(taken + offset) > limit:
+            break
+        before = _sizes(state)
+        _move(state, offset)
+        # what the fit side asks for must hold on the other side too, and where the arm turns round
+        if np.any(_sizes(state) > before):
+            _move(state, -offset)
+            break
+        taken += offset
+        if abs(offset) < 2e-5:
+            break
+    return taken
+
+
+def _move(state: State, seconds: float) -> None:
+    state.train.shift(seconds)
+    state.held.shift(seconds)
+    state.refit()
+
+
+def _sizes(state: State) -> Array:
+    """Of the held-out error, every joint by its own measure: without reversals and with them."""
+    without = sum(np.log(np.mean(r**2)) for r in state.held_residual().values())
+    return np.array([without, np.sum(np.log(state.moving_rms() ** 2))])
+
+
+def joint_delays(state: State) -> tuple[Array, Array]:
+    """(n,) s: each joint's own best delay beside the present model, and its standard error."""
+    kind, n = effect("torque_delay"), state.train.n
+    delays, errors = np.zeros(n), np.full(n, np.inf)
+    residual = state.train.scatter(state.train_residual())
+    for j in range(n):
+        columns = state.train.columns(kind, (j,), [{}])
+        one = partials(state.fit, columns, kind, 1)[0]
+        if not one.identifiable:
+            continue
+        delays[j] = one.rhs[0] / one.gram[0, 0]
+        left = columns[j][:, 0] / state.fit.sigma[j]
+        left = left - state.fit.basis[j] @ one.seen[:, 0]
+        per_run = state.train.scatter({j: left})
+        variance = sum(
+            quadratic_form(p[:, j], r[:, j] / state.fit.sigma[j], k[:, j], run.rate)
+            for p, r, k, run in zip(
+                per_run, residual, state.train.keep, state.train.runs, strict=True
+            )
+        )
+        errors[j] = np.sqrt(variance) / one.gram[0, 0]
+    return delays, errors
+
+
+def shared(offset: float, delays: Array, errors: Array) -> bool:
+    """Do most joints agree with a common offset? Structure of another kind pulls them apart."""
+    usable = np.isfinite(errors) & (errors > 0)
+    room = np.maximum(3.0 * errors[usable], 0.5 * abs(offset))
+    agree = np.abs(delays[usable] - offset) < room
+    weight = np.minimum(1.0 / errors[usable], 3.0 / np.median(errors[usable]))
+    return bool(weight[agree].sum() > AGREE * weight.sum())
+
+
+def weighted_median(values: Array, errors: Array) -> tuple[float, float]:
+    """Median with weights 1/error (no joint counts for more than a third), and its error."""
+    weight = np.where(np.isfinite(errors) & (errors > 0), 1.0 / np.maximum(errors, 1e-300), 0.0)
+    if weight.sum() == 0:
+        return 0.0, np.inf
+    share = max(1.0 / 3.0, 1.0 / np.count_nonzero(weight))
+    for _ in range(60):  # what is cut off one joint lowers the total, and so the cap
+        weight = np.minimum(weight, share * weight.sum())
+    order = np.argsort(values)
+    below = np.cumsum(weight[order]) / weight.sum()
+    middle = float(values[order][np.searchsorted(below, 0.5)])
+    spread = 1.2533 / np.sqrt(np.sum(1.0 / errors[np.isfinite(errors)] ** 2))
+    return middle, float(spread)

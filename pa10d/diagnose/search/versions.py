@@ -1,0 +1,90 @@
+"""The models that a search has made, one per addition: what was judged is what is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pa10d.diagnose.evidence.errors_of import honest_covariance, term_covariance
+from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.search.delivery import delivery
+from pa10d.diagnose.search.settled import Settled
+from pa10d.diagnose.search.steps import rms
+from pa10d.identify.feasibility import nearest_feasible
+from pa10d.identify.outcome import feasible_note
+from pa10d.judgement import RunResidual, residual_of
+from pa10d.model import TorqueModel
+
+
+def versions_of(
+    given: TorqueModel, state: State, count: int, as_given: Sequence[RunResidual]
+) -> tuple[TorqueModel, ...]:
+    """One model per addition, each with its errors on the same held-out data and, unless it is not
+    refitted, with the possible bodies nearest to its own.
+
+    as_given: the held-out side as the given model saw it, before anything was refitted
+    """
+    sizes = range(count, len(state.terms) + 1)
+    return tuple(snapshot(given, state, size, as_given) for size in sizes)
+
+
+def held_out(model: TorqueModel, state: State) -> list[RunResidual]:
+    """The held-out side as a model sees it."""
+    return [residual_of(model, run) for run in state.held.runs]
+
+
+def snapshot(
+    given: TorqueModel, state: State, size: int, as_given: Sequence[RunResidual]
+) -> TorqueModel:
+    """The model with the first ``size`` terms, as the search fitted and judged it. Its note
+    ``delivery`` has what the search promised and what the model as it is stored achieves."""
+    part = state if size == len(state.terms) else state.bare(size, own_weights=True)
+    refitted = size == len(given.terms)
+    terms = []
+    for index, term in enumerate(part.terms):
+        errors: dict[str, float] = dict(term.shape_errors)
+        if index >= len(given.terms) and term.shape:
+            errors = term_covariance(part, index)[1]
+        terms.append(replace(term, shape_errors=errors))
+    frozen = state.prior is not None
+    lost = (
+        ("warnings", "delivery") if frozen else ("warnings", "feasible", "noise_floor", "delivery")
+    )
+    notes = {k: v for k, v in given.notes.items() if k not in lost}
+    model = replace(
+        part.model,
+        terms=tuple(terms),
+        covariance=honest_covariance(part),
+        noise=part.fit.rms(),
+        shift=part.train.runs[0].shift,
+        standard=given.standard if frozen else None,
+        feasible=given.feasible and frozen,
+        change="given model, refitted" if refitted else f"added {terms[-1].label}",
+        parent=given.name,
+        runs=tuple(dict.fromkeys(run.name for run in part.train.runs)),
+        notes=notes,
+    )
+    seen = held_out(model, state)
+    promise = delivery(rms(part.held_residual()), as_given, seen)
+    model = replace(
+        model,
+        held_out={"held out": np.array(promise["achieved"])},
+        notes={**model.notes, "delivery": promise},
+    )
+    return model if frozen else _with_bodies(model, part)
+
+
+def _with_bodies(model: TorqueModel, part: State) -> TorqueModel:
+    settled = Settled.of(part)
+    solution = settled.solution(part.fit.sigma)
+    bounded = [c for term in model.terms for c in term.effect.coefficients]
+    bodies = nearest_feasible(solution, model.base, model.robot, bounded, settled.rms)
+    names = model.parameter_names()[len(model.h) :]
+    return replace(
+        model,
+        standard=bodies.standard if bodies.found else None,
+        feasible=bodies.found,
+        notes={**model.notes, "feasible": feasible_note(names, bodies)},
+    )

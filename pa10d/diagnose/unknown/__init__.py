@@ -1,0 +1,1 @@
+"""Structure in the residual that no effect of the library explains."""

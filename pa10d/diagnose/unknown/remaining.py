@@ -1,0 +1,187 @@
+"""What is left of every joint's error, and what this data can say about it. Always a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pa10d.common.jsonable import plain
+from pa10d.common.words import listed, percent, times
+from pa10d.diagnose.unknown.structure import Structure
+from pa10d.judgement import Judgement
+from pa10d.judgement.repeatable import Repeatable
+
+MATERIAL = 1.2  # times the noise floor: an error of no more is as good as explained
+CLEAR = 1.5  # times it that what comes again must be: slow noise that a run remembers makes 1.2
+LEVEL = 1e-3  # per joint, that an error which does not come again is said to: 1 % over ten joints
+AT_RANDOM = 0.05  # p from which on an error is said not to come again
+SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to be a claim
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """Structure of which nobody can say what it depends on: share of the joint's squared error that
+    comes again with the motion, or that motion predicts; RMS N·m of that share."""
+
+    joint: int
+    share: float
+    rms: float
+    p_value: float
+    repeats: bool
+    variables: tuple[str, ...] = ()
+
+
+Unexplained = Structure | Unnamed
+
+
+@dataclass(frozen=True)
+class Remaining:
+    """One joint (0-based) after all that was found. rms, floor: N·m, floor nan where not known;
+    source: how the floor was found; repeatable: does it come again with the motion (None: no
+    motion comes again, or too little of it)."""
+
+    joint: int
+    rms: float
+    floor: float
+    source: str | None
+    significant: bool
+    material: bool | None
+    repeatable: bool | None
+    depends_on: tuple[str, ...]
+    sentence: str
+
+    @property
+    def ratio(self) -> float:
+        """Error over noise floor; nan where the floor is not known."""
+        return self.rms / self.floor if self.floor > 0 else float("nan")
+
+    def document(self) -> dict[str, Any]:
+        """As JSON; null: not known."""
+        return {
+            "joint": self.joint + 1,
+            "rms": self.rms,
+            "floor": plain(self.floor),
+            "floor_source": self.source,
+            "ratio": plain(self.ratio),
+            "significant": self.significant,
+            "material": self.material,
+            "repeatable": self.repeatable,
+            "depends_on": list(self.depends_on),
+            "sentence": self.sentence,
+        }
+
+
+def unnamed(
+    judged: Judgement, again: Sequence[Repeatable | None], known: Sequence[Unexplained]
+) -> list[Unnamed]:
+    """Joints whose error comes again, significantly and materially above the floor, and for which
+    no map was found."""
+    named = {s.joint for s in known}
+    out = []
+    for j, seen in enumerate(again):
+        if seen is None or j in named or not comes_again(seen):
+            continue
+        if not judged.ratio[j] > CLEAR:
+            continue
+        size = float(judged.rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
+        out.append(Unnamed(j, seen.share, size, seen.p_value, True))
+    return out
+
+
+def comes_again(seen: Repeatable) -> bool:
+    """Is it no accident that two passes of a motion leave alike errors?"""
+    return seen.p_value < LEVEL and seen.share > SHARE
+
+
+def remaining(
+    judged: Judgement,
+    again: Sequence[Repeatable | None],
+    unexplained: Sequence[Unexplained],
+    units: Sequence[str],
+) -> tuple[Remaining, ...]:
+    """A line per joint; judged: of the model with all findings, on the held-out side."""
+    of_joint = {one.joint: one for one in unexplained}
+    out = []
+    for j, seen in enumerate(again):
+        left = of_joint.get(j)
+        floor, ratio = float(judged.floor.values[j]), float(judged.ratio[j])
+        material = bool(ratio > MATERIAL) if np.isfinite(ratio) else None
+        repeats = _repeats(seen)
+        significant = left is not None
+        line = Remaining(
+            joint=j,
+            rms=float(judged.rms[j]),
+            floor=floor,
+            source=judged.floor.methods[j],
+            significant=significant,
+            material=material if left is None else True,
+            repeatable=repeats,
+            depends_on=() if left is None else left.variables,
+            sentence="",
+        )
+        out.append(_with_sentence(line, left, seen, units[j]))
+    return tuple(out)
+
+
+def _repeats(seen: Repeatable | None) -> bool | None:
+    if seen is None:
+        return None
+    if comes_again(seen):
+        return True
+    return False if seen.p_value > AT_RANDOM or seen.share < SHARE else None
+
+
+def _with_sentence(
+    line: Remaining, left: Unexplained | None, seen: Repeatable | None, unit: str
+) -> Remaining:
+    size = _size(line, unit)
+    if left is not None and left.variables:
+        text = (
+            f"{size}; {percent(left.share)} of its squared error depends on "
+            f"{listed(left.variables)}, as no effect of the library does"
+        )
+    elif left is not None and isinstance(left, Unnamed) and not left.repeats:
+        text = (
+            f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
+            "two quantities do: more than two take part, or what was before"
+        )
+    elif seen is not None and line.repeatable is not False and line.material and left is None:
+        text = (
+            f"{size}; {percent(min(seen.share, 1.0))} of its squared error is alike in both passes "
+            "of the motion: too little, or too slow, to tell it from slow noise. Record it "
+            "once more"
+        )
+    elif line.repeatable and line.significant:
+        share = percent(min(seen.share, 1.0)) if seen else "part"
+        text = (
+            f"{size}; {share} of its squared error comes again with the motion, so it is no "
+            "noise, but what it depends on is not known"
+        )
+    elif line.material is False:
+        text = f"{size}: explained to the floor"
+    elif line.material is None:
+        text = (
+            f"{size}, and motion does not predict it: this data cannot say how much of it is "
+            "noise. Record one motion twice: what comes again is none"
+        )
+    else:
+        text = (
+            f"{size}, but motion does not predict it: slow noise, or what this data cannot show. "
+            "Record one motion twice: what comes again is no noise"
+        )
+    return Remaining(**{**vars(line), "sentence": f"{text}."})
+
+
+def _size(line: Remaining, unit: str) -> str:
+    if line.source is None:
+        return (
+            f"Joint {line.joint + 1} keeps {line.rms:.3g} {unit}; its noise floor is not known "
+            "from this data"
+        )
+    return (
+        f"Joint {line.joint + 1} keeps {line.rms:.3g} {unit}, {times(line.ratio)} its noise floor "
+        f"(from {line.source})"
+    )

@@ -1,0 +1,318 @@
+"""Structure that no effect of the library explains: does motion predict what is left over?
+
+A generic smooth map of one or two motion variables is fitted to the residual of the fit side,
+beside the model (what the model can absorb is projected out), and asked to predict the held-out
+residual. Noise, however coloured, is not predicted by motion; structure is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.parallel import shared_map
+from pa10d.diagnose.evidence.errors_of import doubt_under, held_noise_gram
+from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
+from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.state import State
+from pa10d.effects.variables import remembered
+
+Array = NDArray[np.float64]
+
+KNOTS = 8  # hat functions per variable of a map of two
+FINE_KNOTS = 24  # of a map of one
+LEVEL = 0.01
+MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
+THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
+SHARE = 0.06  # of a joint's squared error, where the map knows, that it must remove to be a claim
+TRIED_PER_JOINT = 3
+UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing
+FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
+KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
+UNKNOWN_GROUND = 0.1  # weight of such knots above which a held-out sample is none of the map's
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A joint's residual depends on the named variables: share of its squared error that the map
+    removes where the fit side has been, RMS N·m.
+
+    grid: the knots of each variable; values: the map on them, N·m (2-D where two variables)
+    inside: held-out rows where the fit side has been; left: (N·m)², mean squared error there with
+    the map
+    """
+
+    joint: int
+    variables: tuple[str, ...]
+    share: float
+    rms: float
+    p_value: float
+    grid: tuple[Array, ...]
+    values: Array
+    evidence: Evidence
+    inside: NDArray[np.bool_]
+    left: float
+
+    def outdoes(self, residual: PerJoint, factor: float) -> bool:
+        """Does another model leave more than ``factor`` times this map's squared error, on the
+        held-out samples that the map knows about?"""
+        other = float(np.mean(residual[self.joint][self.inside] ** 2))
+        return other > factor * self.left
+
+
+def find_structure(state: State) -> list[Structure]:
+    """The best significant map of every joint, strongest first.
+
+    What one joint leaves unexplained draws the bodies that all joints share towards itself, and
+    that colours the others. So these are asked again with the equation of the stronger one left
+    out of the fit.
+    """
+    found = _best_maps(state, range(state.train.n))
+    certain = found[:1]
+    while suspected := {s.joint for s in found} - {s.joint for s in certain}:
+        more = _best_maps(_without(state, [s.joint for s in certain]), sorted(suspected))
+        if not more:
+            break
+        certain.append(more[0])
+    return certain
+
+
+def _best_maps(state: State, joints: Iterable[int]) -> list[Structure]:
+    found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, joints)]
+    return sorted(found, key=lambda m: -m.share)
+
+
+def _without(state: State, joints: list[int]) -> State:
+    """Fitted to the other joints: these have next to no weight."""
+    rest = state.copy()
+    rest.weights = rest.fit.rms()
+    rest.weights[joints] *= UNHEARD
+    rest.refit()
+    return rest
+
+
+def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
+    """The significant maps of each of the joints that have any."""
+    motions = motion_variables(state.train), motion_variables(state.held)
+    residual = state.held_residual()
+    n = state.train.n
+    asked = list(joints)
+    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j), asked)
+    tried = dict(zip(asked, maps_of, strict=True))
+    noise = noise_beside(state, residual, [p for maps in tried.values() for p in maps])
+    for maps in tried.values():
+        judged = (_judge(state, residual, p, n * TRIED_PER_JOINT, noise) for p in maps)
+        results = [r for r in judged if r is not None]
+        if results:
+            yield results
+
+
+def questions(joint: int, n: int) -> list[tuple[str, ...]]:
+    """Which variables a map of this joint's residual may use (names with joints from 1)."""
+    q = [f"q{j + 1}" for j in range(n)]
+    dq = [f"dq{j + 1}" for j in range(n)]
+    ddq = [f"ddq{j + 1}" for j in range(n)]
+    own_q, own_dq = q[joint], dq[joint]
+    single = [(x,) for x in (*q, *dq, *ddq)]
+    pairs = set(combinations(q, 2))
+    pairs |= {(own_dq, x) for x in q} | {(own_q, x) for x in dq}
+    pairs |= set(combinations(dq, 2))
+    pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MEMORIES}
+    return single + sorted(pairs)
+
+
+def motion_variables(side: Side) -> list[dict[str, Array]]:
+    """Per run: name -> (M,) filtered motion variable at the equation's rate."""
+    out = []
+    for run in side.runs:
+        context, names = run.context, {}
+        step = run.lowpass.factor
+        for kind, values in (("q", context.q), ("dq", context.dq)):
+            for j in range(side.n):
+                names[f"{kind}{j + 1}"] = values[::step, j]
+                for seconds in MEMORIES if kind == "q" else ():
+                    slow = remembered(values[:, j], seconds, context.dt)
+                    names[f"q{j + 1} {seconds:g} s ago"] = slow[::step]
+        smooth = run.lowpass(context.ddq)
+        for j in range(side.n):
+            names[f"ddq{j + 1}"] = smooth[:, j]
+        out.append(names)
+    return out
+
+
+@dataclass
+class _Map:
+    joint: int
+    names: tuple[str, ...]
+    grid: tuple[Array, ...]
+    values: Array
+    gain: float
+    absorbed: Array
+    visited: NDArray[np.bool_]
+
+
+def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
+    """(m_j,) a quantity in the rows of a joint's equation."""
+    return np.concatenate([m[name][k[:, joint]] for m, k in zip(motion, side.keep, strict=True)])
+
+
+def _fit_map(
+    state: State, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
+) -> _Map:
+    fit = state.fit
+    x = [rows_of(state.train, motion, name, joint)[::THIN] for name in names]
+    grid = tuple(knots(v, FINE_KNOTS if len(names) == 1 else KNOTS) for v in x)
+    basis = basis_of(x, grid)
+    columns = basis / fit.sigma[joint]
+    seen = THIN * (fit.basis[joint][::THIN].T @ columns)
+    gram = THIN * (columns.T @ columns)
+    # pseudo-observations per cell: one that was hardly visited says nothing
+    ridge = FEW_VISITS * np.diag(gram).mean() / max(THIN * len(x[0]) / columns.shape[1], 1.0)
+    left = gram - seen.T @ seen + ridge * np.eye(len(gram))
+    rhs = THIN * (columns.T @ fit.residual[joint][::THIN])
+    theta = np.linalg.solve(left, rhs)
+    gain = float(theta @ rhs)
+    effective = float(np.trace(np.linalg.solve(left, gram - seen.T @ seen)))
+    shape = tuple(len(g) for g in grid)
+    return _Map(
+        joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
+        fit.to_beta @ (seen @ theta), THIN * np.sum(basis**2, axis=0) > FEW_VISITS,
+    )  # fmt: skip
+
+
+@dataclass
+class Prediction:
+    """What is foretold of a joint's held-out side: values (m_j,) N·m, zero where nothing is known;
+    inside: where something is; map: that says so, where it is one."""
+
+    joint: int
+    names: tuple[str, ...]
+    values: Array
+    inside: NDArray[np.bool_]
+    map: _Map | None = None
+
+
+def _strongest(
+    state: State, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
+) -> list[Prediction]:
+    """The maps of one joint that help the fit side most, among those that know enough ground."""
+    maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
+    strongest = sorted(maps, key=lambda m: -m.gain)[:TRIED_PER_JOINT]
+    predictions = (_predict(state, held, m) for m in strongest)
+    return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+
+
+def _predict(state: State, motion: list[dict[str, Array]], m: _Map) -> Prediction:
+    x = [rows_of(state.held, motion, name, m.joint) for name in m.names]
+    inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
+    basis = basis_of(x, m.grid)
+    inside &= basis @ ~m.visited < UNKNOWN_GROUND
+    values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
+    return Prediction(m.joint, m.names, np.where(inside, values, 0.0), inside, m)
+
+
+@dataclass
+class Noise:
+    """How uncertain the model is, each joint's noise being the least that any prediction of it
+    leaves."""
+
+    state: State
+    grams: dict[int, Array]
+    own: dict[int, Array]
+
+    def beside(self, prediction: Prediction) -> Doubt:
+        """With this one added: the noise of its joint is what it leaves."""
+        own = {prediction.joint: self.own[id(prediction)]}
+        return doubt_under(self.state, {**self.grams, **own})
+
+
+def noise_beside(state: State, residual: PerJoint, predictions: list[Prediction]) -> Noise:
+    """residual: joint -> (m_j,) N·m held out."""
+    power = {j: float(np.mean(r**2)) for j, r in residual.items()}
+    grams = {
+        j: held_noise_gram(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()
+    }
+    own = {}
+    for p in predictions:
+        left = residual[p.joint] - p.values
+        own[id(p)] = held_noise_gram(state, p.joint, left, p.inside)
+        if (now := float(np.mean(left[p.inside] ** 2))) < power[p.joint]:
+            power[p.joint], grams[p.joint] = now, own[id(p)]
+    return Noise(state, grams, own)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A prediction that holds: share of the squared error that it removes where it speaks, what it
+    leaves there, (N·m)², and p, corrected for all that were tried."""
+
+    share: float
+    left: float
+    p_value: float
+    evidence: Evidence
+
+
+def evidence_of(
+    state: State,
+    residual: PerJoint,
+    prediction: Prediction,
+    among: int,
+    noise: Noise,
+    level: float = LEVEL,
+) -> Claim | None:
+    """None where noise alone does as well, or too little is foretold to matter."""
+    joint, values, inside = prediction.joint, prediction.values, prediction.inside
+    doubt = noise.beside(prediction)
+    evidence = judge(state.held, residual, {joint: values}, doubt, {joint: inside})
+    r = residual[joint]
+    left = float(np.mean((r - values)[inside] ** 2))
+    share = 1.0 - left / float(np.mean(r[inside] ** 2))
+    p = min(1.0, evidence.p_value * among)
+    if p > level or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
+        return None
+    return Claim(share, left, p, evidence)
+
+
+def _judge(
+    state: State, residual: PerJoint, prediction: Prediction, among: int, noise: Noise
+) -> Structure | None:
+    claim, m = evidence_of(state, residual, prediction, among, noise), prediction.map
+    if claim is None or m is None:
+        return None
+    rms = float(np.sqrt(np.mean(prediction.values**2)))
+    return Structure(
+        m.joint, m.names, claim.share, rms, claim.p_value, m.grid, m.values, claim.evidence,
+        prediction.inside, claim.left,
+    )  # fmt: skip
+
+
+def knots(values: Array, count: int) -> Array:
+    """Knots between the extremes, half by range and half by where the data are."""
+    low, high = float(values.min()), float(values.max())
+    even = np.linspace(low, high, count)
+    dense = np.quantile(values, np.linspace(0, 1, count))
+    middle = 0.5 * (even + dense)
+    return middle + np.arange(count) * 1e-9 * max(high - low, 1e-9)
+
+
+def basis_of(x: list[Array], grid: tuple[Array, ...]) -> Array:
+    """Products of hat functions on the knots, (rows, product of knot counts)."""
+    out = hats(x[0], grid[0])
+    for values, g in zip(x[1:], grid[1:], strict=True):
+        out = (out[:, :, None] * hats(values, g)[:, None, :]).reshape(len(values), -1)
+    return out
+
+
+def hats(values: Array, grid: Array) -> Array:
+    """Piecewise linear basis (rows, knots); constant beyond the ends."""
+    place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
+    share = np.clip((values - grid[place]) / (grid[place + 1] - grid[place]), 0.0, 1.0)
+    out = np.zeros((len(values), len(grid)))
+    rows = np.arange(len(values))
+    out[rows, place] = 1.0 - share
+    out[rows, place + 1] = share
+    return out
