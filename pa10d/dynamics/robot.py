@@ -41,6 +41,7 @@ class Robot:
     parameters   (n, 10) standard parameters as the URDF has them, see PARAMETER_NAMES
     lower … acceleration  (n,) limits, rad, rad/s, N·m, rad/s²; inf where nothing is known
     gain_error   (n,) share of its value to which each drive's torque constant is known; None: USUAL
+    home         (n,) rad (m) a pose that motions may begin at; None: zero, or mid-range
     """
 
     name: str
@@ -60,6 +61,7 @@ class Robot:
     acceleration: Array
     urdf: str
     gain_error: Array | None = None
+    home: Array | None = None
 
     def gain_share(self, joints: Sequence[int]) -> float:
         """To what share of its value a torque is known: of these joints (0-based; empty: all), as
@@ -165,11 +167,25 @@ def robot_from_profile(profile: Profile) -> Robot:
         given = profile.torque_gain_error
         given = given if isinstance(given, list) else [given] * n
         changes["gain_error"] = np.array(given, dtype=float)
+    if profile.home is not None:
+        changes["home"] = _per_joint(profile, "home", profile.home, n)
     if profile.tool is not None:
         tool = profile.tool
         changes["parameters"] = robot.parameters.copy()
         changes["parameters"][-1] += rigid_body(tool.mass, tool.com, tool.inertia)
-    return replace(robot, **changes)
+    arm = replace(robot, **changes)
+    _require_home_inside(profile, arm)
+    return arm
+
+
+def _require_home_inside(profile: Profile, robot: Robot) -> None:
+    if robot.home is None:
+        return
+    for j in np.flatnonzero((robot.home < robot.lower) | (robot.home > robot.upper)):
+        raise UserError(
+            f"{profile.path}: home.{j + 1}: found {robot.home[j]:g}, expected a value within the "
+            f"joint's limits, {robot.lower[j]:g} to {robot.upper[j]:g}"
+        )
 
 
 def rigid_body(mass: float, com: Any, inertia: Any = (0.0,) * 6) -> Array:
@@ -184,8 +200,9 @@ def rigid_body(mass: float, com: Any, inertia: Any = (0.0,) * 6) -> Array:
 
 def _per_joint(profile: Profile, key: str, values: Any, n: int) -> Array:
     if len(values) != n:
+        place = key if key == "home" else f"limits.{key}"
         raise UserError(
-            f"{profile.path}: limits.{key}: found {len(values)} values, expected {n} (one a joint)"
+            f"{profile.path}: {place}: found {len(values)} values, expected {n} (one a joint)"
         )
     return np.array(values, dtype=float)
 

@@ -144,6 +144,7 @@ class Profile(_Strict):
     base: Base | None = None
     gravity: Vector3 | None = None
     tool: Tool | None = None
+    home: list[Number] | None = None  # rad (m): where motions begin; absent: zero, or mid-range
     limits: Limits = Limits()
     drives: list[Drive] | None = None
     torque_constants: list[Nonzero] | None = None  # N·m (joint side) per A
@@ -165,6 +166,7 @@ class Profile(_Strict):
         """Every list that has one entry per joint, by its place in the file."""
         places: dict[Location, list[Any] | None] = {
             ("joints",): self.joints,
+            ("home",): self.home,
             ("drives",): self.drives,
             ("torque_constants",): self.torque_constants,
             ("torque_gain_error",): (

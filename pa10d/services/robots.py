@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot, robot_from_profile
 from pa10d.profile import Profile, load_profile
+from pa10d.profile.load import profile_folders
 
 
 def load_robot(name: str | os.PathLike[str]) -> tuple[Profile, Robot]:
@@ -22,3 +24,21 @@ def load_robot(name: str | os.PathLike[str]) -> tuple[Profile, Robot]:
     if wrong:
         raise UserError("\n".join(wrong))
     return profile, robot
+
+
+def shipped_robots() -> list[dict[str, Any]]:
+    """Name, number of joints and the first sentence of every profile that is known by name."""
+    files = {f.stem: f for folder in profile_folders() for f in sorted(folder.glob("*.yaml"))}
+    return [
+        {"name": name, "joints": load_robot(file)[1].n, "says": _first_sentence(file.read_text())}
+        for name, file in sorted(files.items())
+    ]
+
+
+def _first_sentence(text: str) -> str:
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# "))
+    return " ".join(lines).partition(". ")[0].rstrip(".")

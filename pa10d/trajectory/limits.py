@@ -23,7 +23,7 @@ POSITION_MARGIN = 0.03  # rad (m) kept from either end
 @dataclass(frozen=True)
 class MotionLimits:
     """lower, upper rad; velocity rad/s; acceleration rad/s²; torque N·m (inf where unknown),
-    each (n,). ``assumed`` says in words what no profile and no URDF gave."""
+    each (n,). ``assumed`` says in words what no profile and no URDF gave; home: rad, if stated."""
 
     lower: Array
     upper: Array
@@ -31,6 +31,7 @@ class MotionLimits:
     acceleration: Array
     torque: Array
     assumed: tuple[str, ...] = ()
+    home: Array | None = None
 
     @property
     def n(self) -> int:
@@ -48,7 +49,10 @@ class MotionLimits:
         return 0.5 * (self.upper - self.lower)
 
     def rest_pose(self) -> Array:
-        """(n,) zero where zero is well inside the range, else the middle of the range."""
+        """(n,) home; where none is stated, zero if that is well inside the range, else the middle
+        of the range."""
+        if self.home is not None:
+            return self.home.copy()
         inside = (self.lower < 0) & (self.upper > 0)
         return np.where(inside, 0.0, self.middle)
 
@@ -86,6 +90,7 @@ class MotionLimits:
             self.acceleration[joints],
             self.torque[joints],
             self.assumed,
+            None if self.home is None else self.home[joints],
         )
 
 
@@ -109,4 +114,6 @@ def limits_of(robot: Robot) -> MotionLimits:
         if not known.all():
             joints = ", ".join(str(j + 1) for j in np.flatnonzero(~known))
             assumed.append(f"joint {joints}: no limit of {words}")
-    return MotionLimits(lower, upper, speed, rising, robot.effort.copy(), tuple(assumed))
+    return MotionLimits(
+        lower, upper, speed, rising, robot.effort.copy(), tuple(assumed), robot.home
+    )

@@ -1,0 +1,105 @@
+"""What a URDF says of an arm that is to be moved, what it leaves open, and what to doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.dynamics.regressor import inverse_dynamics
+from pa10d.dynamics.robot import STANDARD_GRAVITY, Robot, robot_from_urdf
+from pa10d.trajectory.poses import Surroundings
+
+Array = NDArray[np.float64]
+
+TRIES = 2000  # poses among which one is looked for that meets nothing
+POSES = 200  # drawn at random, to see how heavy the arm is
+TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of principal moments
+
+
+@dataclass(frozen=True)
+class Facts:
+    """weight: (n,) N·m (N), the most that gravity asks of each joint; inertia: (n,) kg·m² (kg), the
+    most that it turns (pushes); doubts: sentences; home: (n,) rad (m) a pose to begin at, None
+    where zero (or mid-range) will do."""
+
+    robot: Robot
+    weight: Array
+    inertia: Array
+    doubts: list[str]
+    home: Array | None
+
+
+def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> Facts:
+    """Read the URDF for the arm standing upright; UserError where it is none.
+
+    joints: names, in order; None: every movable one."""
+    robot = robot_from_urdf(urdf, None if joints is None else list(joints), STANDARD_GRAVITY)
+    poses = _poses(robot)
+    still = np.zeros_like(poses)
+    weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
+    turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
+    return Facts(robot, weight, turned, list(_doubts(robot)), _home(robot))
+
+
+def _home(robot: Robot) -> Array | None:
+    """Where zero meets the floor or a body: a pose that meets nothing, near to zero."""
+    around = Surroundings.of(robot)
+    usual = around.limits.rest_pose()
+    if around.allowed(usual[None])[0]:
+        return None
+    rng = np.random.default_rng(2)
+    low, high = around.limits.lower, around.limits.upper
+    drawn = rng.uniform(low, high, (TRIES, robot.n))
+    turns = np.clip(np.round(drawn / (np.pi / 4)) * (np.pi / 4), low, high)
+    turns[:, robot.prismatic] = usual[robot.prismatic]
+    free = turns[around.allowed(turns)]
+    if not len(free):
+        return None
+    pose = free[np.linalg.norm(free - usual, axis=1).argmin()]
+    for j in range(robot.n):
+        back = np.where(np.arange(robot.n) == j, usual, pose)
+        pose = back if around.allowed(back[None])[0] else pose
+    return np.asarray(pose)
+
+
+def _poses(robot: Robot) -> Array:
+    rng = np.random.default_rng(1)
+    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    return rng.uniform(low, high, (POSES, robot.n))
+
+
+def _doubts(robot: Robot) -> Iterator[str]:
+    mass = robot.parameters[:, 0]
+    if not mass.any():
+        yield (
+            "the URDF has no inertias: recordings can be fitted, but gravity cannot be checked "
+            "and a simulated arm weighs nothing"
+        )
+        return
+    carried = robot.carries() @ mass
+    for j in np.flatnonzero(carried <= 0):
+        yield f"joint {j + 1} ({robot.joint_names[j]}) carries no mass in the URDF"
+    for j in np.flatnonzero(mass > 0):
+        named = f"link behind joint {j + 1} ({robot.joint_names[j]})"
+        own = _about_centre(robot.parameters[j])
+        moments = np.linalg.eigvalsh(own)
+        if np.allclose(own, np.eye(3), atol=1e-9):
+            yield f"{named}: the inertia is 1 kg·m² about each axis, which looks like a placeholder"
+        elif moments[0] < 0 or moments[2] > (1 + TRIANGLE) * (moments[0] + moments[1]):
+            shown = ", ".join(f"{m:.3g}" for m in moments)
+            yield f"{named}: no body has the principal moments {shown} kg·m²"
+
+
+def _about_centre(parameters: Array) -> Array:
+    """(3, 3) kg·m² about the centre of mass, from PARAMETER_NAMES."""
+    m, first = parameters[0], parameters[1:4]
+    xx, xy, yy, xz, yz, zz = parameters[4:]
+    about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    c = first / m
+    return np.asarray(about - m * (c @ c * np.eye(3) - np.outer(c, c)))

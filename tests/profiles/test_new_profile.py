@@ -1,0 +1,159 @@
+"""``pa10d profile new``: one profile from one URDF, taken by every command at once."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from backends.virtual.load_plant import load_plant
+from pa10d.cli import main
+from pa10d.cli.profiles import _dialogue
+from pa10d.control.limits import arm_limits
+from pa10d.services.new_profile import answers_for, facts_of
+from pa10d.services.robots import load_robot
+
+LINK = '<link name="{0}"><inertial><origin xyz="0 0 -0.2"/><mass value="{1}"/><inertia ixx="{2}" ixy="0" ixz="0" iyy="{2}" iyz="0" izz="0.01"/></inertial></link>'  # noqa: E501
+JOINT = '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><origin xyz="0 0 {5}"/><axis xyz="0 1 0"/>{4}</joint>'  # noqa: E501
+FULL = '<limit lower="-2" upper="2" effort="40" velocity="1.5"/>'
+BARE = '<limit lower="-2" upper="2" effort="0" velocity="0"/>'
+
+
+def robot(*joints, mass=3.0, inertia=0.05):
+    """A chain of (name, type, limit)."""
+    parts = ['<robot name="arm"><link name="base"/>']
+    parent = "base"
+    for k, (name, kind, limit) in enumerate(joints):
+        parts.append(JOINT.format(name, kind, parent, f"l{k}", limit, 1.5 if k == 0 else -0.4))
+        parts.append(LINK.format(f"l{k}", mass, inertia))
+        parent = f"l{k}"
+    return "".join([*parts, "</robot>"])
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def write(text):
+        (tmp_path / "robot.urdf").write_text(text)
+        return tmp_path
+
+    return write
+
+
+def test_it_is_taken_at_once_and_says_what_is_assumed(folder, capsys):
+    place = folder(robot(("a", "revolute", FULL), ("b", "revolute", BARE)))
+    assert main(["--json", "profile", "new", "robot.urdf"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["schema"] == "pa10d/profile-new/1"
+    assert found["file"] == str(place / "arm.yaml")
+    assert found["joints"] == ["a", "b"]
+    assert found["assumed"] == {"velocity": [2], "acceleration": [1, 2], "torque": [2]}
+    profile, arm = load_robot(place / "arm.yaml")
+    limits = arm_limits(profile, arm)
+    assert limits.velocity.tolist() == [1.5, 1.0]
+    held = facts_of(place / "robot.urdf").weight[1]
+    assert limits.torque[1] > held > 0
+    assert load_plant(profile, 2).n == 2
+    text = (place / "arm.yaml").read_text()
+    assert "assumed for joint 2" in text
+    assert "# N·m (N) at the joint" in text
+
+
+def test_no_file_is_overwritten_unasked(folder, capsys):
+    place = folder(robot(("a", "revolute", FULL)))
+    (place / "arm.yaml").write_text("mine")
+    assert main(["profile", "new", "robot.urdf", "--yes"]) == 1
+    assert "arm.yaml: exists already; expected --out" in capsys.readouterr().err
+    assert (place / "arm.yaml").read_text() == "mine"
+    assert main(["profile", "new", "robot.urdf", "--yes", "--replace"]) == 0
+    assert load_robot(place / "arm.yaml")[1].n == 1
+    assert sorted(p.name for p in place.iterdir()) == ["arm.yaml", "robot.urdf"]
+
+
+def test_options_are_the_answers(folder):
+    place = folder(robot(("a", "revolute", FULL), ("b", "continuous", "")))
+    words = ["--name", "two", "--mounting", "ceiling", "--velocity", "1,2", "--torque", "50"]
+    words += ["--tool-mass", "1.5", "--tool-com", "0,0,0.1", "--bus", "can1", "--rate", "100"]
+    assert main(["profile", "new", "robot.urdf", *words, "--acceleration", "4"]) == 0
+    profile, arm = load_robot(place / "two.yaml")
+    assert arm.velocity.tolist() == [1, 2]
+    assert arm.effort.tolist() == [50, 50]
+    assert arm.acceleration.tolist() == [4, 4]
+    assert arm.gravity == pytest.approx([0, 0, 9.81], abs=1e-9)
+    assert profile.tool.mass == 1.5
+    assert (profile.can.interface, profile.can.channel) == ("socketcan", "can1")
+    assert profile.control.rate == 100
+    assert profile.simulation is None
+    assert np.isfinite([arm.lower, arm.upper]).all()  # a joint that turns for ever gets ±π
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--velocity", "fast"], "--velocity fast: expected 1 numbers above 0"),
+        (["--velocity", "1,2,3"], "--velocity 1,2,3: expected 1 numbers above 0"),
+        (["--torque", "-5"], "--torque -5: expected 1 numbers above 0"),
+        (["--mounting", "tree"], "--mounting tree: expected floor, ceiling, wall or three angles"),
+        (["--tool-mass", "-1"], "--tool-mass -1: expected a number of at least 0"),
+        (["--rate", "9000"], "--rate 9000: expected a number of Hz that 1 drives"),
+        (["--name", "a/b"], "--name a/b: expected a name without slashes"),
+        (["--joints", "z"], "joint 'z' is not a movable joint; expected some of a"),
+        (["--out", "no/such/a.yaml"], "no folder no/such; expected an existing one"),
+    ],
+)
+def test_a_wrong_answer_is_one_line(folder, capsys, words, said):
+    place = folder(robot(("a", "revolute", FULL)))
+    assert main(["profile", "new", "robot.urdf", *words]) == 1
+    error = capsys.readouterr().err.strip().splitlines()
+    assert said in error[-1]
+    assert [p.name for p in place.iterdir()] == ["robot.urdf"]
+
+
+def test_a_urdf_without_inertias_is_said(folder, capsys):
+    text = (
+        robot(("a", "revolute", FULL)).replace("<inertial>", "<!--").replace("</inertial>", "-->")
+    )
+    place = folder(text)
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    assert "warning: the URDF has no inertias" in capsys.readouterr().err
+    assert "# Doubt: the URDF has no inertias" in (place / "arm.yaml").read_text()
+
+
+def test_bodies_that_cannot_exist_are_doubted(folder):
+    place = folder(robot(("a", "revolute", FULL), inertia=0.004))
+    assert any("no body has the principal moments" in d for d in _doubts(place))
+    place = folder(robot(("a", "revolute", FULL), inertia=1).replace('izz="0.01"', 'izz="1"'))
+    assert any("placeholder" in d for d in _doubts(place))
+
+
+def _doubts(place):
+    return facts_of(place / "robot.urdf").doubts
+
+
+def test_an_arm_that_lies_on_the_floor_at_zero_gets_a_home(folder):
+    place = folder(robot(("a", "revolute", FULL)).replace('xyz="0 0 1.5"', 'xyz="0 0 0.1"'))
+    facts = facts_of(place / "robot.urdf")
+    assert facts.home is not None
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    profile, arm = load_robot(place / "arm.yaml")
+    assert profile.home == pytest.approx(arm.home)
+
+
+def test_the_dialogue_asks_again_and_takes_defaults(folder, capsys):
+    place = folder(robot(("a", "revolute", FULL)))
+    said = iter(["mine", "", "quick", "3", "", "", "", "", ""])
+    shown = []
+
+    def read(prompt):
+        shown.append(prompt)
+        return next(said)
+
+    answers = answers_for(facts_of(place / "robot.urdf"), "arm", {}, _dialogue(read))
+    assert answers.name == "mine"
+    assert answers.velocity == [3.0]
+    assert answers.acceleration == [9.0]
+    assert answers.torque == [40.0]
+    assert "'quick': expected 1 numbers above 0" in capsys.readouterr().err
+    assert any("[1.5]" in prompt for prompt in shown)
