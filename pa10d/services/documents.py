@@ -169,6 +169,16 @@ class Run(Document):
     name: str
 
 
+class NewProfile(Document):
+    """A profile that was written. assumed: limit -> joints, from 1, of which nobody stated it."""
+
+    file: str
+    name: str
+    joints: list[str]
+    assumed: dict[str, list[int]]
+    warnings: list[str]
+
+
 class Problem(Document):
     """Why a command could not be done."""
 
@@ -181,6 +191,7 @@ SCHEMAS: dict[str, type[Document]] = {
     "diagnose": Diagnose,
     "improve": Improve,
     "demo": Demo,
+    "profile-new": NewProfile,
     "run-import": Run,
     "run-show": Run,
     "error": Problem,

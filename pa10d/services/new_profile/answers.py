@@ -100,7 +100,7 @@ def answers_for(
     said = "from the URDF" if np.isfinite(robot.effort).all() else "not all in the URDF"
     torque = answer(_list("torque", f"Largest torques at the joints, N·m (N), {said}", torque, n))
     mass = answer(Question("tool_mass", "Mass of the tool, kg (0: none)", 0.0, _not_negative))
-    com: tuple[float, ...] = (0.0, 0.0, 0.0)
+    com = (0.0, 0.0, 0.0)
     if mass > 0:
         com = answer(
             Question(
@@ -123,7 +123,7 @@ def answers_for(
     assumed |= {key: [False] * n for key in stated}
     return Answers(
         called, rpy, position, speed, acceleration, torque, mass, com, bus, rate, assumed
-    )  # type: ignore[arg-type]
+    )
 
 
 def _list(key: str, text: str, default: list[float], n: int) -> Question:
@@ -179,7 +179,8 @@ def _positive(text: str, count: int) -> list[float]:
     except ValueError:
         found = [-1.0]
     if min(found) <= 0:
-        raise ValueError(f"{count} numbers above 0, one per joint, or one for all")
+        many = f"{count} numbers above 0, one per joint, or one for all"
+        raise ValueError(many if count > 1 else "a number above 0")
     return found * count if len(found) == 1 else found
 
 
