@@ -30,7 +30,15 @@ OPTIONS = {
 def add_commands(commands: Commands) -> None:
     """The family ``profile``."""
     profiles = commands.group("profile", "robots: a new one from a URDF, and those that there are")
-    parser = profiles.add("new", new, "a commented profile for the robot of a URDF; asks, or --yes")
+    parser = profiles.add(
+        "new",
+        new,
+        "a commented profile for the robot of a URDF; asks, or --yes",
+        examples=(
+            "pa10d profile new robot.urdf",
+            "pa10d profile new robot.urdf --yes --out arm.yaml --torque 50,50,20,5",
+        ),
+    )
     parser.add_argument("urdf", type=Path, metavar="ROBOT.urdf")
     parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./NAME.yaml")
     parser.add_argument(
@@ -40,7 +48,12 @@ def add_commands(commands: Commands) -> None:
         parser.add_argument(f"--{key.replace('_', '-')}", metavar=metavar, help=says)
     parser.add_argument("--yes", action="store_true", help="ask nothing, take the defaults")
     replace_option(parser, "an existing file")
-    profiles.add("list", list_, "the profiles that --profile knows by name")
+    profiles.add(
+        "list",
+        list_,
+        "the profiles that --profile knows by name",
+        examples=("pa10d profile list",),
+    )
 
 
 def new(options: argparse.Namespace) -> Answer:
