@@ -43,7 +43,7 @@ class Feedback:
     time: float  # s on the backend's clock (simulated or monotonic)
     q: Array  # (n,) rad
     tau: Array  # (n,) N·m
-    status: NDArray[np.int64]  # (n,) CiA 402 statuswords (0 where the device has none)
+    status: NDArray[np.int64]  # (n,) words of the device's own (0: none), see device.py
     age: NDArray[np.int64]  # (n,) cycles since the value was fresh; 0 = this cycle
     temperature: Array | None = None  # (n,) °C, NaN until first heard; None: not measured
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from pa10d.common.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from pa10d.common.errors import Cancelled, UserError

@@ -8,7 +8,6 @@ from typing import Any
 
 from fastapi import FastAPI
 
-from pa10d import __version__
 from pa10d.api import problems
 from pa10d.api.access import Access, AccessMiddleware
 from pa10d.api.repeats import RepeatMiddleware
@@ -25,6 +24,7 @@ from pa10d.api.routes import (
     sockets,
     web,
 )
+from pa10d.common.version import __version__
 from pa10d.daemon.daemon import Daemon, running
 
 DESCRIPTION = """

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pa10d import __version__
 from pa10d.cli.answer import Answer
 from pa10d.cli.parser import Parser
+from pa10d.common.version import __version__
 
 DEFAULT_PROFILE = "pa10-sim"
 FIRST_STEPS = (

@@ -96,7 +96,7 @@ class Arm:
             self.backend.close()
         self.state = State.OFFLINE
         self._clear_fault()
-        self.journal.publish(self)
+        self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
 
     def enable(self) -> None:
         """inactive → enabling → holding at the measured position."""
@@ -187,7 +187,7 @@ class Arm:
         except Exception as error:
             self._on_fault(error)
             self._go_on_blindly()
-        self.journal.publish(self)
+        self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
 
     def _act(self) -> None:
         if self.state == State.RUNNING:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.faults import Fault
+from pa10d.control.reference import Motion
 from pa10d.control.ring import Ring
-
-if TYPE_CHECKING:
-    from pa10d.control.arm import Arm
+from pa10d.control.states import ArmState
+from pa10d.control.torque_path import TorquePath
 
 Array = NDArray[np.float64]
 
@@ -43,12 +41,14 @@ class Journal:
         row = self._row
         row[self._late], row[self._busy], row[self._missed] = late, busy, missed
 
-    def publish(self, arm: Arm) -> None:
+    def publish(
+        self, path: TorquePath, state: ArmState, motion: Motion | None, *, faulty: bool
+    ) -> None:
         """One record of the arm as it stands."""
-        row, path = self._row, arm.path
-        row[self._time], row[self._state] = path.time, arm.state
-        row[self._recording], row[self._fault] = arm.recording, arm.fault is not None
-        motion = arm.motion
+        row = self._row
+        row[self._time], row[self._state] = path.time, state
+        row[self._recording] = motion is not None and motion.recording
+        row[self._fault] = faulty
         row[self._motion] = motion.number if motion else 0
         row[self._place] = motion.row if motion else 0
         self._q[:], self._dq[:], self._tau[:] = path.measured_q, path.dq, path.tau

@@ -29,7 +29,7 @@ VECTORS = (
     "dq_ref",  # rad/s
     "ddq_ref",  # rad/s²
     "torque",  # N·m, sent
-    "status",  # CiA 402 statusword
+    "status",  # the device's own word, see backends/device.py
     "age",  # cycles since the axis answered
     "temperature",  # °C, NaN where not measured
 )

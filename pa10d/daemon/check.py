@@ -14,11 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from backends.bus_budget import profile_budget
 from backends.canopen_cia402.lifeline import not_accepted
-from backends.cia402 import remarks
+from backends.device import Device
 from backends.protocol import Backend
-from backends.registry import open_backend
+from backends.registry import device, open_backend
 from pa10d.common.errors import UserError
 from pa10d.common.processor import stay_on_one, take_priority
 from pa10d.control.build import build_arm
@@ -54,8 +53,8 @@ def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> l
 
 
 def _bus(profile: Profile) -> list[Check]:
-    budget = profile_budget(profile)
-    return [Check("ok" if budget.fits else "error", "bus", budget.sentence())]
+    wire = device(profile).wire(profile)
+    return [] if wire is None else [Check("ok" if wire.fits else "error", "bus", wire.sentence())]
 
 
 def _limits(profile: Profile, robot: Robot) -> list[Check]:
@@ -130,7 +129,11 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
             late = _late(profile, seconds, arm.cycle)
         if arm.fault is not None:
             return [*found, Check("error", "drives", arm.fault.sentence)]
-        return [*found, *_remarks(backend), _judged("loop with the drives", late, profile)]
+        return [
+            *found,
+            *_remarks(device(profile), backend),
+            _judged("loop with the drives", late, profile),
+        ]
 
 
 def _refused(why: str) -> list[Check]:
@@ -163,13 +166,13 @@ def _who_answers(profile: Profile, backend: Backend) -> list[Check]:
     return found
 
 
-def _remarks(backend: Backend) -> list[Check]:
+def _remarks(words: Device, backend: Backend) -> list[Check]:
     """What drives say beside their states."""
-    words: list[int] = getattr(backend, "statuses", list)()
+    statuses: list[int] = getattr(backend, "statuses", list)()
     return [
         Check("warning", "drives", f"joint {k + 1}: {remark}", k + 1)
-        for k, word in enumerate(words)
-        for remark in remarks(word)
+        for k, word in enumerate(statuses)
+        for remark in words.remarks(word)
     ]
 
 

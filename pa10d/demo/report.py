@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pa10d import __version__
+from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.demo.story import Chapter, Told
 from pa10d.demo.words import found_words, named

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d import __version__
+from pa10d.common.version import __version__
 from pa10d.figures import case_study_texts as texts
 from pa10d.figures.of_boundary import convergence, friction_chart
 from pa10d.figures.of_case_study import exciting_motion, reconstruction, tracking, tracking_bars

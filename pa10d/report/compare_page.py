@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d import __version__, figures
+from pa10d import figures
+from pa10d.common.version import __version__
 from pa10d.common.words import times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d import __version__
+from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.remaining import MATERIAL

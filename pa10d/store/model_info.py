@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pa10d import __version__
+from pa10d.common.version import __version__
 
 
 @dataclass(frozen=True)

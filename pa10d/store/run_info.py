@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
-from pa10d import __version__
 from pa10d.common.errors import UserError
+from pa10d.common.version import __version__
 from pa10d.store.channels import Channels
 from pa10d.store.entries import Id, Name, read_entry, refuse_links
 from pa10d.store.folders import write_json

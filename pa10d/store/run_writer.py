@@ -10,7 +10,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from pa10d import __version__
+from pa10d.common.version import __version__
 from pa10d.profile import Profile
 from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import END

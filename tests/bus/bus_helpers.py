@@ -19,7 +19,7 @@ import yaml
 from canopen import Network, RemoteNode
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.eds import OWN_EDS
 from backends.frames import frame
 from backends.protocol import BackendFault, Feedback

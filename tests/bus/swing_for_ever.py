@@ -8,7 +8,7 @@ from contextlib import suppress
 from bus_helpers import Driver
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from pa10d.profile import load_profile
 
 with suppress(PermissionError):

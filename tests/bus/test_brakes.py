@@ -8,7 +8,7 @@ import pytest
 from bus_helpers import Driver, make_profile, running, second_master, virtual_arm
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.brakes import CLOSES_IN, Brakes
 from backends.cia402 import Control
 from backends.frames import frame, frames

@@ -10,7 +10,7 @@ import yaml
 from bus_helpers import make_profile
 
 from backends.bus_budget import bus_budget, profile_budget, require_fit, worst_case_bits
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from pa10d.common.errors import UserError
 
 FACTS = Path(__file__).parents[3] / "shared" / "pa10" / "pa10_facts.yaml"

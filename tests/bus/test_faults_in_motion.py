@@ -30,7 +30,7 @@ from bus_helpers import (
 )
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.exchange import AxisInput
 from backends.canopen_cia402.watch import Watch
 from backends.cia402 import State, state_of

@@ -12,7 +12,7 @@ from bus_helpers import Driver, Meddler, make_profile, patient_eds, promptly, vi
 from canopen.profiles.p402 import BaseNode402
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.eds import OWN_EDS
 from backends.protocol import BackendFault, Feedback

@@ -8,7 +8,7 @@ import pytest
 from bus_helpers import make_profile, own_eds_without, running, virtual_arm
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.frames import REMOTE, frame, frames
 from backends.protocol import BackendFault

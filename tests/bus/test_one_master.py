@@ -16,7 +16,7 @@ import pytest
 from bus_helpers import HERE, Driver, make_profile, running, virtual_arm
 
 from backends.bus_lock import FOLDERS, BusLock, lock_name
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.frames import frame
 from backends.protocol import BackendFault
 from backends.virtualbus import VirtualBus

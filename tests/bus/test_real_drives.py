@@ -12,7 +12,7 @@ from bus_helpers import Driver, make_profile, virtual_arm
 from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
 from backends.cia402 import State, state_of

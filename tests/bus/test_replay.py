@@ -11,9 +11,9 @@ from bus_helpers import make_profile
 from backends import by_hand
 from backends.protocol import Backend, BackendFault
 from backends.registry import open_backend
-from backends.replay import ReplayBackend
 from pa10d.common.errors import UserError
 from pa10d.measurement.recording import Recording
+from pa10d.replay import ReplayBackend
 
 
 def some_run(folder: Path, joints: int = 3, samples: int = 200) -> Path:

@@ -8,7 +8,7 @@ import numpy as np
 from bus_helpers import Driver, make_profile, virtual_arm
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from pa10d.profile import Profile
 
 

@@ -14,7 +14,7 @@ import pytest
 from bus_helpers import Driver, inject_by_canopen, make_profile, patient_eds, virtual_arm
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.cia402 import State, state_of
 from backends.protocol import BackendFault
 from backends.virtual.drives.injection import Injection

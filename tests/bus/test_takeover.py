@@ -13,7 +13,7 @@ from canopen import RemoteNode
 from makers_eds import EPOS4, EPOS4_RATED, EROB, GENERIC, node_made_from, wish
 
 from backends import by_hand
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
 from backends.cia402 import remarks

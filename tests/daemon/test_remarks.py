@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+from backends.canopen_cia402 import DEVICE
 from pa10d.daemon import check
 from pa10d.daemon.robot import robot
 
@@ -11,13 +12,13 @@ QUIET, WARNS = 0x0250, 0x02D0
 
 
 def test_a_drive_that_warns_is_named():
-    (found,) = check._remarks(SimpleNamespace(statuses=lambda: [QUIET, WARNS]))
+    (found,) = check._remarks(DEVICE, SimpleNamespace(statuses=lambda: [QUIET, WARNS]))
     assert (found.level, found.subject, found.joint) == ("warning", "drives", 2)
     assert found.sentence.startswith("joint 2: its drive warns (bit 7 of the statusword)")
     axes = [{"joint": 1, "status_word": WARNS}, {"joint": 2, "status_word": QUIET}]
-    (note,) = robot._remarks(axes)
+    (note,) = robot._remarks(DEVICE, axes)
     assert note.startswith("joint 1: its drive warns")
 
 
 def test_a_backend_without_drives_says_nothing():
-    assert check._remarks(SimpleNamespace()) == []
+    assert check._remarks(DEVICE, SimpleNamespace()) == []

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from backends.canopen_cia402 import CanopenBackend
+from backends.canopen_cia402.backend import CanopenBackend
 from backends.cia402 import State
 from backends.virtual.drives.node import OPERATIONAL
 from backends.virtual.machine import VirtualArm

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
-from backends.cia402 import state_of
 from pa10d.api.deps import Client, Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
@@ -123,6 +122,6 @@ def describe(daemon: Daemon) -> dict[str, Any]:
     """The robot's state as clients see it."""
     document = daemon.robot.document() | {"lease": daemon.lease.document()}
     for axis in document["axes"]:
-        state = state_of(axis["status_word"])
+        state = daemon.robot.device.state(axis["status_word"])
         axis["drive_state"] = None if state is None else str(state)
     return document

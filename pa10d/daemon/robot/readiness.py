@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from backends.bus_budget import profile_budget
-from backends.cia402 import remarks
-from pa10d.daemon.robot.robot import CANOPEN, CommandRefused, RobotProcess
+from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
 from pa10d.experiments.checks import Check
 
 
@@ -44,10 +42,10 @@ def refuse_unless_ready(robot: RobotProcess) -> None:
 
 
 def _bus(robot: RobotProcess) -> list[Check]:
-    if robot.profile.backend != CANOPEN:
+    wire = robot.device.wire(robot.profile)
+    if wire is None:
         return []
-    budget = profile_budget(robot.profile)
-    return [Check("ok" if budget.fits else "error", "bus", budget.sentence())]
+    return [Check("ok" if wire.fits else "error", "bus", wire.sentence())]
 
 
 def _drives(robot: RobotProcess) -> list[Check]:
@@ -62,6 +60,6 @@ def _drives(robot: RobotProcess) -> list[Check]:
     warned = [
         Check("warning", "drives", f"joint {j + 1}: {remark}", j + 1)
         for j, word in enumerate(robot.ring.layout.get(last, "status"))
-        for remark in remarks(int(word))
+        for remark in robot.device.remarks(int(word))
     ]
     return [*(silent or [Check("ok", "drives", "every drive answers in every cycle")]), *warned]

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.cia402 import remarks
+from backends.device import Device
+from backends.registry import device
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.daemon.events import Events
@@ -25,7 +26,6 @@ from pa10d.profile import Gains, Profile
 
 Array = NDArray[np.float64]
 
-CANOPEN = "canopen_cia402"  # the backend that cannot do without drives
 RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
@@ -58,6 +58,7 @@ class RobotProcess:
         self, profile: Profile, robot: Robot, data: Path, runtime: Path, events: Events
     ) -> None:
         self.profile, self.robot, self._data, self._events = profile, robot, data, events
+        self.device = device(profile)
         self._runtime = runtime
         period = 1.0 / profile.control.rate
         self.ring = Ring.create(robot.n, int(RING_SECONDS / period), period, runtime / "ring")
@@ -85,8 +86,8 @@ class RobotProcess:
 
     def start(self) -> None:
         """Start both processes and keep them; a profile without drives is for recordings alone."""
-        if self.profile.backend == CANOPEN and not self.profile.drives:
-            self.why_offline = f"profile {self.profile.name} names no drives"
+        if lacking := self.device.lacking(self.profile):
+            self.why_offline = lacking
             return
         loop = asyncio.get_running_loop()
         self._keepers = [
@@ -165,7 +166,7 @@ class RobotProcess:
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
-            "notes": [*self._notes(), *_remarks(axes)],
+            "notes": [*self._notes(), *_remarks(self.device, axes)],
             "recording": not offline and last is not None and bool(get(last, "recording")),
             "time": None if offline or last is None else float(get(last, "time")),
             "axes": axes,
@@ -430,12 +431,12 @@ class RobotProcess:
         }
 
 
-def _remarks(axes: list[dict[str, Any]]) -> list[str]:
+def _remarks(words: Device, axes: list[Message]) -> list[str]:
     """What drives say beside their states, now."""
     return [
         f"joint {axis['joint']}: {remark}"
         for axis in axes
-        for remark in remarks(axis["status_word"])
+        for remark in words.remarks(axis["status_word"])
     ]
 
 

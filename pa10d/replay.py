@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from backends.cia402 import STATUS_BITS, State
 from backends.faults import fault
 from backends.protocol import Array, Feedback
 from pa10d.common.errors import UserError
@@ -35,27 +34,23 @@ class ReplayBackend:
             f"'{recording.name}' is a recording: what it shows does not depend on the torques sent"
         ]
         self._next = 0
-        self._state = State.DISABLED
         self._feedback = Feedback(
             0.0, np.zeros(self.n), np.zeros(self.n), np.zeros(self.n, int), np.zeros(self.n, int)
         )
 
     def open(self) -> None:
-        self._next, self._state = 0, State.DISABLED
+        self._next = 0
 
-    def begin_enable(self) -> None:
-        self._state = State.ENABLED
+    def begin_enable(self) -> None: ...
 
     def read(self) -> Feedback:
         recording, k = self.recording, self._next
         if k >= len(recording.t):
-            self._state = State.DISABLED
             raise fault("ended", f"'{recording.name}' is over after {recording.duration:.3f} s")
         self._next = k + 1
         feedback = self._feedback
         feedback.time = float(recording.t[k])
         feedback.q[:], feedback.tau[:] = recording.q[k], recording.tau[k]
-        feedback.status[:] = STATUS_BITS[self._state][1]
         if recording.temperature is not None:
             feedback.temperature = recording.temperature[k].copy()
         return feedback
@@ -64,17 +59,14 @@ class ReplayBackend:
         if not np.isfinite(torque).all():
             raise fault("torque", f"torque command is not finite: {np.asarray(torque).tolist()}")
 
-    def quick_stop(self) -> None:
-        self._state = State.DISABLED
+    def quick_stop(self) -> None: ...
 
-    def begin_disable(self) -> None:
-        self._state = State.DISABLED
+    def begin_disable(self) -> None: ...
 
     def begin_reset(self) -> None:
-        self._next, self._state = 0, State.DISABLED
+        self._next = 0
 
-    def close(self) -> None:
-        self._state = State.DISABLED
+    def close(self) -> None: ...
 
 
 def open_backend(profile: Profile) -> ReplayBackend:
