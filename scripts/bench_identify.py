@@ -3,8 +3,9 @@
 Timed is the whole of ``identify``: differentiation, filtering of both sides, the search for the
 friction sign's sharpness and for a timing shift, weighted least squares, errors that respect
 autocorrelation, feasible standard parameters and warnings. Interpreter start and compilation are
-shown apart. Where FIGAROH is installed, its regressor, decimation, double QR and weighted least
-velocity and acceleration given to it.
+shown apart. Beside it, in the same run on one thread, what a textbook does with Pinocchio and NumPy
+(``plain_peer``), and FIGAROH where it is installed (``figaroh_peer``), position, velocity and
+acceleration given to them. Ratios are of processor time: a busy machine leaves them alone.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import plain_peer
+from threadpoolctl import threadpool_limits
 
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_profile
 from pa10d.effects.base import smooth_sign
@@ -26,7 +29,15 @@ from pa10d.regression.equation import prepare
 
 RATE = 500.0  # Hz
 CUTOFF = 10.0  # Hz
+SAID = {"plain": "Pinocchio and NumPy", "figaroh": "FIGAROH"}
 SCALE = np.array([1.0, 1.0, 0.5, 0.5, 0.1, 0.1, 0.1])
+
+
+class Spent(NamedTuple):
+    """Wall-clock and processor time, s."""
+
+    wall: float
+    processor: float
 
 
 @dataclass(frozen=True)
@@ -78,25 +89,31 @@ def run(repeats: int = 3, figaroh: str = "auto") -> dict[str, Any]:
         "first_call_s": round(first, 2),
         "runs": [],
     }
+    peers = {"plain": plain_peer}
     with_figaroh = figaroh == "yes" or (figaroh == "auto" and _figaroh_installed())
+    if with_figaroh:
+        import figaroh_peer
+
+        peers["figaroh"] = figaroh_peer
     for samples in (10_000, 100_000):
         measured = data(robot, samples, seed=1)
-        seconds, model = _timed(
+        spent, model = _timed(
             lambda d=measured: identify([d.recording()], robot, name="b", cutoff=CUTOFF), repeats
         )
         entry: dict[str, Any] = {
             "samples": samples,
-            "seconds": round(seconds, 3),
+            "seconds": round(spent.wall, 3),
+            "processor_seconds": round(spent.processor, 3),
             "parameters": len(model.covariance),
             "torque_error": _error(model, unseen),
         }
-        if with_figaroh:
-            import figaroh_peer
-
-            seconds, peer = _timed(lambda d=measured: figaroh_peer.identify(robot, d), 1)
-            entry["figaroh_seconds"] = round(seconds, 2)
-            entry["figaroh_torque_error"] = peer.error(unseen)
-            entry["times_faster"] = round(entry["figaroh_seconds"] / entry["seconds"], 1)
+        for name, peer in peers.items():
+            theirs, found = _timed(lambda d=measured, p=peer: p.identify(robot, d), 1)
+            entry[f"{name}_seconds"] = round(theirs.wall, 2)
+            entry[f"{name}_processor_seconds"] = round(theirs.processor, 2)
+            entry[f"times_{name}"] = round(theirs.processor / spent.processor, 1)
+            if name == "figaroh":
+                entry["figaroh_torque_error"] = found.error(unseen)
         figures["runs"].append(entry)
     return figures
 
@@ -112,23 +129,27 @@ def sentences(figures: dict[str, Any]) -> str:
             f"parameters with standard errors; torque error on an unseen motion "
             f"{max(entry['torque_error']):.3g} N·m at most"
         )
-        if "figaroh_seconds" in entry:
-            line += (
-                f"; FIGAROH {entry['figaroh_seconds']:.2f} s ({entry['times_faster']}x slower), "
-                f"error {max(entry['figaroh_torque_error']):.3g} N·m"
-            )
+        for name in ("plain", "figaroh"):
+            if f"times_{name}" in entry:
+                line += (
+                    f"; {SAID[name]} {entry[f'{name}_seconds']:.2f} s "
+                    f"({entry[f'times_{name}']} times the processor time)"
+                )
+        if "figaroh_torque_error" in entry:
+            line += f", error {max(entry['figaroh_torque_error']):.3g} N·m"
         lines.append(line)
     return "\n".join(lines)
 
 
-def _timed(work: Any, repeats: int) -> tuple[float, Any]:
-    """Median wall-clock seconds, and the result."""
-    times, result = [], None
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def _timed(work: Any, repeats: int) -> tuple[Spent, Any]:
+    """Medians on one thread, and the result."""
+    spent, result = [], None
     for _ in range(repeats):
-        started = time.perf_counter()
+        wall, processor = time.perf_counter(), time.process_time()
         result = work()
-        times.append(time.perf_counter() - started)
-    return float(np.median(times)), result
+        spent.append((time.perf_counter() - wall, time.process_time() - processor))
+    return Spent(*(float(v) for v in np.median(spent, axis=0))), result
 
 
 def _error(model: Any, unseen: Data) -> list[float]:
