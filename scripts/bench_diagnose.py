@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+from pa10d.recording import Recording
 from threadpoolctl import threadpool_limits
 
 from backends.virtual.datasets import make_runs
@@ -24,7 +25,6 @@ from pa10d.identify import identify
 from pa10d.judgement import in_band
 from pa10d.model import TorqueModel
 from pa10d.profile import load_profile
-from pa10d.recording import Recording
 
 CASES: dict[str, list[dict[str, Any]]] = {
     "nothing hidden": [],

@@ -103,6 +103,8 @@ def diagnose(
         remaining=remaining(left, again, unexplained, units),
         model=versions[-1],
         versions=versions,
+        fitted=tuple(state.train.runs),
+        held_out=tuple(state.held.runs),
         judged_on=words,
         frozen=frozen,
     )

@@ -144,14 +144,9 @@ class Diagnosis(Answer):
         from pa10d.report.diagnosis_page import diagnosis_page
         from pa10d.report.finding_section import Asked
 
-        fit, validate = self._fit, self._validate
-        seen = held_out(
-            self.inner, [run.recording for run in fit], [run.recording for run in validate]
-        )
-        asked = Asked(
-            self.inner.versions[0].name, [r.name for r in fit], [r.name for r in validate], "ROBOT"
-        )
-        return diagnosis_page(self.inner, seen, asked)
+        fit, validate = (tuple(r.name for r in runs) for runs in (self._fit, self._validate))
+        asked = Asked(self.inner.versions[0].name, fit, validate, "ROBOT")
+        return diagnosis_page(self.inner, held_out(self.inner), asked)
 
     def __repr__(self) -> str:
         lines = [f.sentence for f in self.findings] or [f"verdict: {self.verdict}"]

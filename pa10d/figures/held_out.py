@@ -8,21 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.compare import RunResidual, run_residual
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
-from pa10d.diagnose.regression.side import Side
-from pa10d.diagnose.regression.sides import two_sides
-from pa10d.measurement.recording import Recording
+from pa10d.judgement import RunResidual, residual_of
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """seen[v][r]: version v of the diagnosis on held-out run r; only the samples that the diagnosis
-    judged by count. side: the same runs as the diagnosis holds them."""
+    """seen[v][r]: version v of the diagnosis on held-out run r, as the diagnosis holds it; only the
+    samples that it judged by count."""
 
-    side: Side
     seen: tuple[tuple[RunResidual, ...], ...]
 
     def error(self, version: int, joint: int) -> Array:
@@ -41,23 +37,17 @@ class HeldOut:
 
     def rms(self, version: int) -> Array:
         """(n,) N·m."""
-        joints = range(self.side.n)
+        joints = range(self.seen[version][0].error.shape[1])
         return np.array([float(np.sqrt(np.mean(self.error(version, j) ** 2))) for j in joints])
 
 
-def held_out(
-    diagnosis: Diagnosis, fit: Sequence[Recording], validate: Sequence[Recording] = ()
-) -> HeldOut:
-    """Predict the held-out runs with every version; fit, validate: as the diagnosis had them."""
-    side = two_sides(diagnosis.versions[0], fit, validate)[1]
-    fitted = {recording.name for recording in fit}
-    # in the order of two_sides: runs of the held-out side alone come first
-    runs = sorted(validate, key=lambda r: r.name in fitted) if validate else list(fit)
+def held_out(diagnosis: Diagnosis) -> HeldOut:
+    """Predict the held-out runs with every version."""
     seen = [
         tuple(
-            replace(run_residual(version, recording), counts=keep, judged=keep)
-            for recording, keep in zip(runs, side.keep, strict=True)
+            replace(residual_of(version, run), counts=run.keep, judged=run.keep)
+            for run in diagnosis.held_out
         )
         for version in diagnosis.versions
     ]
-    return HeldOut(side, tuple(seen))
+    return HeldOut(tuple(seen))

@@ -41,9 +41,10 @@ SCALE = [
 def structure_map(found: Structure, seen: HeldOut) -> Figure:
     """Two variables: the map beside the held-out residual on the same axes; one: a curve."""
     error = seen.error(len(seen.seen) - 1, found.joint)
-    motion = motion_variables(seen.side)
+    runs = [run.equation for run in seen.seen[0]]
+    motion = motion_variables(runs)
     x = [seen.counted([run[name] for run in motion], found.joint) for name in found.variables]
-    robot = seen.side.runs[0].context.robot
+    robot = runs[0].context.robot
     labels = [variable_label(name, robot.prismatic) for name in found.variables]
     unit = robot.torque_unit(found.joint)
     if len(x) == 1:

@@ -19,7 +19,6 @@ from pa10d.services.models import read_runs, write_file
 from pa10d.store.models import ModelInfo
 
 if TYPE_CHECKING:
-    from pa10d.figures.held_out import HeldOut
     from pa10d.report.blocks import Block
     from pa10d.report.finding_section import Asked
 
@@ -210,30 +209,23 @@ def write_diagnosis_report(
 ) -> Path:
     """The diagnosis as one HTML file that opens offline; model, fit, validate: as it had them;
     first: blocks before everything else."""
+    from pa10d.figures.held_out import held_out
     from pa10d.report.diagnosis_page import diagnosis_page
 
-    seen, asked = as_judged(library, found, model, fit, validate)
-    return write_file(path, diagnosis_page(found, seen, asked, first))
+    asked = asked_of(library, model, fit, validate)
+    return write_file(path, diagnosis_page(found, held_out(found), asked, first))
 
 
-def as_judged(
-    library: Library,
-    found: Diagnosis,
-    model: str,
-    fit: Sequence[str],
-    validate: Sequence[str] = (),
-) -> tuple[HeldOut, Asked]:
-    """What its plots need: the held-out side as every version sees it, and the names asked for."""
-    from pa10d.figures.held_out import held_out
+def asked_of(
+    library: Library, model: str, fit: Sequence[str], validate: Sequence[str] = ()
+) -> Asked:
+    """The names that were asked for, as they are stored."""
     from pa10d.report.finding_section import Asked
 
-    robot = found.model.robot
-    infos, fitted = read_runs(library, fit, robot, force=True)
-    judged_infos, judged = read_runs(library, validate, robot, force=True) if validate else ([], [])
-    asked = Asked(
+    fitted, judged = ([library.runs.find(run) for run in runs] for runs in (fit, validate))
+    return Asked(
         library.models.find(model).name,
-        [info.name for info in infos],
-        [info.name for info in judged_infos],
-        infos[0].profile or "PROFILE",
+        [info.name for info in fitted],
+        [info.name for info in judged],
+        fitted[0].profile or "PROFILE",
     )
-    return held_out(found, fitted, judged), asked

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
-from pa10d.services.diagnoses import as_judged
+from pa10d.services.diagnoses import asked_of
 from pa10d.services.library import Library
 from pa10d.services.models import Compared
 
@@ -29,10 +29,11 @@ def write_diagnosis_sheet(
     validate: Sequence[str],
 ) -> None:
     """``summary.json`` into the folder."""
+    from pa10d.figures.held_out import held_out
     from pa10d.report.sheet import diagnosis_sheet
 
-    seen, asked = as_judged(library, found, model, fit, validate)
-    _write(folder, diagnosis_sheet(found, seen, asked))
+    asked = asked_of(library, model, fit, validate)
+    _write(folder, diagnosis_sheet(found, held_out(found), asked))
 
 
 def _write(folder: Path, parts: Mapping[str, Any]) -> None:

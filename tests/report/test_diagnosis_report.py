@@ -42,7 +42,7 @@ def diagnosed(hidden, seconds=16.0, **options):
     fit, validate = [runs["train_a"]], [runs["valid_a"]]
     model = identify(fit, robot, name="arm", cutoff=10.0)
     found = diagnose(model, fit, validate, **options)
-    return found, held_out(found, fit, validate), runs
+    return found, held_out(found), runs
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def test_blocks_of_one_run_are_judged_on_the_held_out_ones(stribeck):
         replace(found.versions[0], notes={"cutoff": {"chosen_by": "user"}}),
         [runs["train_a"]], only=("stribeck", [3]),
     )  # fmt: skip
-    seen = held_out(alone, [runs["train_a"]])
+    seen = held_out(alone)
     np.testing.assert_allclose(seen.rms(0), alone.versions[0].held_out["held out"], rtol=1e-6)
     counted = np.mean([run.counts.mean() for run in seen.seen[0]])
     assert counted < 0.5, "the other blocks were fitted"

@@ -15,6 +15,7 @@ from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects import Value
 from pa10d.judgement import Judgement
 from pa10d.model import Term, TorqueModel
+from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 Verdict = Literal["missing", "none", "unknown"]
@@ -82,6 +83,8 @@ class Diagnosis:
     remaining: what is left on each joint, and what this data can say about it
     model: with all findings fitted in; versions: one model per step, the given one (refitted
     unless frozen) first; what was judged is what is stored
+    fitted, held_out: the runs of both sides as they were looked at: behind the equation's low-pass,
+    with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
     """
 
@@ -95,6 +98,8 @@ class Diagnosis:
     remaining: tuple[Remaining, ...]
     model: TorqueModel
     versions: tuple[TorqueModel, ...]
+    fitted: tuple[RunEquation, ...]
+    held_out: tuple[RunEquation, ...]
     judged_on: str
     frozen: bool
 

@@ -111,7 +111,7 @@ def _work(joint: int) -> tuple[str, ...]:
 def _quantities(side: Side) -> Motion:
     """Motion variables, and besides: which way a joint turns, its speed a while before, how much it
     moved of late, time."""
-    out = motion_variables(side)
+    out = motion_variables(side.runs)
     for run, names in zip(side.runs, out, strict=True):
         names["time"] = run.t
         for j in range(side.n):

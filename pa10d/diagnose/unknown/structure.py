@@ -20,6 +20,7 @@ from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.state import State
 from pa10d.effects.variables import remembered
+from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 
@@ -97,7 +98,7 @@ def _without(state: State, joints: list[int]) -> State:
 
 def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     """The significant maps of each of the joints that have any."""
-    motions = motion_variables(state.train), motion_variables(state.held)
+    motions = motion_variables(state.train.runs), motion_variables(state.held.runs)
     residual = state.held_residual()
     n = state.train.n
     asked = list(joints)
@@ -125,20 +126,21 @@ def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     return single + sorted(pairs)
 
 
-def motion_variables(side: Side) -> list[dict[str, Array]]:
+def motion_variables(runs: Sequence[RunEquation]) -> list[dict[str, Array]]:
     """Per run: name -> (M,) filtered motion variable at the equation's rate."""
     out = []
-    for run in side.runs:
+    for run in runs:
         context, names = run.context, {}
+        joints = range(context.q.shape[1])
         step = run.lowpass.factor
         for kind, values in (("q", context.q), ("dq", context.dq)):
-            for j in range(side.n):
+            for j in joints:
                 names[f"{kind}{j + 1}"] = values[::step, j]
                 for seconds in MEMORIES if kind == "q" else ():
                     slow = remembered(values[:, j], seconds, context.dt)
                     names[f"q{j + 1} {seconds:g} s ago"] = slow[::step]
         smooth = run.lowpass(context.ddq)
-        for j in range(side.n):
+        for j in joints:
             names[f"ddq{j + 1}"] = smooth[:, j]
         out.append(names)
     return out
