@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 import scipy
-from pa10d.recording import Recording
 from threadpoolctl import threadpool_limits
 
 from backends.virtual.datasets import make_runs
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.sides import two_sides
-from pa10d.diagnose.state import State
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import State
 from pa10d.dynamics import robot_from_profile
 from pa10d.identify import identify
 from pa10d.judgement import in_band
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.profile import load_profile
 
