@@ -10,6 +10,7 @@ from fastapi import FastAPI
 
 from pa10d.api import problems
 from pa10d.api.access import Access, AccessMiddleware
+from pa10d.api.packing import PackingMiddleware
 from pa10d.api.repeats import RepeatMiddleware
 from pa10d.api.routes import (
     analyses,
@@ -21,6 +22,7 @@ from pa10d.api.routes import (
     robot,
     runs,
     service,
+    shape,
     sockets,
     web,
 )
@@ -63,12 +65,13 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     )
     app.state.daemon = daemon
     problems.install(app)
-    for room in (robot, experiments, jobs, runs, models, analyses, plots, sockets):
+    for room in (shape, robot, experiments, jobs, runs, models, analyses, plots, sockets):
         app.include_router(room.router, prefix="/api/v1")
     app.include_router(service.router)
     app.include_router(docs.router)
     app.include_router(web.router)
     app.add_middleware(RepeatMiddleware)
+    app.add_middleware(PackingMiddleware)
     app.add_middleware(AccessMiddleware, access=access or Access())
     _document_problems(app)
     return app

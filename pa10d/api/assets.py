@@ -19,6 +19,7 @@ PACKAGED = {
     "plotly.js": ("plotly", "package_data/plotly.min.js"),
     "plots.js": ("pa10d.figures", "plots.js"),
 }
+PACKED = ".gz"  # of files that lie there compressed
 SMALL = 1000  # bytes: less is not worth compressing
 LEVEL = 6
 
@@ -42,7 +43,8 @@ class Assets:
 
     def names(self) -> dict[str, Path]:
         """Name -> file."""
-        own = {str(path.relative_to(WEB)): path for path in WEB.rglob("*.*") if path.is_file()}
+        found = [path for path in WEB.rglob("*.*") if path.is_file()]
+        own = {str(path.relative_to(WEB)).removesuffix(PACKED): path for path in found}
         packaged = {name: Path(str(files(p) / path)) for name, (p, path) in PACKAGED.items()}
         return {name: path for name, path in sorted((own | packaged).items()) if name != PAGE}
 
@@ -73,7 +75,11 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Asset:
-    plain = path.read_bytes()
-    packed = gzip.compress(plain, LEVEL, mtime=0) if len(plain) > SMALL else None
-    media = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+    stored = path.read_bytes()
+    if path.suffix == PACKED:
+        plain, packed = gzip.decompress(stored), stored
+    else:
+        plain = stored
+        packed = gzip.compress(plain, LEVEL, mtime=0) if len(plain) > SMALL else None
+    media = mimetypes.guess_type(path.name.removesuffix(PACKED))[0] or "application/octet-stream"
     return Asset(plain, packed if packed and len(packed) < len(plain) else None, media)

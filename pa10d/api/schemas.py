@@ -434,6 +434,49 @@ class KindList(BaseModel):
     starting_set: list[Suggested]
 
 
+class ShapeJoint(BaseModel):
+    """One joint of the chain; lengths in m."""
+
+    name: str
+    parent: int = Field(description="Index of the joint that carries it, from 0; -1: the base")
+    rotation: list[float] = Field(description="3 × 3, row by row")
+    translation: list[float]
+    axis: list[float]
+    prismatic: bool
+    lower: float | None = Field(description="rad (m); null: turns for ever")
+    upper: float | None
+
+
+class ShapeCapsule(BaseModel):
+    """A body that must meet no other and no floor, m, in the frame of the joint it moves with."""
+
+    link: int = Field(description="Index of that joint, from 0; -1: the base")
+    start: list[float]
+    end: list[float]
+    radius: float
+
+
+class ShapeMesh(BaseModel):
+    """A visual body; ``place``: 4 × 4, row by row, from its coordinates to the joint's frame."""
+
+    link: int
+    place: list[float]
+    triangles: int
+
+
+class Shape(BaseModel):
+    """An arm as it looks; joints are counted from 0 here, as indices of ``joints``."""
+
+    name: str
+    joints: list[ShapeJoint]
+    order: list[int] = Field(description="Indices such that parents come before children")
+    up: list[float] = Field(description="Against gravity, base frame")
+    floor: float
+    capsules: list[ShapeCapsule]
+    meshes: list[ShapeMesh]
+    notes: list[str]
+
+
 class Figure(BaseModel):
     """Plotly JSON without colours for paper, text and grid."""
 

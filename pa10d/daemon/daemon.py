@@ -176,10 +176,10 @@ class Daemon:
         call = f"pa10d.daemon.jobs.tasks:{task}"
         return await self.desk.run(call, lambda *_: None, data=str(self.data), **arguments)
 
-    async def look(self, plot: str, **arguments: Any) -> Any:
-        """The result of a function of ``pa10d.services.plots``, from a process that waits for
-        nothing else and remembers what it read."""
-        call = f"pa10d.services.plots:{plot}"
+    async def look(self, plot: str, *, of: str = "plots", **arguments: Any) -> Any:
+        """The result of a function of ``pa10d.services.plots``, or of another module ``of`` the
+        services, from a process that waits for nothing else and remembers what it read."""
+        call = f"pa10d.services.{of}:{plot}"
         return await self.viewer.run(call, lambda *_: None, data=str(self.data), **arguments)
 
     async def use_controller(self, name: str, model: str | None) -> None:

@@ -13,10 +13,12 @@ from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
+from pa10d.control.motion_check import wrong_with_rows
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
+from pa10d.experiments.margins import margins, preview
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.services.library import open_library
@@ -29,6 +31,7 @@ from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
+TAKEN = "control takes every row of it"
 PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 
 
@@ -99,11 +102,15 @@ def prepare_motion(
     rows = rows_of(whole, stored, live)
     if live is None and figures is not None and ahead:
         rows[:, -robot.n :] += measured_torque(plan, whole, robot, figures, rate)
+    wrong = wrong_with_rows(rows, whole.first, whole.last, np.array(start), bounds, 1.0 / rate)
+    said.append(Check("error", "control", wrong) if wrong else Check("ok", "control", TAKEN))
     np.save(place / ROWS, rows)
     recorded = Channels(robot.joint_names, commands=True, temperature=True)
     room = room_check(data_folder(data), size_of_run(recorded, len(rows)))
     return {
         "checks": [c.document() for c in [*checks_of(whole, torque, limits), *said, room]],
+        "margins": margins(whole, torque, limits, Surroundings.of(robot).capsules),
+        "preview": preview(whole),
         "start": list(start),
         "live": None if live is None else live.document(),
         "motions": [

@@ -92,7 +92,8 @@ async def start_series(
 )
 async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
     """The pre-check alone, from where the arm stands: state, bus, drives, limits, torque,
-    collisions, floor."""
+    collisions, floor. The job's result has the ``margins`` that are left, and a ``preview`` of the
+    motion, poses at equal steps of time."""
     asked = await _checked(daemon, request)
 
     async def work(report: Report) -> Any:
@@ -113,7 +114,14 @@ async def check(daemon: TheDaemon, request: ExperimentRequest, response: Respons
         checks = [*readiness(daemon.robot), *found["checks"]]
         go = all(c["level"] != "error" for c in checks)
         seconds = sum(motion["seconds"] for motion in found["motions"])
-        return {"go": go, "plan": plan, "checks": checks, "seconds": seconds}
+        return {
+            "go": go,
+            "plan": plan,
+            "checks": checks,
+            "seconds": seconds,
+            "margins": found["margins"],
+            "preview": found["preview"],
+        }
 
     return accepted(daemon.jobs.start("check", asked, work), response)
 
