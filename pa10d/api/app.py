@@ -16,6 +16,7 @@ from pa10d.api.routes import (
     analyses,
     docs,
     experiments,
+    explorer,
     jobs,
     models,
     plots,
@@ -65,7 +66,7 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     )
     app.state.daemon = daemon
     problems.install(app)
-    for room in (shape, robot, experiments, jobs, runs, models, analyses, plots, sockets):
+    for room in (shape, robot, experiments, jobs, runs, models, analyses, plots, explorer, sockets):
         app.include_router(room.router, prefix="/api/v1")
     app.include_router(service.router)
     app.include_router(docs.router)

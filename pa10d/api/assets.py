@@ -76,8 +76,9 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 def _read(path: Path) -> Asset:
     stored = path.read_bytes()
+    packed: bytes | None = stored
     if path.suffix == PACKED:
-        plain, packed = gzip.decompress(stored), stored
+        plain = gzip.decompress(stored)
     else:
         plain = stored
         packed = gzip.compress(plain, LEVEL, mtime=0) if len(plain) > SMALL else None

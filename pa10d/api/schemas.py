@@ -477,6 +477,43 @@ class Shape(BaseModel):
     notes: list[str]
 
 
+class Channel(BaseModel):
+    """One signal of a recording."""
+
+    id: str = Field(examples=["q4", "m0/residual4"])
+    group: str = Field(description="What it is, the same for all joints")
+    unit: str
+    joint: int | None = Field(description="From 1; null: of the whole arm")
+
+
+class Channels(BaseModel):
+    """What a recording has, and what models say of it."""
+
+    name: str
+    joints: list[str]
+    start: float = Field(description="s on the recording's own clock of its first sample")
+    seconds: float
+    rate: float = Field(description="Hz")
+    samples: int
+    channels: list[Channel]
+
+
+class KeptFault(BaseModel):
+    """The last seconds before a fault, kept."""
+
+    id: str
+    kind: str
+    joint: int | None
+    sentence: str
+    seconds: float
+
+
+class FaultList(BaseModel):
+    """Newest first."""
+
+    items: list[KeptFault]
+
+
 class Figure(BaseModel):
     """Plotly JSON without colours for paper, text and grid."""
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-def extremes(signal: Array, points: int) -> tuple[Array, float]:
+def extremes(signal: NDArray[Any], points: int) -> tuple[NDArray[Any], float]:
     """Smallest and largest value of each of ``points/2`` stretches, in the order in which they
     come, at equal distances. signal: (N,) or (N, k). Returns (P, …) and the distance of two
     points in samples; a signal that is short enough comes back as it is."""

@@ -44,7 +44,7 @@ def warm_up() -> None:
 
 def run_plot(data: str, run: str, span: list[float] | None) -> Plot:
     """A recording: positions and torques."""
-    library = _library(data)
+    library = library_of(data)
     info = library.runs.find(run)
     return _plot(recorded(_recording(data, info.id), info.joints, _span(span)))
 
@@ -60,9 +60,9 @@ def torque_over(
 ) -> Plot:
     """Measured and modelled torque of one joint (from 1). place: a quantity and its range, as
     ``where`` of a comparison has them: shown in red, and ``jump`` is the stretch that shows it."""
-    library = _library(data)
+    library = library_of(data)
     pair = library.models.find(model).id, library.runs.find(run).id
-    band = common_band(_model(data, info.id) for info in library.models.history(pair[0]))
+    band = common_band(model_of(data, info.id) for info in library.models.history(pair[0]))
     seen = _residual(data, *pair, band)
     _refuse_joint(seen, joint)
     marked = None if place is None else _within(seen, joint - 1, *place)
@@ -75,10 +75,10 @@ def torque_over(
 
 def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     """The errors of a model and of all it was made from, on the same runs."""
-    library = _library(data)
+    library = library_of(data)
     line = library.models.history(library.models.find(model))
     ids = _ids(library, runs)
-    band = common_band(_model(data, info.id) for info in line)
+    band = common_band(model_of(data, info.id) for info in line)
     found = [_judged(data, info.id, ids, band) for info in line]
     steps = [
         Step(info.name, info.change, one.rms, one.floor.values)
@@ -93,17 +93,17 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
         TEXTS["staircase"],
         steps=told,
         noise_floor=plain(floor),
-        units=_units(_model(data, line[-1].id)),
+        units=_units(model_of(data, line[-1].id)),
         **_named(found[-1]),
     )
 
 
 def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     """Two models side by side on the same runs."""
-    library = _library(data)
+    library = library_of(data)
     first, second = library.models.find(one), library.models.find(other)
     ids = _ids(library, runs)
-    band = common_band(_model(data, info.id) for info in (first, second))
+    band = common_band(model_of(data, info.id) for info in (first, second))
     found = [_judged(data, info.id, ids, band) for info in (first, second)]
     rms = [one.rms for one in found]
     floor = np.fmin(*(one.floor.values for one in found))
@@ -115,29 +115,37 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
         TEXTS["versus"],
         rms=told,
         noise_floor=plain(floor),
-        units=_units(_model(data, second.id)),
+        units=_units(model_of(data, second.id)),
         **_named(found[0]),
     )
 
 
 @lru_cache(1)
-def _library(data: str) -> Library:
+def library_of(data: str) -> Library:
+    """The store behind a data folder."""
     return open_library(data)
 
 
 @lru_cache(READ)
 def _recording(data: str, run: str) -> Recording:
-    return _library(data).runs.recording(run)
+    return library_of(data).runs.recording(run)
 
 
 @lru_cache(READ)
-def _model(data: str, model: str) -> TorqueModel:
-    return _library(data).models.load(model)
+def model_of(data: str, model: str) -> TorqueModel:
+    """A stored model, by its id."""
+    return library_of(data).models.load(model)
 
 
 @lru_cache(JUDGED)
 def _residual(data: str, model: str, run: str, band: float) -> RunResidual:
-    return run_residual(in_band(_model(data, model), band), _recording(data, run))
+    return run_residual(in_band(model_of(data, model), band), _recording(data, run))
+
+
+def residual_in_own_band(data: str, model: str, run: str) -> RunResidual:
+    """A run (id) as a model (id) sees it, in the band that it shares with its ancestors."""
+    line = library_of(data).models.history(model)
+    return _residual(data, model, run, common_band(model_of(data, info.id) for info in line))
 
 
 @lru_cache(256)

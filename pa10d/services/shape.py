@@ -75,8 +75,8 @@ def shape(data: str, profile: str) -> dict[str, Any]:
             )
         ],
         "meshes": [
-            {"link": body.link, "place": body.place.ravel().tolist(), "triangles": len(body.triangles)}
-            for body in meshes
+            {"link": b.link, "place": b.place.ravel().tolist(), "triangles": len(b.triangles)}
+            for b in meshes
         ],
         "notes": list(notes),
     }  # fmt: skip

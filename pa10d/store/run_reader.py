@@ -103,17 +103,22 @@ def _refuse_nonsense(run: StoredRun) -> None:
 
 def to_recording(samples: Samples, time_zero_ns: int, name: str) -> tuple[Recording, Timing]:
     """Equal steps, resampled where the stamps are not; see sampling.Timing for how they were."""
-    ns = samples.stamps - time_zero_ns
-    if ns[0] >= _EXACT:  # a clock since 1970: keep the fine digits, drop the whole seconds
-        ns = ns - int(ns[0]) // 1_000_000_000 * 1_000_000_000
-    if ns[-1] == ns[0]:
-        raise UserError(f"{name}: all samples have one stamp; expected a recording of a motion")
-    timing, even = equal_steps(np.multiply(ns, 1e-9, dtype=np.float64), samples)
+    timing, even = to_equal_steps(samples, time_zero_ns, name)
     extra = dict(even.extra)
     if even.current is not None:
         extra |= {f"i{j + 1}": column for j, column in enumerate(even.current.T)}
     recording = Recording(name, timing.grid, even.q, even.tau, even.dq, even.temperature, extra)
     return recording, timing
+
+
+def to_equal_steps(samples: Samples, time_zero_ns: int, name: str) -> tuple[Timing, Samples]:
+    """Every channel on ``timing.grid``, s on the run's own clock."""
+    ns = samples.stamps - time_zero_ns
+    if ns[0] >= _EXACT:  # a clock since 1970: keep the fine digits, drop the whole seconds
+        ns = ns - int(ns[0]) // 1_000_000_000 * 1_000_000_000
+    if ns[-1] == ns[0]:
+        raise UserError(f"{name}: all samples have one stamp; expected a recording of a motion")
+    return equal_steps(np.multiply(ns, 1e-9, dtype=np.float64), samples)
 
 
 def _aligned(topic: Topic | None, stamps: NDArray[np.int64], field: str = "data") -> Array | None:

@@ -1,4 +1,5 @@
 // Requests to the daemon. A refusal becomes a Problem whose message says what to do.
+const SILENT = { status: 0, detail: "The daemon does not answer.", remedy: "Is it still running on the machine of the arm?" };
 const TOKEN = "pa10d-token", CLIENT = "pa10d-client";
 
 /** Who this page is: the same after a refresh, another one in every tab. */
@@ -34,11 +35,23 @@ export async function ask(method, path, { body, query, raw, within } = {}) {
       method, headers, signal: within ? AbortSignal.timeout(within) : undefined, body: raw ?? (body === undefined ? undefined : JSON.stringify(body)),
     });
   } catch {
-    throw new Problem({ status: 0, detail: "The daemon does not answer.",
-                        remedy: "Is it still running on the machine of the arm?" });
+    throw new Problem(SILENT);
   }
   if (!answer.ok) throw new Problem(await problemOf(answer));
   return answer.json();
+}
+
+/** What is not JSON: an ArrayBuffer. */
+export async function fetchBytes(path, query) {
+  const headers = { "X-Client": client, ...(token() ? { Authorization: `Bearer ${token()}` } : {}) };
+  let answer;
+  try {
+    answer = await fetch(`/api/v1/${path}` + asQuery(query), { headers });
+  } catch {
+    throw new Problem(SILENT);
+  }
+  if (!answer.ok) throw new Problem(await problemOf(answer));
+  return answer.arrayBuffer();
 }
 
 export const get = (path, query, within) => ask("GET", path, { query, within });
