@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.control.record import SCALARS
 from pa10d.control.states import ArmState
 from pa10d.dynamics import Robot
 from pa10d.effects.together import torque_of
-from pa10d.errors import UserError
 from pa10d.figures.pyramid import Pyramid
 from pa10d.judgement import RunResidual
-from pa10d.signals import Lowpass
+from pa10d.measurement.signals import Lowpass
 from pa10d.store import StoredRun
 from pa10d.store.run_reader import to_equal_steps
 

@@ -16,9 +16,9 @@ import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.compare.angle_periodogram import TURNS, periodogram
 from pa10d.compare.order_lines import slow_part
-from pa10d.errors import UserError
 from pa10d.figures.columns import arrow_stream
 from pa10d.services import plots
 from pa10d.services.channels import (

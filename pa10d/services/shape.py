@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.errors import UserError
 from pa10d.figures.coarse import coarser
 from pa10d.profile import load_profile
 from pa10d.services.robots import load_robot

@@ -5,6 +5,7 @@ export const state = {
   connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
   jobs: new Map(), comparisons: [], diagnoses: [], ready: false,
   heard: null, // when the daemon last told of the arm, by performance.now()
+  pose: null, // the newest positions, rad (m)
   ticked: 0, // when the loop's clock was last seen to go on
   condition: { kind: "unknown", word: "…", meaning: "", old: 0, next: null }, // see condition.js
 };

@@ -115,8 +115,8 @@ export class ArmScene {
   }
 
   look(from) {
-    const target = new Vector3(...this.shape.up).multiplyScalar(0.36 * this.size);
-    const away = new Vector3(...VIEWS[from]).normalize().multiplyScalar(2.55 * this.size);
+    const target = new Vector3(...this.shape.up).multiplyScalar(0.42 * this.size);
+    const away = new Vector3(...VIEWS[from]).normalize().multiplyScalar(2.15 * this.size);
     const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...this.shape.up));
     this.camera.position.copy(away.applyQuaternion(turn).add(target));
     this.controls.target.copy(target);

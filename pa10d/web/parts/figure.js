@@ -70,7 +70,9 @@ export function words(reading, advice = "") {
 
 /** A plot that asks `load({begin, end})` for what is seen, also after every zoom along x. */
 export class Zoomable {
-  constructor(height, load) {
+  /** `load({begin, end})` fetches what is seen; `point(x)` is told where the cursor is. */
+  constructor(height, load, point = null) {
+    this.point = point;
     this.box = el("div", { class: "canvas" });
     this.box.style.height = `${height}px`;
     this.load = load;
@@ -101,6 +103,7 @@ export class Zoomable {
       const span = spanOf(changed);
       if (span !== undefined) this.show(span);
     });
+    if (this.point) this.box.on("plotly_hover", (event) => this.point(Number(event.points[0].x)));
     this.box.on("plotly_doubleclick", () => { this.show(); return false; });
   }
 }

@@ -1,7 +1,7 @@
 // The last minute of the arm, as it goes.
 import { el, fill, say } from "../base/dom.js";
 import { followTelemetry } from "../base/live.js";
-import { state, watch } from "../base/store.js";
+import { change, state, watch } from "../base/store.js";
 import { COLOURS, Scope } from "./scope.js";
 import { Trail } from "./trail.js";
 
@@ -41,7 +41,10 @@ export function live() {
       }
       chooser(chips, told.joints, hidden);
     },
-    packet: (columns, start, rows) => trail.add(start, rows),
+    packet(columns, start, rows) {
+      trail.add(start, rows);
+      if (trail.rows.length) change({ pose: trail.pose() });
+    },
   });
   watch(["robot"], () => { panel.hidden = state.robot?.state === "offline" && !trail?.rows.length; });
   setInterval(() => {

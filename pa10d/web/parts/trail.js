@@ -1,7 +1,7 @@
 // The newest rows of telemetry, and what happened among them; time on the loop's clock.
 export class Trail {
-  constructor(kept, { rate, columns, states }) {
-    Object.assign(this, { kept, states, columns, seconds: kept, rows: [], marks: [], heard: 0 });
+  constructor(kept, { rate, columns, states, joints }) {
+    Object.assign(this, { kept, states, columns, joints, seconds: kept, rows: [], marks: [], heard: 0 });
     this.most = Math.ceil(kept * rate * 1.2);
     this.place = Object.fromEntries(columns.map((name, k) => [name, k]));
   }
@@ -13,6 +13,12 @@ export class Trail {
     const oldest = this.newest - this.seconds;
     const first = this.rows.findIndex(([time]) => time >= oldest);
     return this.rows.slice(Math.max(0, first));
+  }
+
+  /** The newest positions. */
+  pose() {
+    const row = this.rows.at(-1)[1], first = this.place.q1;
+    return Array.from({ length: this.joints.length }, (_, j) => row[first + j]);
   }
 
   add(start, values) {

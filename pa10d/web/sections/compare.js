@@ -7,6 +7,7 @@ import { fixed } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { card, empty, words, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
+import { replay } from "../parts/replay.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
@@ -19,14 +20,14 @@ export function mount(box) {
   const start = el("button", { class: "primary", type: "button", id: "compare-start", onclick: guarded("It could not be compared.", () => compare(model.value, runs.ids)) }, "Compare");
   parts = {
     model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: el("div", { class: "joints", role: "tablist", "aria-label": "joints" }),
-    time: el("div", {}), maps: el("div", {}), tail: el("div", {}), work: el("div", { hidden: true }),
+    time: el("div", {}), arm: replay(), maps: el("div", {}), tail: el("div", {}), work: el("div", { hidden: true }),
     none: empty("Choose a model and the runs to judge it by: runs that it was not fitted to, of other motions. Then press Compare."),
   };
   fill(parts.work, el("div", { class: "compare" }, el("div", {}, el("h2", {}, "Where it fails"), parts.sentences), parts.summary),
-    parts.joints, parts.time, parts.maps, parts.tail);
+    parts.joints, el("div", { class: "beside" }, parts.arm.box, parts.time), parts.maps, parts.tail);
   fill(box, heading("compare", "Compare", { Compare: "Press Compare." }), el("div", { class: "panel row pickers" }, model.box, runs.box, start),
     parts.none, parts.work);
-  parts.zoom = new Zoomable(430, loadTorque);
+  parts.zoom = new Zoomable(430, loadTorque, (time) => parts.arm.point(time));
   watch(["models", "runs"], () => { start.disabled = !model.value || !runs.ids.length; });
   prepare();
 }
@@ -149,6 +150,7 @@ const loadTorque = (span) => get("plots/torque", {
 });
 
 async function drawTime(span = null) {
+  moveArm();
   try {
     const found = await parts.zoom.show(span);
     if (found && !parts.reading.firstChild) fill(parts.reading, words(found));
@@ -157,6 +159,15 @@ async function drawTime(span = null) {
     fill(parts.sentences, el("p", { class: "bad" }, error.message));
     return null;
   }
+}
+
+/** The arm goes through the run that is looked at; the joint that is looked at is lit. */
+function moveArm() {
+  parts.arm.light([view.joint]);
+  if (view.run === view.played) return;
+  view.played = view.run;
+  const joints = state.runs.find((one) => [one.id, one.name].includes(view.run))?.joints.length ?? 0;
+  parts.arm.open({ run: view.run }, nameOf(view.run), joints).catch(() => { view.played = null; });
 }
 
 async function drawMaps() {

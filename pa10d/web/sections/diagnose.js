@@ -8,6 +8,7 @@ import { nextModelName, when } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { empty } from "../parts/figure.js";
 import { addedOf, heading, SETTLES, versionWith } from "../parts/guide.js";
+import { armView } from "../parts/arm.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
@@ -75,9 +76,20 @@ async function open(id, started = null) {
   }
   if (shown !== id) return;
   const [verdict, ...rest] = sheet.sections;
-  fill(parts.body, verdict.blocks.map(block),
+  fill(parts.body, verdict.blocks.map(block), where(whole.result),
     sheet.findings.map((finding, k) => card(finding, whole, k)),
     (sheet.unexplained ?? []).map((one, k) => unexplained(one, whole, k)), rest.map((one) => sectionOf(one)));
+}
+
+/** The joints that the findings are about, lit on the arm. */
+function where({ findings, unexplained }) {
+  const joints = [...findings.flatMap((one) => one.joints), ...unexplained.map((one) => one.joint)];
+  if (!joints.length) return null;
+  const view = armView("Where it is");
+  const said = [...findings.filter((one) => one.joints.length).map((one) => `${one.effect.replaceAll("_", " ")}: joint ${one.joints.join(" and ")}`),
+                ...unexplained.map((one) => `unexplained: joint ${one.joint}`)];
+  view.show({ q: state.pose ?? undefined, lit: [...new Set(joints)], words: `${said.join("; ")}.` });
+  return view.box;
 }
 
 const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;

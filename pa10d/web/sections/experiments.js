@@ -8,6 +8,7 @@ import { seconds, titled } from "../base/units.js";
 import { formOf } from "../parts/form.js";
 import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
+import { planned } from "../parts/planned.js";
 import { nameOf } from "../parts/picker.js";
 
 let chosen = "excitation";
@@ -97,6 +98,7 @@ const controllerOf = (value) => !value ? {} : value === "pid" ? { controller: "p
 function verdict(found) {
   return [
     el("p", {}, el("b", { class: found.go ? "good" : "bad" }, found.go ? "Go. " : "No go. "), `The motion takes ${seconds(found.seconds)}.`),
+    planned(found),
     el("ul", { class: "levels" }, found.checks.map((one) =>
       el("li", { class: one.level }, el("b", {}, one.level), ` ${one.sentence}`))),
     found.plan.notes.map((note) => el("p", { class: "muted" }, note)),

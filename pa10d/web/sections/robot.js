@@ -5,6 +5,7 @@ import { mayCommand, silent } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
+import { armView, inWords } from "../parts/arm.js";
 import { heading } from "../parts/guide.js";
 import { live } from "../parts/live.js";
 
@@ -19,7 +20,7 @@ export function mount(box) {
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
       el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, controllerChoice(), notes), table),
-    live());
+    el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
     if (!robot) return;
@@ -36,6 +37,21 @@ export function mount(box) {
     age.hidden = !lost && !condition.frozen;
     say(age, lost ? `These values are ${condition.old} s old.` : condition.frozen ? "These are the last values before the fault: nothing is read now." : "");
   });
+}
+
+/** The arm as it stands; words follow slowly, for those who have them read out. */
+function liveArm() {
+  const view = armView("The arm, now");
+  watch(["pose"], () => {
+    if (state.pose && view.box.offsetParent) view.show({ q: state.pose });
+  });
+  watch(["robot", "condition"], () => {
+    const known = state.pose ?? (state.robot?.axes.length ? state.robot.axes.map((axis) => axis.position) : null);
+    const lost = state.condition.kind === "lost" || state.condition.frozen;
+    view.box.classList.toggle("old", Boolean(lost));
+    view.show({ q: known ?? undefined, words: !known ? "No drive answers: the arm is drawn with all joints at zero." : lost ? "Not known now: the last pose that was read." : `Joints, rad:   ${inWords(known)}` });
+  });
+  return view.box;
 }
 
 function buttons() {

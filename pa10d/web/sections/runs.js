@@ -6,6 +6,7 @@ import { failed, guarded, notice } from "../base/notices.js";
 import { number, seconds, titled, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
 import { card, empty, Zoomable } from "../parts/figure.js";
+import { replay } from "../parts/replay.js";
 import { heading } from "../parts/guide.js";
 
 const MARKS = ["fit", "judge"];
@@ -86,7 +87,14 @@ function known(run) {
 }
 
 function details(run) {
-  const plot = new Zoomable(400, (span) => get("plots/run", { run: run.id, ...span }));
+  const arm = replay("The arm in this run");
+  let start = 0;
+  const plot = new Zoomable(400, async (span) => {
+    const found = await get("plots/run", { run: run.id, ...span });
+    if (!span.begin) start = found.figure.data[0].x0;
+    return found;
+  }, (time) => arm.point(time - start));
+  arm.open({ run: run.id }, run.name, run.joints.length).catch((error) => failed("The arm cannot follow this run.", error));
   plot.show().catch((error) => fill(plot.box, el("p", { class: "bad pad" }, error.message)));
   const name = el("input", { value: run.name, "aria-label": "name of the run" });
   const rename = el("button", { type: "button", class: "small", onclick: guarded("It keeps its name.", async () => {
@@ -113,8 +121,8 @@ function details(run) {
   return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, tags, retag, el("span", { class: "grow" }), "Export", exports, gone),
     el("p", { class: "muted" }, `${run.samples} samples, ${number(run.rate, 4)} Hz, from ${run.source || run.profile}. ${run.reason ?? ""}`),
     known(run),
-    card("Positions and measured torques", null, plot.box, null),
-    el("p", { class: "muted" }, "Drag to zoom: the whole detail is loaded. Double-click to return. Click a joint in the legend to hide it."));
+    el("div", { class: "beside" }, arm.box, card("Positions and measured torques", null, plot.box, null)),
+    el("p", { class: "muted" }, "Drag to zoom: the whole detail is loaded. Double-click to return. Click a joint in the legend to hide it. Point at the plot: the arm stands as it did then."));
 }
 
 async function bring(file, force = false) {
