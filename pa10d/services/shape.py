@@ -162,7 +162,7 @@ def _visuals(urdf: str, robot: Robot, where: Path) -> list[Body]:
         faces = _faces(one.geometry)
         if faces is None:
             continue
-        vertices, triangles = coarser(faces[0] * np.asarray(one.meshScale), faces[1], MOST)
+        vertices, triangles = coarser(*faces, MOST)
         out.append(Body(link, np.array(one.placement.homogeneous), vertices, triangles))
     return out
 
