@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
+from pa10d.diagnose.constants import MATERIAL_REST, MOST_STEPS
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
@@ -18,10 +19,10 @@ from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import State
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
-from pa10d.diagnose.search.steps import STEPS, Judged, Search, Suspects
+from pa10d.diagnose.search.steps import Judged, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, versions_of
 from pa10d.diagnose.unknown.foretold import foretold
-from pa10d.diagnose.unknown.remaining import MATERIAL, Unexplained, remaining, unnamed
+from pa10d.diagnose.unknown.remaining import Unexplained, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable
@@ -43,7 +44,7 @@ def diagnose(
     *,
     frozen: bool = False,
     only: tuple[str, Sequence[int]] | None = None,
-    steps: int = STEPS,
+    steps: int = MOST_STEPS,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Diagnosis:
@@ -182,7 +183,7 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
 def _unsaid(left: Judgement, maps: Sequence[Structure]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and have no map."""
     named = {s.joint for s in maps}
-    return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL]
+    return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:

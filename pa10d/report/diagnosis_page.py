@@ -10,8 +10,8 @@ import numpy as np
 
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
+from pa10d.diagnose.constants import MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
-from pa10d.diagnose.unknown.remaining import MATERIAL
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures
@@ -71,7 +71,7 @@ def diagnosis_page(
 def _glance(found: Diagnosis) -> Section:
     last = found.left.rms
     ratio = found.left.ratio
-    near = int(np.sum(ratio < MATERIAL)) if np.all(np.isfinite(ratio)) else None
+    near = int(np.sum(ratio < MATERIAL_REST)) if np.all(np.isfinite(ratio)) else None
     places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from two_links import V0, recordings, robot, state_of, textbook
 
+from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.regression.partial import Partial
 from pa10d.diagnose.search.candidates import Candidate, scan
-from pa10d.diagnose.search.steps import MUCH_WORSE, Judged, Search, harmful, rms
+from pa10d.diagnose.search.steps import Judged, Search, harmful, rms
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 

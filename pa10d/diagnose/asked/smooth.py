@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.diagnose.asked.stiffness import Problem, stiffness
-from pa10d.diagnose.evidence.errors_of import LONGEST_SECONDS, doubt_of
+from pa10d.diagnose.constants import (
+    ALIKE,
+    LONGEST_MEMORY,
+    SMOOTH_LEAST_SLOPE,
+    SMOOTH_LEVEL,
+    SMOOTH_ROUNDS,
+    SMOOTH_TAILS,
+)
+from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import Evidence, judge
 from pa10d.diagnose.regression.fit import Fit
 from pa10d.diagnose.regression.side import Side
@@ -26,12 +34,6 @@ from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
-
-LEVEL = 0.01
-LEAST_SLOPE = 0.4  # of the held-out residual on the map
-TAILS = 1e-3  # share of samples at either end that do not widen a map's range
-ROUNDS = 2
-ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def ranges(side: Side, joint: int, names: Sequence[str]) -> dict[str, tuple[floa
                 for run, context, keep in zip(side.runs, side.contexts, side.keep, strict=True)
             ]
         )
-        low, high = np.quantile(values, [TAILS, 1.0 - TAILS])
+        low, high = np.quantile(values, [SMOOTH_TAILS, 1.0 - SMOOTH_TAILS])
         if not high > low:
             raise UserError(f"smooth_map: {name} does not change in these runs; expected motion")
         out[name] = (float(low), float(high))
@@ -128,7 +130,7 @@ def _fit_in(state: State, term: Term) -> None:
         replace(term, shape={**term.shape, SMOOTHING: _smoothing(state, state.fit, term, ALIKE)})
     )
     state.refit()
-    for _ in range(ROUNDS):
+    for _ in range(SMOOTH_ROUNDS):
         rest = state.fit.without(state.place(len(state.terms) - 1))
         joint = term.joints[0]
         alike = max(ALIKE, _alike(state.train, joint, state.fit.residual[joint]))
@@ -163,7 +165,7 @@ def _alike(side: Side, joint: int, residual: Array) -> float:
     """How many samples of a residual (m_j,) are worth one independent one."""
     keep = [k[:, joint] for k in side.keep]
     values = [run[:, joint] for run in side.scatter({joint: residual})]
-    longest = int(min(LONGEST_SECONDS * side.runs[0].rate, min(map(len, keep)) // 4))
+    longest = int(min(LONGEST_MEMORY * side.runs[0].rate, min(map(len, keep)) // 4))
     gamma, count = autocovariance(zip(values, keep, strict=True), longest)
     gamma = flat_top(gamma, correlation_length(gamma, count))
     return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
@@ -182,7 +184,7 @@ def _evidence(state: State) -> Evidence:
 
 def _warnings(label: str, joint: int, quantities: str, found: Evidence) -> list[str]:
     out = []
-    if found.p_value > LEVEL or found.slope < LEAST_SLOPE or found.gain <= 0:
+    if found.p_value > SMOOTH_LEVEL or found.slope < SMOOTH_LEAST_SLOPE or found.gain <= 0:
         out.append(
             f"{label}: no significant gain on held-out data (p = {found.p_value:.2g}, joint "
             f"{joint + 1} from {found.before[joint]:.3g} to {found.after[joint]:.3g} N·m): what is "

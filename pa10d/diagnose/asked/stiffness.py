@@ -15,11 +15,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import STIFFNESS_ROUNDING, STIFFNESSES
+
 Array = NDArray[np.float64]
-
-STEPS = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical strength of the data
-
-ROUNDING = 1e-9  # of the target's squares: less is never left over
 
 
 @dataclass(frozen=True)
@@ -57,8 +55,8 @@ def stiffness(problem: Problem, alike: float) -> Stiffness:
     strength = np.maximum(strength, 0.0)
     along = turn.T @ scipy.linalg.solve_triangular(root, problem.rhs, lower=True)
     samples = max(problem.rows / alike, 2.0)
-    floor = max(ROUNDING * problem.power, 1e-300)
-    tried = STEPS * max(float(np.mean(strength)), 1e-300)
+    floor = max(STIFFNESS_ROUNDING * problem.power, 1e-300)
+    tried = STIFFNESSES * max(float(np.mean(strength)), 1e-300)
 
     def left(ratio: float) -> float:
         return max(problem.power - float(np.sum(along**2 / (strength + ratio))), floor)

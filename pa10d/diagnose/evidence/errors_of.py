@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import LONGEST_MEMORY
 from pa10d.diagnose.evidence.held_out import Doubt
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.fit import Fit
@@ -20,8 +21,6 @@ from pa10d.identify.lacking import Stretch, lacking, weight_of
 from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
 
 Array = NDArray[np.float64]
-
-LONGEST_SECONDS = 4.0
 
 
 def full_covariance(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Array:
@@ -172,7 +171,7 @@ def _noise_gram(side: Side, joint: int, residual: Array, columns: Array) -> Arra
 
 
 def _colour(stretches: list[tuple[Array, NDArray[np.bool_]]], rate: float) -> Array:
-    longest = int(min(LONGEST_SECONDS * rate, min(len(k) for _, k in stretches) // 4))
+    longest = int(min(LONGEST_MEMORY * rate, min(len(k) for _, k in stretches) // 4))
     gamma, count = autocovariance(stretches, longest)
     return flat_top(gamma, correlation_length(gamma, count))
 

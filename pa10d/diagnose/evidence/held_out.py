@@ -16,14 +16,16 @@ import scipy
 import scipy.fft
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import (
+    BLOCK_SECONDS,
+    HARM_SIGNIFICANT,
+    MATERIAL_HARM,
+    SHARE_OF_GAIN,
+    SMOOTHING_HZ,
+)
 from pa10d.diagnose.regression.side import PerJoint, Side
 
 Array = NDArray[np.float64]
-
-SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged
-BLOCK_SECONDS = 2.0
-MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse
-SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def judge(
                 blocks[k, start] = blocks.get((k, start), np.zeros(3)) + weight * here
         if doubt is not None:
             loss_variance += 4 * doubt.variance(doubt.along({j: p}))
-        significant = loss < -3.0 * np.sqrt(max(loss_variance, 1e-300))
+        significant = loss < -HARM_SIGNIFICANT * np.sqrt(max(loss_variance, 1e-300))
         if significant and after[j] > (1.0 + MATERIAL_HARM) * before[j]:
             harmed[j] = -weight * loss
     if doubt is not None:

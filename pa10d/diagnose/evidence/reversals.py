@@ -13,15 +13,13 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import BLIND, WIDER
 from pa10d.diagnose.regression.partial import solve
 from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.state import State
 from pa10d.measurement.standstill import standstill
 
 Array = NDArray[np.float64]
-
-WIDER = 2.0  # times the usual distance from a standstill
-BLIND = 10.0  # times the variance: so few samples lie far from reversals that they tell nothing
 
 
 def moved_by_reversals(state: State, index: int, slopes: PerJoint, variance: Array) -> Array:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.diagnose.constants import LONGEST_PLAN, PLAN_RATE, WORTH_AN_EXPERIMENT
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.effects import Context
 from pa10d.model import Term, TorqueModel
@@ -23,9 +24,6 @@ from pa10d.trajectory.kinds import KINDS, Kind, validated
 from pa10d.trajectory.poses import Surroundings
 
 Array = NDArray[np.float64]
-
-RATE = 100.0  # Hz: enough for the sizes of torques
-LONGEST = 180.0  # s: more is no experiment but a day's work
 
 
 def settle_doubt(
@@ -40,9 +38,9 @@ def settle_doubt(
             plan = request.build(around)
         except UserError:
             continue
-        if plan.duration > LONGEST:
+        if plan.duration > LONGEST_PLAN:
             continue
-        motion = plan.sample(RATE)
+        motion = plan.sample(PLAN_RATE)
         context = model.contextualise(
             Context(
                 robot=model.robot,
@@ -57,7 +55,7 @@ def settle_doubt(
         evidence = min(_evidence(model, context, first.term, r.term) for r in rivals)
         if best is None or evidence > best[0]:
             best = (evidence, request)
-    if best is None or best[0] < 3.0:
+    if best is None or best[0] < WORTH_AN_EXPERIMENT:
         return None
     about = {"expected_standard_errors": float(best[0])}
     return {**best[1].request(), "about": about}
@@ -110,6 +108,6 @@ def _evidence(model: TorqueModel, context: Context, first: Term, second: Term) -
     scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0] = 1.0
     left = wanted - matrix @ (np.linalg.lstsq(matrix / scale, wanted, rcond=1e-8)[0] / scale)
-    # samples RATE apart within the band of the equation count once
-    independent = min(1.0, 2.0 * model.cutoff / RATE)
+    # samples PLAN_RATE apart within the band of the equation count once
+    independent = min(1.0, 2.0 * model.cutoff / PLAN_RATE)
     return float(np.sqrt(independent * np.sum(left**2)))

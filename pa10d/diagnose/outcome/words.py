@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import listed, percent, times
+from pa10d.diagnose.constants import STILL_LARGE
 from pa10d.diagnose.outcome.diagnosis import Confusion
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
@@ -36,9 +37,6 @@ def sentence(
         others = sorted({effect(c.effect).named for c in confusions})
         text += f" This data cannot yet tell it from {listed(others, 'or')}."
     return text
-
-
-STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's own error
 
 
 def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:

@@ -12,11 +12,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import NEAR_NULL
 from pa10d.diagnose.regression.side import PerJoint, Side
 
 Array = NDArray[np.float64]
-
-NEAR_NULL = 1e-5  # directions of the column-scaled matrix weaker than this are truncated
 
 
 @dataclass

@@ -14,29 +14,28 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import MAJORITY_ROUNDS, MAJORITY_THIN
 from pa10d.diagnose.regression.fit import Fit
 
 Array = NDArray[np.float64]
 
 HUBER, BIWEIGHT = 1.345, 4.685  # standard deviations: each 95 % efficient on clean data
-ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
-THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
 
 
 def agreed(fit: Fit) -> Array:
     """(p,) coefficients by iteratively reweighted least squares from this fit on."""
-    basis = {j: q[::THIN] for j, q in fit.basis.items()}
-    residual = {j: r[::THIN] for j, r in fit.residual.items()}
+    basis = {j: q[::MAJORITY_THIN] for j, q in fit.basis.items()}
+    residual = {j: r[::MAJORITY_THIN] for j, r in fit.residual.items()}
     moved = np.zeros(len(fit.coordinates))
     # what the fit knew besides the data weighs as much as in the fit itself
     besides = np.eye(len(moved)) - np.sum([q.T @ q for q in fit.basis.values()], axis=0)
     pull = -np.sum([q.T @ fit.residual[j] for j, q in fit.basis.items()], axis=0)
-    for number in range(sum(ROUNDS)):
-        gram, target = besides / THIN, pull / THIN
+    for number in range(sum(MAJORITY_ROUNDS)):
+        gram, target = besides / MAJORITY_THIN, pull / MAJORITY_THIN
         for j, q in basis.items():
             left = residual[j] - q @ moved
             size = max(1.4826 * float(np.median(np.abs(left))), 1e-300)
-            weight = _weights(np.abs(left) / size, redescending=number >= ROUNDS[0])
+            weight = _weights(np.abs(left) / size, redescending=number >= MAJORITY_ROUNDS[0])
             weighted = (weight / size**2)[:, None] * q
             gram += q.T @ weighted
             target += weighted.T @ residual[j]

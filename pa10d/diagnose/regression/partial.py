@@ -8,13 +8,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import ABSORBED
 from pa10d.diagnose.regression.fit import Fit
 from pa10d.diagnose.regression.side import PerJoint
 from pa10d.effects import Effect
 
 Array = NDArray[np.float64]
-
-ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: not identifiable
 
 
 @dataclass(frozen=True)

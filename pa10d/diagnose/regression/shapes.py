@@ -12,14 +12,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import STEP_SHARES, WORTH_A_STEP
 from pa10d.effects import Effect, Shape
 from pa10d.effects.base import ShapeParameter
 
 Gain = Callable[[dict[str, float]], float]
 Move = Callable[[dict[str, float]], NDArray[np.float64]]
-
-SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
-WORTH_A_STEP = 0.1  # squared standard errors of the noise
 
 
 def free_shapes(effect: Effect, shape: Shape) -> list[ShapeParameter]:
@@ -84,7 +82,7 @@ def approach(
     best, most = dict(start), gain(dict(start))
     for _ in range(steps if free else 0):
         wanted, before = move(best), most
-        for share in SHARES:
+        for share in STEP_SHARES:
             trial = dict(best)
             for s, change in zip(free, wanted, strict=True):
                 trial[s.name] = _moved(s, best, share * change)

@@ -9,17 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.diagnose.constants import FEWEST_TO_JUDGE, GUARD_PERIODS, PER_UNKNOWN, SIDE_BLOCKS
 from pa10d.diagnose.regression.side import Side
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 
 Array = NDArray[np.float64]
-
-BLOCKS = 6  # alternate blocks of time of a run that must serve both sides
-GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
-PER_UNKNOWN = 2.0  # independent samples, least number
-FEWEST = 12  # independent samples of a joint that is judged: its variance is known to 40 %
 
 
 def two_sides(
@@ -84,13 +80,13 @@ def _enough_to_judge(held: Sequence[RunEquation]) -> None:
     """Refuse data that has too few independent samples of a joint to know its noise by: nothing
     is fitted to them, so the number of unknowns does not matter."""
     found = _independent(held)
-    few = np.flatnonzero(found < FEWEST)
+    few = np.flatnonzero(found < FEWEST_TO_JUDGE)
     if len(few):
         j = int(few[0])
         raise UserError(
             f"diagnose: {found[j]:.0f} independent samples of joint {j + 1} in motion in the data "
-            f"to judge by, expected at least {FEWEST}: a longer run of another motion, or a wider "
-            "band (--cutoff)"
+            f"to judge by, expected at least {FEWEST_TO_JUDGE}: a longer run of another motion, or "
+            "a wider band (--cutoff)"
         )
 
 
@@ -104,7 +100,7 @@ def _independent(runs: Sequence[RunEquation]) -> Array:
 def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:
     """The run twice, each with every other block of time kept."""
     samples = len(run.keep)
-    block = np.minimum(np.arange(samples) * BLOCKS // samples, BLOCKS - 1)
+    block = np.minimum(np.arange(samples) * SIDE_BLOCKS // samples, SIDE_BLOCKS - 1)
     guard = int(np.ceil(GUARD_PERIODS / run.lowpass.cutoff * run.rate))
     seam = np.zeros(samples, dtype=bool)
     for start in np.flatnonzero(np.diff(block)) + 1:

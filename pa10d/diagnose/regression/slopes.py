@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import SLOPE_STEP
 from pa10d.diagnose.regression.fit import Fit
 from pa10d.diagnose.regression.partial import normal_equations, solve
 from pa10d.diagnose.regression.shapes import free_shapes
@@ -13,8 +14,6 @@ from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
-STEP = 1e-3  # of the value, or of a thousandth of its range where that is more
-
 
 def with_slopes(side: Side, term: Term) -> PerJoint:
     """joint -> (m_j, k + s): the term's k columns, and by central differences how its torque
@@ -22,7 +21,7 @@ def with_slopes(side: Side, term: Term) -> PerJoint:
     shapes, widths = [term.shape], []
     for s in free_shapes(term.effect, term.shape):
         value = term.shape[s.name]
-        step = STEP * max(abs(value), 1e-3 * (s.upper - s.lower))
+        step = SLOPE_STEP * max(abs(value), 1e-3 * (s.upper - s.lower))
         ends = [value - step, value + step]
         if s.lower <= value <= s.upper:  # else an angle of a joint that turns on and on
             ends = [float(np.clip(end, s.lower, s.upper)) for end in ends]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
+from pa10d.diagnose.constants import SEARCH_THREADS, START_THIN, TOGETHER, WORTH_JUDGING
 from pa10d.diagnose.regression.partial import Partial, partials
 from pa10d.diagnose.regression.shapes import refine
 from pa10d.diagnose.regression.side import PerJoint
@@ -44,11 +45,6 @@ class Candidate:
 
 Best = tuple[dict[str, float], Partial]
 """A shape and what it adds."""
-
-THREADS = 2
-TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
-WORTH_JUDGING = 0.5  # of the best variant's gain
-THIN = 10  # samples of which one is looked at for where to start
 
 
 def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
@@ -102,7 +98,8 @@ def sharpened(state: State, candidates: Sequence[Candidate]) -> list[Candidate]:
 def _prepare(state: State, effects: Iterable[Effect]) -> None:
     """What many suspects look at, before two processes would compute it each for themselves."""
     if any(e.uses_model and e.reaches_other_joints for e in effects):
-        with ThreadPoolExecutor(THREADS) as pool:  # compiled code that leaves the interpreter
+        # compiled code that leaves the interpreter
+        with ThreadPoolExecutor(SEARCH_THREADS) as pool:
             list(pool.map(lambda context: context.sensitivity(0), state.train.contexts))
 
 
@@ -132,7 +129,7 @@ def all_motion(contexts: Sequence[Context]) -> Context:
     longest = max(float(c.t[-1] - c.t[0]) for c in contexts)
 
     def joined(parts: Iterable[Array]) -> Array:
-        return np.concatenate([x[::THIN] for x in parts])
+        return np.concatenate([x[::START_THIN] for x in parts])
 
     def of_all(parts: Iterable[Array | None]) -> Array | None:
         there = [x for x in parts if x is not None]

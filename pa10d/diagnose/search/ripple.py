@@ -7,14 +7,15 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import (
+    HIGHEST_ORDER,
+    LOWEST_ORDER,
+    ORDERS_PER_RESOLUTION,
+    RIPPLE_LEAST_SPAN,
+)
 from pa10d.diagnose.regression.side import PerJoint, Side
 
 Array = NDArray[np.float64]
-
-HIGHEST_ORDER = 220.0  # cycles per revolution
-LEAST_SPAN = 1e-3  # rad
-STEPS = 3  # orders looked at per resolution
-LOWEST_ORDER = 4.0  # below, gravity and ripple cannot be told apart
 
 
 def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> list[float]:
@@ -25,7 +26,7 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     """
     q, v, r = _along(side, residual, joint)
     span = float(q.max() - q.min())
-    if span < LEAST_SPAN:
+    if span < RIPPLE_LEAST_SPAN:
         return []
     step = max(0.12, np.pi / span / 3.0)
     orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, step)
@@ -63,10 +64,10 @@ def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: 
     """
     q, v, r = _along(side, residual, joint)
     span = float(np.ptp(q)) if len(q) else 0.0
-    if span < LEAST_SPAN:
+    if span < RIPPLE_LEAST_SPAN:
         return 1.0
-    step = 2.0 * np.pi / span / STEPS
-    reach = int(np.clip(order / step / 4.0, 6 * STEPS, 40 * STEPS))
+    step = 2.0 * np.pi / span / ORDERS_PER_RESOLUTION
+    reach = int(np.clip(order / step / 4.0, 6 * ORDERS_PER_RESOLUTION, 40 * ORDERS_PER_RESOLUTION))
     offsets = np.arange(-reach, reach + 1)
     orders = order + step * offsets
     lowpass = side.runs[0].lowpass
@@ -74,8 +75,8 @@ def chance_beside_neighbours(side: Side, residual: PerJoint, joint: int, order: 
     kept = orders > 0.5 * LOWEST_ORDER
     orders, offsets = orders[kept], offsets[kept]
     score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
-    own = np.abs(offsets) <= STEPS
-    level = float(np.median(score[np.abs(offsets) > 2 * STEPS])) / np.log(2.0)
+    own = np.abs(offsets) <= ORDERS_PER_RESOLUTION
+    level = float(np.median(score[np.abs(offsets) > 2 * ORDERS_PER_RESOLUTION])) / np.log(2.0)
     return float(min(1.0, 2.0 * np.exp(-score[own].max() / max(level, 1e-300))))
 
 

@@ -9,6 +9,22 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import (
+    HELD_OUT_LEVEL,
+    LEAST_GAIN,
+    MATERIAL_GAIN,
+    MORE_ROUNDS,
+    MOST_STEPS,
+    MUCH_WORSE,
+    OUTDONE,
+    PER_JOINT,
+    SAME_DIRECTION,
+    SEARCH_LEVEL,
+    SHORTLIST,
+    SLOPES,
+    TELL_APART,
+    WORTH_A_ROUND,
+)
 from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.regression.fit import Fit, predict
@@ -27,21 +43,6 @@ from pa10d.model import Term
 Array = NDArray[np.float64]
 Place = tuple[str, tuple[int, ...]]
 Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
-
-LEVEL = 0.01  # false alarms over a whole search
-HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone
-SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
-PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
-LEAST_GAIN = 12.0  # drop of the weighted squared error below which noise alone does as well
-STEPS = 8
-MORE_ROUNDS = 4  # of settling, beyond the usual
-WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints
-SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
-MATERIAL = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
-MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
-OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
-SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
-TELL_APART = 2.6  # standard errors by which the better of two rivals must lead (1 %)
 
 
 @dataclass
@@ -78,10 +79,10 @@ class Judged:
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate
-            and self.p_corrected < LEVEL
+            and self.p_corrected < SEARCH_LEVEL
             and e.p_value < HELD_OUT_LEVEL
             and SLOPES[0] < e.slope < SLOPES[1]
-            and drop > MATERIAL
+            and drop > MATERIAL_GAIN
             and not e.worse
         )
 
@@ -106,7 +107,7 @@ class Search:
     steps: list[Step] = field(default_factory=list)
     progress: Callable[[float, str], None] = lambda share, text: None
 
-    def run(self, steps: int = STEPS) -> Search:
+    def run(self, steps: int = MOST_STEPS) -> Search:
         """Add, prune, add again."""
         self._align()
         refused: set[Place] = set()
@@ -264,7 +265,7 @@ class Search:
     def _tied(self, best: Judged, other: Judged) -> bool:
         residual = self.state.held_residual()
         overlap, z = rivalry(self.state.held, residual, best.change, other.change)
-        alike = np.all(other.evidence.after < (1.0 + MATERIAL) * best.evidence.after)
+        alike = np.all(other.evidence.after < (1.0 + MATERIAL_GAIN) * best.evidence.after)
         return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
 
     def settle(self, rounds: int = 2) -> None:
@@ -320,7 +321,7 @@ class Search:
             before = rms(self.state.held_residual())
             self.state.drop(index)
             self.settle()
-            if np.any(rms(self.state.held_residual()) > (1.0 + MATERIAL) * before):
+            if np.any(rms(self.state.held_residual()) > (1.0 + MATERIAL_GAIN) * before):
                 self.state = saved
             else:
                 dropped.add((earlier.effect_id, earlier.joints))

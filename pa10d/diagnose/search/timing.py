@@ -10,6 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import (
+    TIMING_AGREE,
+    TIMING_MOST_SAMPLES,
+    TIMING_ROUNDS,
+    TIMING_SIGNIFICANT,
+)
 from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import State
@@ -17,21 +23,16 @@ from pa10d.effects import effect
 
 Array = NDArray[np.float64]
 
-SIGNIFICANT = 3.0  # standard errors
-ROUNDS = 3
-AGREE = 0.6  # share of the joints' weight that must agree with a common offset
-MOST_SAMPLES = 3.0  # raw periods: the model brought its own offset, this is a correction
-
 
 def align(state: State) -> float:
     """Take the common offset out of both sides; returns it in s (0 where insignificant)."""
     taken = 0.0
-    for _ in range(ROUNDS):
+    for _ in range(TIMING_ROUNDS):
         delays, errors = joint_delays(state)
         offset, error = weighted_median(delays, errors)
-        if abs(offset) < SIGNIFICANT * error or not shared(offset, delays, errors):
+        if abs(offset) < TIMING_SIGNIFICANT * error or not shared(offset, delays, errors):
             break
-        limit = MOST_SAMPLES / state.train.runs[0].lowpass.rate
+        limit = TIMING_MOST_SAMPLES / state.train.runs[0].lowpass.rate
         if abs(taken + offset) > limit:
             break
         before = _sizes(state)
@@ -88,7 +89,7 @@ def shared(offset: float, delays: Array, errors: Array) -> bool:
     room = np.maximum(3.0 * errors[usable], 0.5 * abs(offset))
     agree = np.abs(delays[usable] - offset) < room
     weight = np.minimum(1.0 / errors[usable], 3.0 / np.median(errors[usable]))
-    return bool(weight[agree].sum() > AGREE * weight.sum())
+    return bool(weight[agree].sum() > TIMING_AGREE * weight.sum())
 
 
 def weighted_median(values: Array, errors: Array) -> tuple[float, float]:

@@ -17,6 +17,19 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
+from pa10d.diagnose.constants import (
+    FORETOLD_DEGREE,
+    FORETOLD_FOLDS,
+    FORETOLD_LATE,
+    FORETOLD_LEVEL,
+    FORETOLD_RIDGES,
+    FORETOLD_SHARP,
+    FORETOLD_THIN,
+    FORETOLD_TRIED,
+    FORETOLD_WAVES,
+    FORETOLD_WIDTHS,
+    FORETOLD_WORK,
+)
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import State
 from pa10d.diagnose.unknown.remaining import Unnamed
@@ -31,18 +44,6 @@ from pa10d.diagnose.unknown.structure import (
 
 Array = NDArray[np.float64]
 Motion = list[dict[str, Array]]
-
-LEVEL = 1e-3  # of a whole diagnosis: what nobody can name must be surer than what can be looked at
-DEGREE = 3  # of products of quantities
-WAVES = 150  # random Fourier features beside them (Rahimi & Recht 2007)
-WIDTHS = (0.5, 1.0, 2.0)  # standard deviations of a quantity in which they turn by a radian
-RIDGES = 10.0 ** np.arange(-3.0, 3.1)  # of the mean square of a feature
-TRIED = 2  # sets of quantities per joint that are judged held out
-FOLDS = 4  # stretches of the fit side that take turns in settling set and ridge
-THIN = 2
-SHARP = 0.02  # of a joint's fast speed: within that its friction turns round
-WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered
-LATE = (0.2, 0.6)  # s ago: speeds that a filter of the residual cannot have seen
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,9 @@ def foretold(state: State, joints: Sequence[int]) -> list[Foretold]:
     noise = noise_beside(state, residual, predictions)
     best: dict[int, Foretold] = {}
     for p in predictions:
-        judged = evidence_of(state, residual, p, state.train.n * TRIED, noise, LEVEL)
+        judged = evidence_of(
+            state, residual, p, state.train.n * FORETOLD_TRIED, noise, FORETOLD_LEVEL
+        )
         if judged is None:
             continue
         rms = float(np.sqrt(np.mean(p.values**2)))
@@ -85,7 +88,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
     """Which quantities are looked at together (joints from 1)."""
     own = (f"q{joint + 1}", f"dq{joint + 1}", f"turn{joint + 1}")
     q, dq = ([f"{kind}{k + 1}" for k in range(n)] for kind in ("q", "dq"))
-    before = [f"dq{joint + 1} {s:g} s before" for s in LATE]
+    before = [f"dq{joint + 1} {s:g} s before" for s in FORETOLD_LATE]
     past = tuple(f"q{joint + 1} {s:g} s ago" for s in (0.4, 2.0))
     out = [
         (*own, f"ddq{joint + 1}", *past, *before),
@@ -105,7 +108,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
 
 
 def _work(joint: int) -> tuple[str, ...]:
-    return tuple(f"work{joint + 1} {s:g} s" for s in WORK)
+    return tuple(f"work{joint + 1} {s:g} s" for s in FORETOLD_WORK)
 
 
 def _quantities(side: Side) -> Motion:
@@ -117,12 +120,12 @@ def _quantities(side: Side) -> Motion:
         for j in range(side.n):
             speed = names[f"dq{j + 1}"]
             fast = max(float(np.quantile(np.abs(speed), 0.99)), 1e-12)
-            names[f"turn{j + 1}"] = np.tanh(speed / (SHARP * fast))
-            for s in WORK:
+            names[f"turn{j + 1}"] = np.tanh(speed / (FORETOLD_SHARP * fast))
+            for s in FORETOLD_WORK:
                 pole = np.exp(-1.0 / (s * run.rate))
                 lately = scipy.signal.lfilter([1.0 - pole], [1.0, -pole], np.abs(speed))
                 names[f"work{j + 1} {s:g} s"] = lately
-            for s in LATE:
+            for s in FORETOLD_LATE:
                 late = min(round(s * run.rate), len(speed) - 1)
                 names[f"dq{j + 1} {s:g} s before"] = np.concatenate(
                     [np.full(late, speed[0]), speed[: len(speed) - late]]
@@ -132,7 +135,7 @@ def _quantities(side: Side) -> Motion:
 
 def _of_joint(state: State, motions: tuple[Motion, Motion], joint: int) -> list[Prediction]:
     tried = [_fitted(state, motions[0], joint, names) for names in sets_of(joint, state.train.n)]
-    good = sorted((t for t in tried if t.gain > 0), key=lambda t: -t.gain)[:TRIED]
+    good = sorted((t for t in tried if t.gain > 0), key=lambda t: -t.gain)[:FORETOLD_TRIED]
     predictions = [t.predict(state, motions[1]) for t in good]
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
@@ -151,18 +154,20 @@ class _Features:
     @classmethod
     def of(cls, x: Array, seed: int) -> _Features:
         rng = np.random.default_rng([seed, x.shape[1]])
-        width = rng.choice(WIDTHS, WAVES)
-        turns = rng.standard_normal((x.shape[1], WAVES)) / width / np.sqrt(0.5 * x.shape[1])
+        width = rng.choice(FORETOLD_WIDTHS, FORETOLD_WAVES)
+        turns = (
+            rng.standard_normal((x.shape[1], FORETOLD_WAVES)) / width / np.sqrt(0.5 * x.shape[1])
+        )
         spread = np.maximum(x.std(axis=0), 1e-12)
         low, high = x.min(axis=0), x.max(axis=0)
-        phases = rng.uniform(0, 2 * np.pi, WAVES)
+        phases = rng.uniform(0, 2 * np.pi, FORETOLD_WAVES)
         return cls(x.mean(axis=0), spread, low, high, turns, phases)
 
     def __call__(self, x: Array) -> Array:
         """(rows, quantities) -> (rows, features)."""
         z = (np.clip(x, self.low, self.high) - self.middle) / self.spread
         products = [z]
-        for degree in range(2, DEGREE + 1):
+        for degree in range(2, FORETOLD_DEGREE + 1):
             chosen = combinations_with_replacement(range(z.shape[1]), degree)
             products.append(np.column_stack([np.prod(z[:, c], axis=1) for c in map(list, chosen)]))
         return np.column_stack([*products, np.cos(z @ self.turns + self.phases)])
@@ -196,16 +201,16 @@ def _stacked(side: Side, motion: Motion, names: Sequence[str], joint: int) -> Ar
 
 def _fitted(state: State, motion: Motion, joint: int, names: tuple[str, ...]) -> _Fitted:
     fit = state.fit
-    x = _stacked(state.train, motion, names, joint)[::THIN]
+    x = _stacked(state.train, motion, names, joint)[::FORETOLD_THIN]
     features = _Features.of(x, joint)
     raw = features(x)
     scale = np.maximum(np.sqrt(np.mean(raw**2, axis=0)), 1e-12)
     columns = raw / scale / fit.sigma[joint]
-    basis = fit.basis[joint][::THIN]
-    seen = THIN * (basis.T @ columns)
+    basis = fit.basis[joint][::FORETOLD_THIN]
+    seen = FORETOLD_THIN * (basis.T @ columns)
     own = columns - basis @ seen
-    residual = fit.residual[joint][::THIN]
-    ridges = RIDGES * len(own) / fit.sigma[joint] ** 2
+    residual = fit.residual[joint][::FORETOLD_THIN]
+    ridges = FORETOLD_RIDGES * len(own) / fit.sigma[joint] ** 2
     gains = _held_back(own, residual, ridges)
     best = int(np.argmax(gains))
     theta = np.linalg.solve(own.T @ own + ridges[best] * np.eye(own.shape[1]), own.T @ residual)
@@ -216,11 +221,11 @@ def _fitted(state: State, motion: Motion, joint: int, names: tuple[str, ...]) ->
 
 def _held_back(columns: Array, residual: Array, ridges: Array) -> Array:
     """Squared error that each ridge removes on stretches it has not been fitted to."""
-    fold = np.arange(len(columns)) * FOLDS // len(columns)
-    grams = np.array([columns[fold == f].T @ columns[fold == f] for f in range(FOLDS)])
-    sides = np.array([columns[fold == f].T @ residual[fold == f] for f in range(FOLDS)])
+    fold = np.arange(len(columns)) * FORETOLD_FOLDS // len(columns)
+    grams = np.array([columns[fold == f].T @ columns[fold == f] for f in range(FORETOLD_FOLDS)])
+    sides = np.array([columns[fold == f].T @ residual[fold == f] for f in range(FORETOLD_FOLDS)])
     gains = np.zeros(len(ridges))
-    for f in range(FOLDS):
+    for f in range(FORETOLD_FOLDS):
         values, vectors = np.linalg.eigh(grams.sum(axis=0) - grams[f])
         turned = vectors.T @ (sides.sum(axis=0) - sides[f])
         for k, ridge in enumerate(ridges):

@@ -10,15 +10,16 @@ import numpy as np
 
 from pa10d.common.jsonable import plain
 from pa10d.common.words import listed, percent, times
+from pa10d.diagnose.constants import (
+    AT_RANDOM,
+    CLAIMED_SHARE,
+    CLEAR_REST,
+    COMES_AGAIN_LEVEL,
+    MATERIAL_REST,
+)
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement
 from pa10d.judgement.repeatable import Repeatable
-
-MATERIAL = 1.2  # times the noise floor: an error of no more is as good as explained
-CLEAR = 1.5  # times it that what comes again must be: slow noise that a run remembers makes 1.2
-LEVEL = 1e-3  # per joint, that an error which does not come again is said to: 1 % over ten joints
-AT_RANDOM = 0.05  # p from which on an error is said not to come again
-SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to be a claim
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def unnamed(
     for j, seen in enumerate(again):
         if seen is None or j in named or not comes_again(seen):
             continue
-        if not judged.ratio[j] > CLEAR:
+        if not judged.ratio[j] > CLEAR_REST:
             continue
         size = float(judged.rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
         out.append(Unnamed(j, seen.share, size, seen.p_value, True))
@@ -93,7 +94,7 @@ def unnamed(
 
 def comes_again(seen: Repeatable) -> bool:
     """Is it no accident that two passes of a motion leave alike errors?"""
-    return seen.p_value < LEVEL and seen.share > SHARE
+    return seen.p_value < COMES_AGAIN_LEVEL and seen.share > CLAIMED_SHARE
 
 
 def remaining(
@@ -108,7 +109,7 @@ def remaining(
     for j, seen in enumerate(again):
         left = of_joint.get(j)
         floor, ratio = float(judged.floor.values[j]), float(judged.ratio[j])
-        material = bool(ratio > MATERIAL) if np.isfinite(ratio) else None
+        material = bool(ratio > MATERIAL_REST) if np.isfinite(ratio) else None
         repeats = _repeats(seen)
         significant = left is not None
         line = Remaining(
@@ -131,7 +132,7 @@ def _repeats(seen: Repeatable | None) -> bool | None:
         return None
     if comes_again(seen):
         return True
-    return False if seen.p_value > AT_RANDOM or seen.share < SHARE else None
+    return False if seen.p_value > AT_RANDOM or seen.share < CLAIMED_SHARE else None
 
 
 def _with_sentence(

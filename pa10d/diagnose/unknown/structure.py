@@ -15,6 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
+from pa10d.diagnose.constants import (
+    CLUSTERS,
+    FEW_VISITS,
+    KNOWN_GROUND,
+    MAP_FINE_KNOTS,
+    MAP_KNOTS,
+    MAP_LEAST_SLOPE,
+    MAP_LEVEL,
+    MAP_MEMORIES,
+    MAP_SHARE,
+    MAP_THIN,
+    MAPS_PER_JOINT,
+    UNHEARD,
+    UNKNOWN_GROUND,
+)
 from pa10d.diagnose.evidence.errors_of import doubt_under, held_noise_gram
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
 from pa10d.diagnose.regression.side import PerJoint, Side
@@ -23,18 +38,6 @@ from pa10d.effects.variables import remembered
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
-
-KNOTS = 8  # hat functions per variable of a map of two
-FINE_KNOTS = 24  # of a map of one
-LEVEL = 0.01
-MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
-THIN = 2  # rows left out between: the equation keeps twice as many as its band needs
-SHARE = 0.06  # of a joint's squared error, where the map knows, that it must remove to be a claim
-TRIED_PER_JOINT = 3
-UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing
-FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
-KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
-UNKNOWN_GROUND = 0.1  # weight of such knots above which a held-out sample is none of the map's
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
     tried = dict(zip(asked, maps_of, strict=True))
     noise = noise_beside(state, residual, [p for maps in tried.values() for p in maps])
     for maps in tried.values():
-        judged = (_judge(state, residual, p, n * TRIED_PER_JOINT, noise) for p in maps)
+        judged = (_judge(state, residual, p, n * MAPS_PER_JOINT, noise) for p in maps)
         results = [r for r in judged if r is not None]
         if results:
             yield results
@@ -122,7 +125,7 @@ def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     pairs = set(combinations(q, 2))
     pairs |= {(own_dq, x) for x in q} | {(own_q, x) for x in dq}
     pairs |= set(combinations(dq, 2))
-    pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MEMORIES}
+    pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MAP_MEMORIES}
     return single + sorted(pairs)
 
 
@@ -136,7 +139,7 @@ def motion_variables(runs: Sequence[RunEquation]) -> list[dict[str, Array]]:
         for kind, values in (("q", context.q), ("dq", context.dq)):
             for j in joints:
                 names[f"{kind}{j + 1}"] = values[::step, j]
-                for seconds in MEMORIES if kind == "q" else ():
+                for seconds in MAP_MEMORIES if kind == "q" else ():
                     slow = remembered(values[:, j], seconds, context.dt)
                     names[f"q{j + 1} {seconds:g} s ago"] = slow[::step]
         smooth = run.lowpass(context.ddq)
@@ -166,23 +169,23 @@ def _fit_map(
     state: State, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
 ) -> _Map:
     fit = state.fit
-    x = [rows_of(state.train, motion, name, joint)[::THIN] for name in names]
-    grid = tuple(knots(v, FINE_KNOTS if len(names) == 1 else KNOTS) for v in x)
+    x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in names]
+    grid = tuple(knots(v, MAP_FINE_KNOTS if len(names) == 1 else MAP_KNOTS) for v in x)
     basis = basis_of(x, grid)
     columns = basis / fit.sigma[joint]
-    seen = THIN * (fit.basis[joint][::THIN].T @ columns)
-    gram = THIN * (columns.T @ columns)
+    seen = MAP_THIN * (fit.basis[joint][::MAP_THIN].T @ columns)
+    gram = MAP_THIN * (columns.T @ columns)
     # pseudo-observations per cell: one that was hardly visited says nothing
-    ridge = FEW_VISITS * np.diag(gram).mean() / max(THIN * len(x[0]) / columns.shape[1], 1.0)
+    ridge = FEW_VISITS * np.diag(gram).mean() / max(MAP_THIN * len(x[0]) / columns.shape[1], 1.0)
     left = gram - seen.T @ seen + ridge * np.eye(len(gram))
-    rhs = THIN * (columns.T @ fit.residual[joint][::THIN])
+    rhs = MAP_THIN * (columns.T @ fit.residual[joint][::MAP_THIN])
     theta = np.linalg.solve(left, rhs)
     gain = float(theta @ rhs)
     effective = float(np.trace(np.linalg.solve(left, gram - seen.T @ seen)))
     shape = tuple(len(g) for g in grid)
     return _Map(
         joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
-        fit.to_beta @ (seen @ theta), THIN * np.sum(basis**2, axis=0) > FEW_VISITS,
+        fit.to_beta @ (seen @ theta), MAP_THIN * np.sum(basis**2, axis=0) > FEW_VISITS,
     )  # fmt: skip
 
 
@@ -203,7 +206,7 @@ def _strongest(
 ) -> list[Prediction]:
     """The maps of one joint that help the fit side most, among those that know enough ground."""
     maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
-    strongest = sorted(maps, key=lambda m: -m.gain)[:TRIED_PER_JOINT]
+    strongest = sorted(maps, key=lambda m: -m.gain)[:MAPS_PER_JOINT]
     predictions = (_predict(state, held, m) for m in strongest)
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
@@ -264,7 +267,7 @@ def evidence_of(
     prediction: Prediction,
     among: int,
     noise: Noise,
-    level: float = LEVEL,
+    level: float = MAP_LEVEL,
 ) -> Claim | None:
     """None where noise alone does as well, or too little is foretold to matter."""
     joint, values, inside = prediction.joint, prediction.values, prediction.inside
@@ -274,7 +277,12 @@ def evidence_of(
     left = float(np.mean((r - values)[inside] ** 2))
     share = 1.0 - left / float(np.mean(r[inside] ** 2))
     p = min(1.0, evidence.p_value * among)
-    if p > level or share < SHARE or evidence.slope < 0.4 or evidence.cluster_t < 2.5:
+    if (
+        p > level
+        or share < MAP_SHARE
+        or evidence.slope < MAP_LEAST_SLOPE
+        or evidence.cluster_t < CLUSTERS
+    ):
         return None
     return Claim(share, left, p, evidence)
 

@@ -1,0 +1,111 @@
+"""Every number that the diagnosis was given, and where each comes from.
+
+Four origins, in this order: *statistics* (a level, or what follows from one), *physics and
+arithmetic* (units, filters, rounding, what a sensor can tell), *effort* (how much is tried: more
+costs time and finds no less), and *chosen*: settled while looking at data, which is named. A chosen
+number is the one to distrust on a machine unlike those.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# -- statistics ------------------------------------------------------------------------------------
+
+SEARCH_LEVEL = 0.01  # false alarms over a whole search (fixed from outside: at most 1 %)
+MAP_LEVEL = 0.01  # of structure that no effect explains: the same promise
+SMOOTH_LEVEL = 0.01  # of a map that a user chose
+TELL_APART = 2.6  # standard errors by which the better of two rivals must lead: 1 %, two-sided
+HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone; both sides make SEARCH_LEVEL
+COMES_AGAIN_LEVEL = 1e-3  # per joint, that an error comes again: 1 % over ten joints
+FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
+AT_RANDOM = 0.05  # p from which on an error is said not to come again
+TIMING_SIGNIFICANT = 3.0  # standard errors of a common timing offset
+HARM_SIGNIFICANT = 3.0  # standard errors by which a joint's error must have risen
+WORTH_AN_EXPERIMENT = 3.0  # standard errors by which it must be expected to tell two rivals apart
+LEAST_GAIN = 12.0  # units of noise: χ² of one degree at 5·10⁻⁴, 1 % over twenty suspects
+SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
+FEWEST_TO_JUDGE = 12  # independent samples of a joint: its variance is known to 40 %
+PER_UNKNOWN = 2.0  # independent samples per unknown, least number of a fit
+WORTH_A_STEP = 0.1  # squared standard errors of the noise: less moves no estimate visibly
+
+# -- physics and arithmetic ------------------------------------------------------------------------
+
+GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
+LOWEST_ORDER = 4.0  # cycles per revolution: below, gravity and ripple cannot be told apart
+RIPPLE_LEAST_SPAN = 1e-3  # rad: a joint that turned less has no orders
+TIMING_MOST_SAMPLES = 3.0  # raw periods: the model brought its own offset, this is a correction
+FORETOLD_LATE = (0.2, 0.6)  # s ago: speeds that a filter of the residual cannot have seen
+ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
+MAP_THIN = 2  # rows left out between, for the same reason
+FORETOLD_THIN = 2  # likewise
+MAJORITY_THIN = 2  # likewise
+ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: not identifiable
+NEAR_NULL = 1e-5  # directions of the column-scaled matrix weaker than this are truncated
+SLOPE_STEP = 1e-3  # of the value, or of a thousandth of its range where that is more
+STIFFNESS_ROUNDING = 1e-9  # of the target's squares: less is never left over
+PLAN_RATE = 100.0  # Hz: enough for the sizes of torques
+LONGEST_PLAN = 180.0  # s: more is no experiment but a day's work
+
+# -- effort ----------------------------------------------------------------------------------------
+
+MOST_STEPS = 8  # effects that one search adds
+PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
+SEARCH_THREADS = 2
+TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
+START_THIN = 10  # samples of which one is looked at for where a shape may start
+ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
+MORE_ROUNDS = 4  # of settling, beyond the usual
+STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
+MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
+TIMING_ROUNDS = 3
+SMOOTH_ROUNDS = 2
+MAPS_PER_JOINT = 3  # that are judged held out
+FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out
+FORETOLD_FOLDS = 4  # stretches of the fit side that take turns in settling set and ridge
+FORETOLD_DEGREE = 3  # of products of quantities
+FORETOLD_WAVES = 150  # random Fourier features beside them (Rahimi & Recht 2007)
+FORETOLD_WIDTHS = (0.5, 1.0, 2.0)  # standard deviations of a quantity in which they turn by 1 rad
+FORETOLD_RIDGES = 10.0 ** np.arange(-3.0, 3.1)  # of the mean square of a feature
+STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical strength of the data
+
+# -- chosen, on simulated seven-joint arms with stiction and the four shared real robots -----------
+
+MATERIAL_GAIN = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
+MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
+OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
+SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
+SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
+WORTH_JUDGING = 0.5  # of the best variant's gain: a wave had imitated a bump on the fit side
+KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
+UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's
+FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
+CLEAR_REST = 1.5  # times the floor, for what comes again: slow noise alone made up to 1.16
+WIDER = 2.0  # times the usual distance from a standstill, to see what reversals do to estimates
+BLIND = 10.0  # times the variance: too few samples lie far from reversals to tell anything
+
+# -- chosen, and no record says on which data ------------------------------------------------------
+
+MATERIAL_REST = 1.2  # times the noise floor: an error of no more is as good as explained
+STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's own error
+CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
+MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim
+MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse
+SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains
+WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints
+TIMING_AGREE = 0.6  # share of the joints' weight that must agree with a common offset
+SMOOTH_LEAST_SLOPE = 0.4  # of the held-out residual on a map that a user chose
+MAP_LEAST_SLOPE = 0.4  # of it on a map that is to be a claim
+CLUSTERS = 2.5  # t of the drop over blocks of time, for such a claim
+SMOOTH_TAILS = 1e-3  # share of samples at either end that do not widen a map's range
+SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged
+HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for
+BLOCK_SECONDS = 2.0  # of time that counts as one draw where the drop is judged block by block
+LONGEST_MEMORY = 4.0  # s over which noise may remember itself
+MAP_KNOTS = 8  # hat functions per variable of a map of two
+MAP_FINE_KNOTS = 24  # of a map of one
+MAP_MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
+FORETOLD_WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered
+FORETOLD_SHARP = 0.02  # of a joint's fast speed: within that its friction turns round
+UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing
+SIDE_BLOCKS = 6  # alternate blocks of time of a run that must serve both sides

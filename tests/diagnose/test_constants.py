@@ -1,0 +1,36 @@
+"""The numbers that the diagnosis was given stand together, and all of them work."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pa10d.diagnose.constants as constants
+
+ROOM = Path(constants.__file__).parent
+NAMES = re.findall(r"^([A-Z_]+) = .*$", Path(constants.__file__).read_text(), re.MULTILINE)
+
+
+def _given_here(path: Path) -> list[str]:
+    """Names of module-level numbers, or tuples of them."""
+    return [
+        target.id
+        for line in ast.parse(path.read_text()).body
+        if isinstance(line, ast.Assign)
+        for target in line.targets
+        if isinstance(target, ast.Name) and target.id.isupper()
+        for value in [line.value.elts[0] if isinstance(line.value, ast.Tuple) else line.value]
+        if isinstance(value, ast.Constant) and isinstance(value.value, int | float)
+    ]
+
+
+def test_no_other_module_of_the_diagnosis_has_numbers_of_its_own():
+    elsewhere = {p.name: _given_here(p) for p in ROOM.rglob("*.py") if p.name != "constants.py"}
+    assert not {name: found for name, found in elsewhere.items() if found}
+
+
+def test_every_number_is_used():
+    text = "\n".join(p.read_text() for p in ROOM.parent.rglob("*.py") if p.name != "constants.py")
+    assert len(NAMES) > 60
+    assert not [name for name in NAMES if not re.search(rf"\b{name}\b", text)]
