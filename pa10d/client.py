@@ -203,6 +203,32 @@ class Client:
         body = {"experiments": [dict(one) for one in experiments]}
         return self._result("experiments/series", body, progress)
 
+    # -- investigations -----------------------------------------------------------------------
+
+    def prepare_investigation(self, progress: Progress | None = None, **asked: Any) -> Document:
+        """Plan one → its document with ``motions``; asked: name, minutes, since, fit, validate."""
+        return self._result("investigations", asked, progress)
+
+    def investigation(self, investigation: str) -> Document:
+        """How far it is."""
+        return self._ask("GET", f"/api/v1/investigations/{investigation}")
+
+    def investigate(
+        self,
+        investigation: str,
+        progress: Progress | None = None,
+        news: Callable[[Document], None] = lambda state: None,
+    ) -> Document:
+        """Carry one out, or go on with it, to its end or its pause. news: gets its document when
+        it is looked at."""
+
+        def told(share: float, message: str) -> None:
+            news(self.investigation(investigation))
+            if progress is not None:
+                progress(share, message)
+
+        return self._result(f"investigations/{investigation}/start", None, told)
+
     # -- runs -------------------------------------------------------------------------------
 
     def runs(self, **filters: Any) -> list[Document]:

@@ -62,7 +62,7 @@ def demo(options: argparse.Namespace) -> Answer:
     )
     with study_folder(options.data) as data, bench.running(data):
         told = play(bench, hidden, seed, tell, progress_line())
-    report = write_report(told, profile.name, options.report.absolute())
+        report = write_report(told, data, options.report.absolute())
     seconds = time.monotonic() - started
     document = {**told.document(), "report": str(report), "seconds": seconds}
     return Answer(document, in_words(told, report, seconds))
@@ -71,13 +71,17 @@ def demo(options: argparse.Namespace) -> Answer:
 def in_words(told: Told, report: Path, seconds: float) -> str:
     """The end of the story, for the terminal."""
     last, known = told.last, told.hidden.in_words()
-    labels = [f"{f['effect']} {f['joints'] or ''}".strip() for f in last.found["findings"]]
-    columns = zip(last.before, last.after, last.found["noise_floor"], strict=True)
-    rows = [[str(j), *(f"{v:.4g}" for v in row)] for j, row in enumerate(columns, 1)]
+    labels = [f"{f['effect']} {f['joints'] or ''}".strip() for f in last["findings"]]
+    judged = last["judged"]
+    columns = zip(judged["before"], judged["after"], judged["noise_floor"], strict=True)
+    rows = [
+        [str(j), *("not known" if v is None else f"{v:.4g}" for v in row)]
+        for j, row in enumerate(columns, 1)
+    ]
     return "\n".join(
         [
             f"\nhidden: {known}",
-            f"found:  {', '.join(labels) or last.found['verdict']}",
+            f"found:  {', '.join(labels) or last['verdict']}",
             "",
             "Error in N·m on runs that the fit has not seen:",
             table(["joint", "RMS before", "RMS after", "noise floor"], rows),

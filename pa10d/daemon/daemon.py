@@ -23,12 +23,13 @@ from pa10d.daemon.robot.lease import Lease
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.daemon.robot.telemetry import Telemetry
 from pa10d.dynamics import Robot
+from pa10d.investigation.archive import Archive
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
 from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
-MOVING = ("experiment", "series", "improvement")  # kinds of jobs that move the arm
+MOVING = ("experiment", "series", "improvement", "investigation")  # kinds of jobs that move the arm
 LOOK_EVERY = 0.5  # s between looks at the virtual arm
 END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
 BEFORE_JOBS = 5  # niceness of what a request waits for
@@ -55,6 +56,8 @@ class Daemon:
         self.began = time.monotonic()
         self.events = Events()
         self.runs, self.models = RunStore(data), ModelStore(data)
+        self.investigations = Archive(data)
+        self.pauses: set[str] = set()  # investigations that are to rest after this step
         self.jobs = Jobs(data / "jobs", self.events)
         self.shelf, self.changes = Shelf("look"), Shelf("change")  # what takes the lock is apart
         self.workers = Workers(of_a_job())

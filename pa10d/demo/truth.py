@@ -7,8 +7,8 @@ from typing import Any
 
 from pa10d.common.words import listed
 from pa10d.demo.hidden import Hidden
-from pa10d.demo.words import named
 from pa10d.effects import all_effects
+from pa10d.investigation.words import named
 
 Document = Mapping[str, Any]
 

@@ -162,6 +162,72 @@ class Demo(Document):
     report: str
 
 
+class Step(Document):
+    """One of an investigation. seconds: s of motion that it is expected to take."""
+
+    id: str
+    kind: Literal["motion", "identify", "compare", "diagnose", "add", "judge", "report"]
+    title: str
+    status: Literal["waiting", "running", "done", "left_out"]
+    said: str
+    runs: list[str]
+    models: list[str]
+    moved: float
+    seconds: float | None
+
+
+class Judged(Document):
+    """The first and the last version on the same runs; fresh: moved for nothing else."""
+
+    fresh: bool
+    runs: list[str]
+    models: list[str]
+    before: PerJoint
+    after: PerJoint
+    noise_floor: Known
+    cutoff_hz: float
+    mask: str
+
+
+class Doubt(Document):
+    """What would settle it. plan, motion: files, YAML for pa10d and CSV of time, q1 … qn."""
+
+    effect: str
+    joints: list[int]
+    seconds: float
+    says: str
+    plan: str | None
+    motion: str | None
+
+
+class Investigate(Document):
+    """The whole way, as far as it is; what is not known yet is null or empty."""
+
+    id: str
+    name: str
+    status: Literal["waiting", "running", "paused", "stopped", "failed", "done"]
+    error: str | None
+    question: Literal["missing", "changed"]
+    moves: bool
+    budget_minutes: float | None
+    moved_seconds: float
+    steps: list[Step]
+    verdict: Literal["missing", "none", "unknown"] | None
+    rms: PerJoint | None
+    noise_floor: Known | None
+    findings: list[Finding]
+    unexplained: list[Unexplained] | None
+    remaining: list[Remaining] | None
+    model: str | None
+    models: list[str]
+    promised: PerJoint | None
+    achieved: PerJoint | None
+    judged: Judged | None
+    doubts: list[Doubt]
+    left_out: list[str]
+    report: str | None
+
+
 class Run(Document):
     """A recording in the store."""
 
@@ -192,6 +258,7 @@ SCHEMAS: dict[str, type[Document]] = {
     "improve": Improve,
     "demo": Demo,
     "profile-new": NewProfile,
+    "investigate": Investigate,
     "run-import": Run,
     "run-show": Run,
     "error": Problem,

@@ -222,3 +222,21 @@ def improve(
         open_library(data), model, fit, validate, name=name, replace_model=replace,
         tried=tried, smooth=smooth, force=force, progress=progress,
     ).document()  # fmt: skip
+
+
+def prepare_investigation(data: str, progress: Progress, **asked: Any) -> dict[str, Any]:
+    """A new investigation and its motions, planned; nothing moves."""
+    from pa10d.investigation.begin import begin
+    from pa10d.investigation.document import document
+
+    state, seen = begin(data, progress=progress, **asked)
+    return {**document(state, data), "motions": [one.document() for one in seen]}
+
+
+def investigation_step(
+    data: str, investigation: str, step: str, progress: Progress
+) -> dict[str, Any]:
+    """What one step of an investigation computes."""
+    from pa10d.investigation.work import compute
+
+    return compute(data, investigation, step, progress)

@@ -179,6 +179,7 @@ class Experiment:
         self.moved = True
         motions = prepared["motions"]
         total = sum(m["seconds"] for m in motions)
+        self.result["seconds"] = total
         before = 0.0
         for k, motion in enumerate(motions):
             share = [CHECKED + (MOVED - CHECKED) * s / total

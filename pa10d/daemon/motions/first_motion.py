@@ -88,6 +88,7 @@ class FirstMotion:
                 await self._robot.reset()
                 continue
             self.moved = True
+            self.result["seconds"] = self.result.get("seconds", 0.0) + found["seconds"]
             self.result["recorded"] += found["recorded"]
             self.result["runs"] += found["runs"]
             return str(found["runs"][0])

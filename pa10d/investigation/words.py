@@ -1,4 +1,4 @@
-"""What the daemon answers, in the words of a story."""
+"""What came of the steps of an investigation, in words."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
 
 Document = Mapping[str, Any]
-
-__all__ = ["compared_words", "fall_words", "found_words", "named", "plan_words"]
+RISE = 0.1  # of the squared error that is worth a word
 
 
 def named(finding: Document, frozen: bool = False) -> str:
@@ -71,7 +70,19 @@ def found_words(found: Document) -> str:
     return text
 
 
-def plan_words(finding: Document) -> str:
+def identified_words(found: Document) -> str:
+    """What the textbook fit is like."""
+    condition = found["condition_number"]
+    text = f"{found['base_parameters']} base parameters"
+    if condition is not None:
+        text += f", condition number {condition:.3g}"
+    text += f", fitted below {found['cutoff_hz']:.3g} Hz."
+    if not found["feasible"]:
+        text += " No bodies that can exist are known for it."
+    return " ".join([text, *found.get("warnings", ())])
+
+
+def doubt_words(finding: Document) -> str:
     """What a finding could be confused with, and what settles it."""
     rivals = list(dict.fromkeys(named(rival) for rival in finding["confounded_with"]))
     plan = finding["next_experiment"]
@@ -84,11 +95,25 @@ def plan_words(finding: Document) -> str:
     )
 
 
-def fall_words(before: Sequence[float], after: Sequence[float]) -> str:
-    """How far the error falls, at the joint where it falls most."""
-    fall = (np.array(before) ** 2 - np.array(after) ** 2) / np.array(before) ** 2
-    j = int(np.argmax(fall))
-    return (
-        f"The error of joint {j + 1} falls from {before[j]:.3g} to {after[j]:.3g} N·m on runs "
-        "that the fit has not seen."
+def added_words(versions: Sequence[Document], findings: Sequence[Document], frozen: bool) -> str:
+    """Which versions have what."""
+    made = [f"{v['name']} has {named(f, frozen)}" for v, f in zip(versions, findings, strict=True)]
+    return f"{listed(made)}; the model before stays as it is."
+
+
+def fall_words(judged: Document) -> str:
+    """How far the error fell, at the joint where it fell most; what rose is not left out."""
+    before, after = np.array(judged["before"]), np.array(judged["after"])
+    where = f"on runs that {judged['seen']}"
+    if len(judged["models"]) == 1:
+        return f"{judged['models'][0]} is judged {where}; nothing was added to it."
+    fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
+    best, worst = int(np.argmax(fall)), int(np.argmin(fall))
+    text = (
+        f"The error of joint {best + 1} falls from {before[best]:.3g} to {after[best]:.3g} {where}."
+        if fall[best] > 0
+        else f"No joint's error falls {where}."
     )
+    if fall[worst] < -RISE:
+        text += f" That of joint {worst + 1} rises from {before[worst]:.3g} to {after[worst]:.3g}."
+    return text

@@ -1,0 +1,149 @@
+"""Investigations: the whole way from an arm or recordings to a report, step by step."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+from fastapi.responses import FileResponse
+
+from pa10d.api.deps import Client, TheDaemon
+from pa10d.api.paging import page_of
+from pa10d.api.problems import Problem, responses
+from pa10d.api.routes.accepted import accepted
+from pa10d.api.routes.models import find_model
+from pa10d.api.routes.ready import require_ready
+from pa10d.api.routes.runs import find_runs
+from pa10d.api.schemas import (
+    InvestigationDocument,
+    InvestigationPage,
+    InvestigationRequest,
+    Job,
+)
+from pa10d.common.errors import UserError
+from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.investigations import investigation_job
+from pa10d.investigation.archive import REPORT
+from pa10d.investigation.document import brief, document
+from pa10d.investigation.doubts import FOLDER
+from pa10d.investigation.state import Investigation
+
+router = APIRouter(prefix="/investigations", tags=["investigations"])
+ASKED = responses("not-found", "refused", "conflict", "unsound")
+
+
+@router.post("", response_model=Job, status_code=202, responses=ASKED)
+async def prepare(daemon: TheDaemon, request: InvestigationRequest, response: Response) -> Any:
+    """Plan one: the job's result has its ``steps`` and ``motions`` with their times. Nothing moves
+    before ``/investigations/{id}/start``."""
+    if request.since is not None:
+        await find_model(daemon, request.since)
+    await find_runs(daemon, [*request.fit, *request.validate_], request.force)
+    asked = request.model_dump(by_alias=True)
+    job = daemon.compute(
+        "preparation", "prepare_investigation", asked, profile=str(daemon.profile.path)
+    )
+    return accepted(job, response)
+
+
+@router.get("", response_model=InvestigationPage)
+async def list_investigations(
+    daemon: TheDaemon,
+    limit: Annotated[int, Query(ge=1, le=500)] = 50,
+    cursor: Annotated[str | None, Query(max_length=100)] = None,
+) -> dict[str, Any]:
+    """Investigations, newest first."""
+    found, aside = await daemon.shelf(_look, daemon)
+    page = page_of([brief(one) for one in reversed(found)], limit, cursor)
+    return page | {"set_aside": [one.document() for one in aside]}
+
+
+@router.get(
+    "/{investigation}", response_model=InvestigationDocument, responses=responses("not-found")
+)
+async def show(daemon: TheDaemon, investigation: str) -> Any:
+    """How far it is, and what came of it."""
+    return await daemon.shelf(_document, daemon, await _find(daemon, investigation))
+
+
+@router.post(
+    "/{investigation}/start",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
+)
+async def start(daemon: TheDaemon, client: Client, investigation: str, response: Response) -> Any:
+    """Begin it, or go on where it was paused, stopped, or ended by a fault. One that moves the arm
+    needs its command, and holds it until it ends."""
+    state = await _find(daemon, investigation)
+    if state.status == "done":
+        raise Problem("conflict", f"{state.name} is done; its report is there")
+    if state.status == "running":
+        raise Problem("conflict", f"{state.name} is being carried out")
+    if state.robot != daemon.profile.name and state.moves:
+        raise Problem(
+            "refused", f"{state.name} moves {state.robot}; this daemon has {daemon.profile.name}"
+        )
+    if state.moves:
+        daemon.lease.take(client)
+        require_ready(daemon)
+    return accepted(investigation_job(daemon, state), response)
+
+
+@router.post(
+    "/{investigation}/pause",
+    response_model=InvestigationDocument,
+    responses=responses("not-found", "conflict"),
+)
+async def pause(daemon: TheDaemon, investigation: str) -> Any:
+    """Rest after the present step. To stop at once, cancel its job, or stop the arm."""
+    state = await _find(daemon, investigation)
+    if state.status != "running":
+        raise Problem("conflict", f"{state.name} is {state.status}; expected one under way")
+    daemon.pauses.add(state.id)
+    return await daemon.shelf(_document, daemon, state)
+
+
+@router.get(
+    "/{investigation}/report", response_class=FileResponse, responses=responses("not-found")
+)
+async def report(daemon: TheDaemon, investigation: str) -> FileResponse:
+    """Its report: one HTML file that opens without a network."""
+    state = await _find(daemon, investigation)
+    path = daemon.investigations.place(state.id) / REPORT
+    if not await daemon.shelf(path.is_file):
+        raise Problem("not-found", f"{state.name} has no report yet; it is {state.status}")
+    return FileResponse(path, media_type="text/html; charset=utf-8")
+
+
+@router.get(
+    "/{investigation}/doubts/{number}.{ending}",
+    response_class=FileResponse,
+    responses=responses("not-found"),
+)
+async def doubt(daemon: TheDaemon, investigation: str, number: int, ending: str) -> FileResponse:
+    """What settles a doubt, of the finding with this number: a plan (yaml) or a motion (csv)."""
+    state = await _find(daemon, investigation)
+    key = {"yaml": "plan", "csv": "motion"}.get(ending)
+    known = state.findings[number - 1 : number] if number > 0 else []
+    name = known[0].get("settling", {}).get(key) if known and key else None
+    path = daemon.investigations.place(state.id) / FOLDER / str(name)
+    if name is None or not await daemon.shelf(path.is_file):
+        raise Problem("not-found", f"{state.name}: finding {number} has no such file")
+    return FileResponse(path, filename=f"{state.name}-{name}")
+
+
+def _look(daemon: Daemon) -> tuple[list[Investigation], list[Any]]:
+    return daemon.investigations.all(), daemon.investigations.set_aside()
+
+
+def _document(daemon: Daemon, state: Investigation) -> dict[str, Any]:
+    pausing = state.id in daemon.pauses
+    return {**document(state, str(daemon.data)), "pausing": pausing}
+
+
+async def _find(daemon: Daemon, wanted: str) -> Investigation:
+    try:
+        return await daemon.shelf(daemon.investigations.find, wanted)
+    except UserError as error:
+        raise Problem("not-found", str(error)) from error

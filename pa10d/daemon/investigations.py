@@ -1,0 +1,127 @@
+"""An investigation carried out by the daemon: motions by the arm, everything else by workers.
+
+The job may end at any moment: by a pause or a stop, by a fault, or with the daemon. What is done
+is in the investigation's file; the same call goes on from there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from pa10d.common.errors import UserError
+from pa10d.daemon.experiment import request_of
+from pa10d.daemon.jobs import Job, Progress, Report, part
+from pa10d.daemon.motions import experiment_of
+from pa10d.investigation import course
+from pa10d.investigation.document import document
+from pa10d.investigation.state import Investigation, Step
+
+if TYPE_CHECKING:
+    from pa10d.daemon.daemon import Daemon
+
+MOVES, RECORDINGS = "investigation", "analysis"
+"""Kinds of jobs: the first moves the arm."""
+
+TAGS = {"fit": ["fit"], "judge": ["judge"], "settle": ["fit", "judge"], "fresh": ["fresh"]}
+ABLE = ("inactive", "holding")  # states from which an arm may be moved
+STOPPED = "it was stopped; what is done stays done"
+
+
+def investigation_job(daemon: Daemon, state: Investigation) -> Job:
+    """Begin it, or go on with it, as a job; its result is that of ``pa10d investigate``."""
+
+    async def work(report: Report) -> Any:
+        return await _Carrier(daemon, state.id, report).carry_out()
+
+    kind = MOVES if state.moves else RECORDINGS
+    return daemon.jobs.start(kind, {"investigation": state.id, "name": state.name}, work)
+
+
+class _Carrier:
+    def __init__(self, daemon: Daemon, investigation: str, report: Report) -> None:
+        self._daemon, self._id, self._report = daemon, investigation, report
+        self._archive = daemon.investigations
+
+    async def carry_out(self) -> dict[str, Any]:
+        lock = self._archive.carrying_out(self._id)
+        await asyncio.to_thread(lock.__enter__)
+        try:
+            state = await asyncio.to_thread(self._archive.load, self._id)
+            course.put_back(state, "running")
+            await self._all_steps(state)
+            return await asyncio.to_thread(document, state, str(self._daemon.data))
+        finally:
+            self._daemon.pauses.discard(self._id)
+            lock.__exit__(None, None, None)
+
+    async def _all_steps(self, state: Investigation) -> None:
+        while (step := course.next_step(state)) is not None:
+            if self._id in self._daemon.pauses:
+                course.put_back(state, "paused")
+                await self._save(state)
+                return
+            try:
+                course.needs(state, step)
+                course.begun(state, step)
+                await self._save(state)
+                await self._one(state, step)
+            except asyncio.CancelledError:
+                course.put_back(state, "stopped", STOPPED)
+                await asyncio.shield(self._save(state))
+                raise
+            except BaseException as error:
+                course.put_back(state, "failed", str(error) or type(error).__name__)
+                await self._save(state)
+                raise
+            await self._save(state)
+
+    async def _one(self, state: Investigation, step: Step) -> None:
+        told = self._told(state, step)
+        if step.motion is None:
+            outcome = await self._daemon.compute_now(
+                "investigation_step", told, investigation=self._id, step=step.id
+            )
+            course.done(state, step, outcome)
+            return
+        await self._move(state, step, told)
+
+    async def _move(self, state: Investigation, step: Step, told: Progress) -> None:
+        """A motion that the pre-check refuses is left out; a fault or a stop ends the job."""
+        assert step.motion is not None
+        purpose = step.motion.purpose
+        plan = {"kind": step.motion.kind, "parameters": step.motion.parameters}
+        request = request_of(plan, tags=[*TAGS.get(purpose, []), state.name])
+        experiment = experiment_of(self._daemon, request, told)
+        try:
+            found = await experiment.carry_out()
+        except UserError as error:
+            if experiment.moved or self._daemon.robot.state not in ABLE:
+                raise
+            course.left_out(step, str(error))
+            return
+        names = [run["name"] for run in found["recorded"]]
+        said = f"Recorded {', '.join(names)}." if names else found["recommendation"][0]
+        course.done(
+            state, step,
+            {"runs": found["runs"], "moved": found.get("seconds", 0.0),
+             "said": " ".join([said, *found.get("notes", ())])},
+        )  # fmt: skip
+
+    def _told(self, state: Investigation, step: Step) -> Progress:
+        """The job's progress by the steps that are over; its message begins with this one's id."""
+        count = len(state.steps)
+        over = sum(s.status in ("done", "left_out") for s in state.steps)
+        inner: Callable[[float, str], None] = part(
+            self._report, over / count, min(over + 1, count) / count
+        )
+
+        def tell(share: float, message: str = "") -> None:
+            inner(share, f"{step.title}: {message}" if message else step.title)
+
+        return tell
+
+    async def _save(self, state: Investigation) -> None:
+        await asyncio.to_thread(self._archive.save, state)
+        self._daemon.events.publish("investigation", {"id": state.id, "status": state.status})

@@ -1,0 +1,86 @@
+"""An investigation as JSON: what ``pa10d investigate --json`` and the API say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pa10d.investigation.archive import REPORT
+from pa10d.investigation.doubts import FOLDER
+from pa10d.investigation.state import Investigation, Step
+from pa10d.store.location import data_folder
+
+DIAGNOSED = ("rms", "noise_floor", "cutoff_hz", "mask", "unexplained", "remaining", "judged_on",
+             "warnings")  # fmt: skip
+
+
+def document(state: Investigation, data: str) -> dict[str, Any]:
+    """Steps with status and ids, and, as far as it is, verdict, findings, errors, report."""
+    place = data_folder(data) / "investigations" / state.id
+    searches, added, judged = state.done("diagnose"), state.done("add"), state.done("judge")
+    found = searches[-1].result if searches else {}
+    promise = added[-1].result if added else {}
+    last = state.versions[-1] if state.versions else None
+    report = place / REPORT
+    return {
+        "id": state.id,
+        "name": state.name,
+        "robot": state.robot,
+        "status": state.status,
+        "error": state.error or None,
+        "question": state.question,
+        "moves": state.moves,
+        "budget_minutes": state.minutes,
+        "moved_seconds": state.moved,
+        "created": state.created,
+        "steps": [_step(step) for step in state.steps],
+        "verdict": found.get("verdict"),
+        "findings": found.get("findings", []),
+        **{key: found.get(key) for key in DIAGNOSED},
+        "model": last,
+        "models": state.versions,
+        "runs": {
+            "fit": state.to_fit,
+            "validate": state.to_judge,
+            "fresh": state.recorded("fresh"),
+        },
+        "before": promise.get("before"),
+        "promised": promise.get("promised"),
+        "achieved": promise.get("achieved"),
+        "judged": judged[-1].result if judged else None,
+        "doubts": [_doubt(finding, place) for finding in state.findings if "settling" in finding],
+        "left_out": [s.said for s in state.steps if s.status == "left_out" and s.kind == "motion"],
+        "report": str(report) if state.done("report") and report.is_file() else None,
+    }
+
+
+def brief(state: Investigation) -> dict[str, Any]:
+    """For a list."""
+    keys = ("id", "name", "robot", "status", "question", "moves", "created")
+    return {key: getattr(state, key) for key in keys}
+
+
+def _step(step: Step) -> dict[str, Any]:
+    shown = step.model_dump(exclude={"result"})
+    motion = shown.pop("motion")
+    return {
+        **shown,
+        "seconds": None if motion is None else motion["seconds"],
+        "experiment": None if motion is None
+        else {"kind": motion["kind"], "parameters": motion["parameters"]},
+        "purpose": None if motion is None else motion["purpose"],
+        "why": "" if motion is None else motion["why"],
+    }  # fmt: skip
+
+
+def _doubt(finding: dict[str, Any], place: Path) -> dict[str, Any]:
+    way = finding["settling"]
+    files = {
+        key: None if way[key] is None else str(place / FOLDER / way[key])
+        for key in ("plan", "motion")
+    }
+    return {
+        "effect": finding["effect"], "joints": finding["joints"],
+        "confounded_with": finding["confounded_with"], "seconds": way["seconds"],
+        "says": way["says"], "problem": way["problem"] or None, **files,
+    }  # fmt: skip

@@ -1,0 +1,134 @@
+"""The motions of an investigation before anything moves: how long each takes, and how it looks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.errors import UserError
+from pa10d.dynamics import Robot
+from pa10d.experiments.motion import whole_motion
+from pa10d.investigation.state import Motion
+from pa10d.profile import Profile
+from pa10d.services.joints import kept_joints
+from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.plan import Plan
+from pa10d.trajectory.poses import Surroundings
+
+Array = NDArray[np.float64]
+Document = dict[str, Any]
+Progress = Callable[[float, str], None]
+
+LOOK = 50.0  # Hz: enough for times, ranges and clearance
+SHOWN = 400  # points of a motion that are drawn
+
+FRESH: Document = {
+    "kind": "point_to_point",
+    "parameters": {"seed": 17},
+    "why": "Poses that nothing has seen yet: does what was found hold there?",
+}
+LATER: tuple[Document, ...] = (
+    {
+        "kind": "excitation",
+        "parameters": {"seed": 3},
+        "tags": [FIT],
+        "why": "All joints at once: what differs from the model as it was?",
+    },
+    {
+        "kind": "point_to_point",
+        "parameters": {"seed": 8},
+        "tags": [JUDGE],
+        "why": "Other poses, with rests: does the difference show there, too?",
+    },
+)
+"""What is recorded to ask what has changed."""
+
+
+@dataclass(frozen=True)
+class Preview:
+    """A motion as it would be run from the rest pose. problems: what would keep it from running;
+    q: (N, n) rad at ``t`` (N,) s."""
+
+    motion: Motion
+    t: Array
+    q: Array
+    dq: Array
+    problems: tuple[str, ...] = ()
+
+    def document(self) -> Document:
+        """As JSON; q thinned to a few hundred points."""
+        step = max(1, len(self.t) // SHOWN)
+        return {
+            **self.motion.model_dump(),
+            "problems": list(self.problems),
+            "joints": [
+                {
+                    "joint": j + 1,
+                    "q_min": float(self.q[:, j].min()),
+                    "q_max": float(self.q[:, j].max()),
+                    "dq_max": float(np.abs(self.dq[:, j]).max()),
+                }
+                for j in range(self.q.shape[1])
+            ],
+            "time": np.round(self.t[::step], 3).tolist(),
+            "q": np.round(self.q[::step], 5).tolist(),
+        }
+
+
+def previews(
+    data: str, profile: Profile, robot: Robot, question: str, progress: Progress
+) -> list[Preview]:
+    """The motions that are asked for first, planned; one whose plan fails says why and takes no
+    time."""
+    asked = _asked(data, profile, question)
+    found = []
+    for k, (entry, purpose) in enumerate(asked):
+        progress(k / len(asked), f"planning {entry['kind']}")
+        found.append(preview(robot, entry, purpose))
+    return found
+
+
+def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> Preview:
+    """One motion. entry: ``kind``, ``parameters`` and ``why``."""
+    given = {"purpose": purpose, "kind": entry["kind"], "why": entry.get("why", ""),
+             "parameters": dict(entry.get("parameters") or {})}  # fmt: skip
+    none = np.zeros((1, robot.n))
+    try:
+        plan, around = planned(robot, entry)
+        whole = whole_motion(plan, around.limits.rest_pose(), robot, LOOK)
+    except UserError as error:
+        motion = Motion(seconds=0.0, **given)
+        return Preview(motion, np.zeros(1), none, none, (str(error),))
+    t, q, dq, _ = whole.samples
+    motion = Motion(seconds=float(t[-1]), **given)
+    problems = tuple(dict.fromkeys(violation.sentence for violation in whole.violations))
+    return Preview(motion, t, q, dq, problems)
+
+
+def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]:
+    """``{kind, parameters}`` as a plan of this arm."""
+    around = Surroundings.of(robot)
+    request = {"kind": entry["kind"], "parameters": entry.get("parameters") or {}}
+    return read_request(request).build(around), around
+
+
+def possible(found: Sequence[Preview]) -> list[Motion]:
+    """Those that can be planned."""
+    return [one.motion for one in found if not one.problems]
+
+
+def _asked(data: str, profile: Profile, question: str) -> list[tuple[Document, str]]:
+    if question == "changed":
+        return [(entry, entry["tags"][0]) for entry in LATER] + [(FRESH, "fresh")]
+    known = kept_joints(data, profile) is not None
+    listed = [
+        (entry, entry["tags"][0] if entry["tags"] else "joints")
+        for entry in STARTING_SET
+        if not (known and entry["kind"] == "first_motion")
+    ]
+    return [*listed, (FRESH, "fresh")]

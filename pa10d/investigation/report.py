@@ -1,0 +1,136 @@
+"""The report of an investigation: one file that opens without a network, to send on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pa10d import __version__
+from pa10d.common.errors import UserError
+from pa10d.common.words import listed
+from pa10d.investigation.archive import REPORT, SHEET
+from pa10d.investigation.state import Investigation
+from pa10d.investigation.words import found_words, named
+from pa10d.report.blocks import Lines, Section, Table, Text
+from pa10d.report.facts import Facts, Verdict
+from pa10d.report.page import page
+from pa10d.report.sheet import sections_of
+from pa10d.services.library import Library
+from pa10d.services.models import write_file
+from pa10d.store.entries import read_entry
+
+LARGEST = 256 << 20  # bytes of a sheet that is read
+MARKS = {"done": "done", "left_out": "left out", "waiting": "still to do", "running": "now"}
+
+
+def write_report(library: Library, place: Path, state: Investigation) -> Path:
+    """Into the investigation's folder."""
+    return write_file(place / REPORT, report_text(library, place, state))
+
+
+def report_text(
+    library: Library,
+    place: Path,
+    state: Investigation,
+    first: Sequence[Section] = (),
+    title: str = "",
+) -> str:
+    """The page. first: what stands before everything else."""
+    found = state.done("diagnose")[-1].result
+    sections = [
+        *first,
+        Section(
+            "In short",
+            [Verdict(found_words(found), found["verdict"]), Facts(_facts(state, found))],
+        ),
+        *_delivery(state),
+        *_doubts(state),
+        *sections_of(_sheet(place)),
+        _course(state),
+    ]
+    question = "what has changed?" if state.question == "changed" else "what is missing?"
+    return page(
+        title or f"{state.robot}: {question}",
+        f"investigation {state.name} · {state.created[:16].replace('T', ' ')} UTC",
+        sections,
+        f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
+    )
+
+
+def _facts(state: Investigation, found: dict[str, Any]) -> list[tuple[str, str]]:
+    frozen = state.question == "changed"
+    names = [named(finding, frozen) for finding in found["findings"]]
+    judged = state.done("judge")
+    return [
+        ("Robot", state.robot),
+        ("Asked", "what has changed since" if frozen else "what is missing in its torque model"),
+        ("Found", listed(names) or "nothing"),
+        ("What it brings", judged[-1].said if judged else ""),
+        ("Moved", f"{state.moved:.0f} s" if state.moves else "not moved: recordings alone"),
+        ("Left out", " ".join(s.said for s in state.steps
+                              if s.status == "left_out" and s.kind == "motion")),
+    ]  # fmt: skip
+
+
+def _delivery(state: Investigation) -> list[Section]:
+    """What was promised, what came of it, and how it holds where nothing was fitted."""
+    added, judged = state.done("add"), state.done("judge")
+    if not added or not judged:
+        return []
+    promise, last = added[-1].result, judged[-1].result
+    head = ["joint", "before", "promised", "achieved", f"before, {_where(last)}", "after, there",
+            "noise floor"]  # fmt: skip
+    rows = [
+        [str(j + 1), *(_number(column[j]) for column in columns)]
+        for j, columns in enumerate(
+            [[promise["before"], promise["promised"], promise["achieved"],
+              last["before"], last["after"], last["noise_floor"]]] * len(last["before"])
+        )
+    ]  # fmt: skip
+    note = Text(
+        f"RMS error in N·m. Promised and achieved: on the runs that the search judged by, low-"
+        f"passed at {promise['cutoff_hz']:.4g} Hz. The last columns: on runs that {last['seen']}, "
+        f"at {last['cutoff_hz']:.4g} Hz; samples {last['mask']}.",
+        muted=True,
+    )
+    return [Section("Promised and achieved", [Table(head, rows), note])]
+
+
+def _doubts(state: Investigation) -> list[Section]:
+    open_ = [f for f in state.findings if f.get("settling")]
+    if not open_:
+        return []
+    lines = []
+    for finding in open_:
+        way = finding["settling"]
+        files = listed([f"doubts/{name}" for name in (way["plan"], way["motion"]) if name])
+        text = f"{way['says']} It takes {way['seconds']:.0f} s; beside this report: {files}."
+        lines.append(("", f"{text} {way['problem']}".strip()))
+    return [Section("What would settle the doubt", [Lines(lines)])]
+
+
+def _course(state: Investigation) -> Section:
+    rows = [
+        [step.title, MARKS[step.status], f"{step.moved:.0f} s" if step.moved else "–",
+         ", ".join([*step.runs, *step.models]) or "–", step.said]
+        for step in state.steps if step.kind != "report"
+    ]  # fmt: skip
+    return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows)])
+
+
+def _sheet(place: Path) -> dict[str, Any]:
+    path = place / SHEET / "summary.json"
+    try:
+        return dict(json.loads(read_entry(path, LARGEST)))
+    except ValueError as error:
+        raise UserError(f"{path}: {error}; expected the plots of a diagnosis") from error
+
+
+def _where(judged: dict[str, Any]) -> str:
+    return "fresh motion" if judged["fresh"] else "runs to judge by"
+
+
+def _number(value: float | None) -> str:
+    return "not known" if value is None else f"{value:.4g}"

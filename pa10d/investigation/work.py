@@ -1,0 +1,175 @@
+"""What the steps of an investigation compute: each takes a state and gives what came of it.
+
+Every step can be carried out again: what it stores has names of the investigation's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
+from pa10d.diagnose.delivery import delivered
+from pa10d.diagnose.outcome import Diagnosis
+from pa10d.investigation.archive import SHEET, Archive
+from pa10d.investigation.doubts import write_doubts
+from pa10d.investigation.state import Investigation, Step
+from pa10d.investigation.words import (
+    added_words,
+    compared_words,
+    fall_words,
+    found_words,
+    identified_words,
+)
+from pa10d.services.diagnoses import diagnose_runs
+from pa10d.services.history import history
+from pa10d.services.library import Library, open_library
+from pa10d.services.models import compare_runs, identify_runs
+from pa10d.services.sheets import write_diagnosis_sheet
+from pa10d.store.folders import write_text
+from pa10d.store.model_parse import read_model
+from pa10d.store.model_text import model_text
+from pa10d.store.models import new_info
+
+Outcome = dict[str, Any]
+Progress = Callable[[float, str], None]
+VERSIONS = "versions"
+
+
+def compute(data: str, investigation: str, step: str, progress: Progress) -> Outcome:
+    """Carry out a step that needs no motion → runs, models, result and words, as
+    ``course.done`` takes them."""
+    archive = Archive(data)
+    state = archive.load(investigation)
+    wanted = state.step(step)
+    work = WORK[wanted.kind]
+    outcome = work(open_library(data), archive.place(investigation), state, wanted, progress)
+    return dict(plain(outcome))
+
+
+def _identify(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    made = identify_runs(
+        library, state.to_fit, state.profile, name=_name(state, 0), replace=True,
+        force=state.force, progress=progress,
+    )  # fmt: skip
+    said = identified_words(made.summary)
+    return {"models": [made.info.id], "result": made.summary, "said": said}
+
+
+def _compare(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    runs = state.unseen or state.to_fit
+    found = compare_runs(library, _base(state), runs, force=state.force, progress=progress)
+    document = found.document()
+    kept = {"runs": [run.id for run in found.runs], "pooled": document["pooled"]}
+    said = compared_words(document)
+    if not state.unseen:
+        said = f"Judged on the runs it was fitted to: there are no others. {said}"
+    return {"result": kept, "said": said}
+
+
+def _diagnose(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    fit, judge, base = state.to_fit, state.to_judge, _base(state)
+    frozen = state.question == "changed"
+    found = diagnose_runs(
+        library, base, fit, judge, frozen=frozen, force=state.force, progress=progress
+    )
+    progress(0.97, "plots")
+    write_diagnosis_sheet(library, found, place / SHEET, base, fit, judge)
+    _keep_versions(found, place / VERSIONS)
+    document = found.document()
+    write_doubts(state.profile, document["findings"], place)
+    return {"result": document, "said": found_words(document)}
+
+
+def _add(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    """Exactly what the search judged is stored."""
+    parent = library.models.find(_base(state)).name
+    infos, models = [], []
+    for number in range(1, len(state.findings) + 1):
+        progress(number / (len(state.findings) + 1), "storing")
+        kept = read_model(place / VERSIONS / f"{number}.yaml")[0]
+        model = replace(kept, name=_name(state, number), parent=parent)
+        infos.append(library.models.save(model, replace=True))
+        models.append(model)
+        parent = model.name
+    changes = [{"id": i.id, "name": i.name, "change": i.change} for i in infos]
+    result = {"versions": changes, **delivered(models[-1])}
+    said = added_words(changes, state.findings, state.question == "changed")
+    return {"models": [info.id for info in infos], "result": result, "said": said}
+
+
+def _judge(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    """The first and the last version, on the same runs in one band."""
+    fresh = state.recorded("fresh")
+    runs = fresh or state.unseen or state.to_fit
+    line = history(library, state.versions[-1], runs)
+    judged = [version for version in line if version.info.id in state.versions]
+    first, last = judged[0].judgement, judged[-1].judgement
+    if first is None or last is None:
+        raise UserError(f"runs {', '.join(runs)}: not in the store any more")
+    result = {
+        "fresh": bool(fresh),
+        "seen": "no fit has seen" if fresh or state.unseen else "the models were fitted to",
+        "runs": runs,
+        "models": [version.info.name for version in judged],
+        "before": plain(first.rms),
+        "after": plain(last.rms),
+        "noise_floor": [v if np.isfinite(v) else None for v in last.floor.values.tolist()],
+        "cutoff_hz": last.cutoff,
+        "mask": last.mask,
+    }
+    return {"result": result, "said": fall_words(result)}
+
+
+def _report(
+    library: Library, place: Path, state: Investigation, step: Step, progress: Progress
+) -> Outcome:
+    from pa10d.investigation.report import write_report
+
+    path = write_report(library, place, state)
+    return {"result": {"report": str(path)}, "said": "The report is written."}
+
+
+WORK: Mapping[str, Callable[[Library, Path, Investigation, Step, Progress], Outcome]] = {
+    "identify": _identify,
+    "compare": _compare,
+    "diagnose": _diagnose,
+    "add": _add,
+    "judge": _judge,
+    "report": _report,
+}
+
+
+def _keep_versions(found: Diagnosis, folder: Path) -> None:
+    """What the search judged, as model files, until it is added."""
+    folder.mkdir(exist_ok=True)
+    for old in folder.glob("*.yaml"):
+        old.unlink()
+    for number, version in enumerate(found.versions[1:], 1):
+        write_text(folder / f"{number}.yaml", model_text(version, new_info(version, None)))
+
+
+def _base(state: Investigation) -> str:
+    if state.base is None:
+        raise UserError(f"{state.name}: no model was fitted yet")
+    return state.base
+
+
+def _name(state: Investigation, number: int) -> str:
+    """Of a model: the investigation's own, so that it can be made again."""
+    return f"{state.name}-m{number}"
