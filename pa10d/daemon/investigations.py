@@ -26,6 +26,7 @@ MOVES, RECORDINGS = "investigation", "analysis"
 
 TAGS = {"fit": ["fit"], "judge": ["judge"], "settle": ["fit", "judge"], "fresh": ["fresh"]}
 ABLE = ("inactive", "holding")  # states from which an arm may be moved
+SEARCH, OTHER = 30.0, 5.0  # s that computing takes, roughly, for the bar
 STOPPED = "it was stopped; what is done stays done"
 
 
@@ -111,10 +112,10 @@ class _Carrier:
 
     def _told(self, state: Investigation, step: Step) -> Progress:
         """The job's progress by the steps that are over; its message begins with this one's id."""
-        count = len(state.steps)
-        over = sum(s.status in ("done", "left_out") for s in state.steps)
+        times = [_time(one) for one in state.steps if one.status != "left_out"]
+        over = sum(_time(one) for one in state.steps if one.status == "done")
         inner: Callable[[float, str], None] = part(
-            self._report, over / count, min(over + 1, count) / count
+            self._report, over / sum(times), min(1.0, (over + _time(step)) / sum(times))
         )
 
         def tell(share: float, message: str = "") -> None:
@@ -125,3 +126,10 @@ class _Carrier:
     async def _save(self, state: Investigation) -> None:
         await asyncio.to_thread(self._archive.save, state)
         self._daemon.events.publish("investigation", {"id": state.id, "status": state.status})
+
+
+def _time(step: Step) -> float:
+    """s, roughly."""
+    if step.motion is not None:
+        return step.motion.seconds
+    return SEARCH if step.kind == "diagnose" else OTHER

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import FileResponse
 
 from pa10d.api.deps import Client, TheDaemon
@@ -29,6 +29,7 @@ from pa10d.investigation.doubts import FOLDER
 from pa10d.investigation.state import Investigation
 
 router = APIRouter(prefix="/investigations", tags=["investigations"])
+Number = Annotated[int, Path(ge=1, le=100)]
 ASKED = responses("not-found", "refused", "conflict", "unsound")
 
 
@@ -121,11 +122,11 @@ async def report(daemon: TheDaemon, investigation: str) -> FileResponse:
     response_class=FileResponse,
     responses=responses("not-found"),
 )
-async def doubt(daemon: TheDaemon, investigation: str, number: int, ending: str) -> FileResponse:
+async def doubt(daemon: TheDaemon, investigation: str, number: Number, ending: str) -> FileResponse:
     """What settles a doubt, of the finding with this number: a plan (yaml) or a motion (csv)."""
     state = await _find(daemon, investigation)
     key = {"yaml": "plan", "csv": "motion"}.get(ending)
-    known = state.findings[number - 1 : number] if number > 0 else []
+    known = state.findings[number - 1 : number]
     name = known[0].get("settling", {}).get(key) if known and key else None
     path = daemon.investigations.place(state.id) / FOLDER / str(name)
     if name is None or not await daemon.shelf(path.is_file):
