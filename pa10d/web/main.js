@@ -8,13 +8,14 @@ import { header, SECTIONS } from "./parts/header.js";
 import { askForToken } from "./parts/token.js";
 import { jobChanged, tray } from "./parts/jobs.js";
 import * as robot from "./sections/robot.js";
+import * as investigate from "./sections/investigate.js";
 import * as experiments from "./sections/experiments.js";
 import * as runs from "./sections/runs.js";
 import * as compare from "./sections/compare.js";
 import * as diagnose from "./sections/diagnose.js";
 import * as models from "./sections/models.js";
 
-const rooms = { robot, experiments, runs, compare, diagnose, models };
+const rooms = { robot, investigate, experiments, runs, compare, diagnose, models };
 const LOOK_EVERY = 1000; // ms between looks at the arm's state
 const content = document.getElementById("content");
 const made = new Map();
@@ -39,7 +40,7 @@ function happened(event) {
   if (event.kind === "job") jobChanged(event.data);
   if (event.kind === "job" && event.data.finished) {
     if (["compare", "diagnose"].includes(event.data.kind)) loadAnalyses().catch(() => {});
-    if (["identify", "add", "improve", "improvement"].includes(event.data.kind)) loadModels().catch(() => {});
+    if (["identify", "add", "improve", "improvement", "investigation", "analysis"].includes(event.data.kind)) loadModels().catch(() => {});
   }
   if (event.kind === "run") loadRuns().catch(() => {});
   if (event.kind === "robot" || event.kind === "lease") loadRobot().catch(() => {});

@@ -63,7 +63,8 @@ function nextStep() {
   }
   if (!state.runs.length) {
     return canMove()
-      ? { go: "experiments", text: "Nothing is recorded yet. Record the starting set: four motions, two to fit a model to and two to judge it by.", label: "Record" }
+      ? { go: "investigate", text: "Nothing is recorded yet. Investigate: all of it by one button. Or step by step: Record the starting set, motions to fit a model to and others to judge it by.", label: "Investigate",
+          also: { go: "experiments", label: "Record" } }
       : { go: "runs", text: "Nothing is recorded yet. Drop recordings (CSV) into Runs: at least one to fit a model to, one of another motion to judge it by.", label: "Import" };
   }
   if (!fit.length || !judge.length) {
@@ -123,12 +124,13 @@ function afterDiagnosis(model, diagnosis) {
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
 
 /** Where the step is to look at something, and one is there already, the step after it. */
-const forSection = (step, section) => (step.go === section && step.then ? step.then : step);
+const forSection = (step, section) => (step.go === section && step.then ? step.then : step.also?.go === section ? { ...step, ...step.also } : step);
 
 /** Head of a section: its title, and the next step. `here` says what to press, in this section. */
 export function heading(section, title, here = {}) {
   const words = el("span", {}), link = el("a", { class: "button small" });
   const line = el("p", { role: "status", class: "guide", dataset: { guide: section } }, el("b", {}, "Next step "), words, link);
+  let other = null;
   const refresh = () => {
     if (!state.ready) return;
     const step = forSection(nextStep(), section);
@@ -138,6 +140,9 @@ export function heading(section, title, here = {}) {
     link.hidden = !step.go || step.go === section;
     link.textContent = step.label ?? "";
     link.href = `#/${[step.go ?? section, step.at].filter(Boolean).join("/")}`;
+    other?.remove();
+    other = step.also && step.also.go !== section ? el("a", { class: "button small", href: `#/${step.also.go}` }, step.also.label) : null;
+    if (other) line.append(other);
   };
   watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "ready"], refresh);
   return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);

@@ -8,7 +8,7 @@ import { guarded } from "../base/notices.js";
 const WORDS = {
   experiment: "Experiment", series: "Experiments", check: "Pre-check", identify: "Fit",
   compare: "Comparison", diagnose: "Diagnosis", add: "Adding an effect", improve: "Improvement",
-  improvement: "Improvement",
+  improvement: "Improvement", preparation: "Plan", investigation: "Investigation", analysis: "Investigation",
 };
 const waiting = new Map();
 
@@ -62,7 +62,7 @@ export function progress(pick) {
     bar.value = job.progress;
     say(text, job.status === "queued" ? `${WORDS[job.kind] ?? job.kind}: waits for its turn`
       : `${WORDS[job.kind] ?? job.kind}: ${job.message || job.status}, ${Math.round(100 * job.progress)} %`);
-    say(cancel, ["experiment", "series", "improvement"].includes(job.kind) ? "Abort" : "Cancel");
+    say(cancel, ["experiment", "series", "improvement", "investigation"].includes(job.kind) ? "Abort" : "Cancel");
   });
   return box;
 }
@@ -84,4 +84,4 @@ export function tray(box) {
   });
 }
 
-const moving = (job) => Number(["experiment", "series", "improvement"].includes(job.kind));
+const moving = (job) => Number(["experiment", "series", "improvement", "investigation"].includes(job.kind));

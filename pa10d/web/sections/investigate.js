@@ -1,0 +1,159 @@
+// All of it by one button: from the arm, or recordings, to a model, what it lacks, and a report.
+import { el, fill } from "../base/dom.js";
+import { client, get, post } from "../base/api.js";
+import { mayCommand, moves } from "../base/condition.js";
+import { current, state, watch } from "../base/store.js";
+import { guarded, notice } from "../base/notices.js";
+import { number, seconds, when } from "../base/units.js";
+import { ask } from "../parts/dialog.js";
+import { table } from "../parts/blocks.js";
+import { courses } from "../parts/courses.js";
+import { heading } from "../parts/guide.js";
+import { finished } from "../parts/jobs.js";
+import { runPicker } from "../parts/picker.js";
+
+const MARK = { done: "done", running: "now", waiting: "next", left_out: "left out" };
+const WORDS = {
+  waiting: "Nothing has moved yet. Look at what will be done, then start it.",
+  running: "It is under way.", paused: "It rests. Nothing is lost: it goes on where it is.",
+  stopped: "It was stopped. What is done stays done; it goes on from there.",
+  failed: "It could not go on. What is done stays done; remove the cause, then go on.", done: "It is done.",
+};
+const AGAIN = 1500; // ms between looks while it runs
+const planned = new Map(); // id -> motions, as long as this page is open
+let parts = null, shown = null, known = [];
+
+export function mount(box) {
+  parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "investigations" }), detail: el("div", { class: "grow" }) };
+  fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'." }), form(),
+    el("div", { class: "columns" }, parts.list, parts.detail));
+  watch(["jobs", "ready"], soon);
+}
+
+/** #/investigate/ID */
+export function show([id]) {
+  if (id) shown = id;
+  refresh().catch(() => {});
+}
+
+let waiting = null;
+const soon = () => { waiting ??= setTimeout(() => { waiting = null; if (state.section === "investigate") refresh().catch(() => {}); }, 200); };
+
+async function refresh() {
+  known = (await get("investigations")).items;
+  fill(parts.list, known.map((one) => el("button", {
+    type: "button", role: "tab", class: "kind", "aria-selected": String(one.id === shown), dataset: { investigation: one.name },
+    onclick: () => { shown = one.id; history.replaceState(null, "", `#/investigate/${one.id}`); refresh(); },
+  }, el("b", {}, one.name), el("small", {}, `${one.status}, ${when(one.created)}`))));
+  shown = known.some((one) => one.id === shown) ? shown : known[0]?.id ?? null;
+  if (!shown) return fill(parts.detail);
+  const found = await get(`investigations/${shown}`);
+  if (found.id !== shown) return;
+  draw(found);
+  if (found.status === "running") setTimeout(soon, AGAIN);
+}
+
+function form() {
+  const minutes = el("input", { id: "minutes", type: "number", min: 1, max: 240, step: 1, value: 15 });
+  const question = el("select", { id: "question" });
+  const source = el("select", { id: "source" }, el("option", { value: "arm" }, "the arm: it moves"), el("option", { value: "runs" }, "recordings: nothing moves"));
+  const fit = runPicker("Fit to", "fit"), judge = runPicker("Judge by", "judge");
+  const moved = el("label", { class: "picker" }, el("span", {}, "Minutes of motion, at most"), minutes);
+  const given = el("div", { class: "row pickers" }, fit.box, judge.box);
+  const plan = el("button", { type: "button", class: "primary", id: "plan", onclick: guarded("It could not be planned.", async () => {
+    const runs = source.value === "runs";
+    const made = await finished(await post("investigations", {
+      ...(runs ? { fit: fit.ids, validate: judge.ids } : { minutes: Number(minutes.value) }), ...(question.value ? { since: question.value } : {}) }));
+    shown = made.result.id;
+    planned.set(shown, made.result.motions);
+    await refresh();
+    parts.detail.querySelector("button.primary")?.focus();
+  }) }, "Show what will be done");
+  const turn = () => { moved.hidden = source.value === "runs"; given.hidden = !moved.hidden; };
+  source.addEventListener("change", turn);
+  turn();
+  watch(["models"], () => {
+    if (document.activeElement === question) return;
+    const before = question.value;
+    fill(question, el("option", { value: "" }, "what is missing in its model?"), current().map((model) => el("option", { value: model.name }, `what has changed since ${model.name}?`)));
+    question.value = [...question.options].some((one) => one.value === before) ? before : "";
+  });
+  return el("div", { class: "panel" }, el("div", { class: "row pickers" }, el("h2", {}, "New investigation"),
+    el("label", { class: "picker" }, el("span", {}, "Ask"), question), el("label", { class: "picker" }, el("span", {}, "From"), source), moved, given, plan),
+  el("p", { class: "muted" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));
+}
+
+function draw(found) {
+  const step = found.steps.find((one) => one.status === "running");
+  fill(parts.detail, el("div", { class: "panel", id: "investigation" },
+    el("div", { class: "row between" }, el("h2", {}, found.name, " ", el("small", {}, found.question === "changed" ? "what has changed?" : "what is missing?")), buttons(found)),
+    el("p", { role: "status", class: found.status === "failed" ? "bad" : "" }, found.error && found.status === "failed" ? `${found.error} ` : "", WORDS[found.status],
+      found.pausing ? " It will rest after this step." : ""),
+    found.status === "done" ? null : budget(found),
+    el("ol", { class: "steps" }, found.steps.map((one) => line(one, one === step, found))),
+    result(found)));
+}
+
+/** What is left of it, in s of the arm's clock. */
+function budget({ steps, moves: moving, budget_minutes: minutes, moved_seconds: moved }) {
+  if (!moving) return null;
+  const left = steps.filter((one) => one.experiment && ["waiting", "running"].includes(one.status)).reduce((sum, one) => sum + one.seconds, 0);
+  return el("p", { class: "muted" }, `${seconds(moved)} moved, ${seconds(left)} of motion to come, of at most ${number(minutes)} minutes; computing comes on top.`);
+}
+
+function line(step, now, found) {
+  const motion = planned.get(found.id)?.find((one) => one.kind === step.experiment?.kind && JSON.stringify(one.parameters) === JSON.stringify(step.experiment.parameters));
+  const running = now && [...state.jobs.values()].find((one) => one.request?.investigation === found.id && one.status === "running");
+  const time = step.status === "done" ? (step.moved ? seconds(step.moved) : "") : step.seconds ? `about ${seconds(step.seconds)}` : "";
+  return el("li", { class: step.status, dataset: { step: step.id } },
+    el("div", { class: "row" }, el("span", { class: "mark" }, MARK[step.status]), el("b", {}, step.title), el("small", {}, time)),
+    running ? el("small", {}, running.message.replace(`${step.title}: `, "")) : null,
+    step.why && step.status === "waiting" ? el("small", {}, step.why) : null,
+    step.said ? el("p", {}, step.said) : null,
+    found.status === "waiting" && motion && step.status === "waiting" ? courses(motion) : null);
+}
+
+function buttons(found) {
+  const mine = [...state.jobs.values()].find((one) => one.request?.investigation === found.id && ["queued", "running"].includes(one.status));
+  if (found.status === "running") {
+    return el("div", { class: "row" },
+      el("button", { type: "button", disabled: found.pausing, onclick: guarded("It could not be paused.", async () => { await post(`investigations/${found.id}/pause`); await refresh(); }) }, "Pause after this step"),
+      el("button", { type: "button", class: "danger", onclick: guarded("It could not be stopped.", async () => { if (mine) await post(`jobs/${mine.id}/cancel`); await refresh(); }) }, "Stop"));
+  }
+  if (found.status === "done") return el("a", { class: "button primary", href: `api/v1/investigations/${found.id}/report`, target: "_blank" }, "Open the report");
+  const start = el("button", { type: "button", class: "primary", onclick: guarded("It could not be started.", () => begin(found)) }, found.status === "waiting" ? "Start" : "Go on");
+  const why = !found.moves ? "" : !mayCommand(client) ? `${state.robot?.lease.holder ?? "somebody"} commands the arm` : moves() ? "an experiment is under way"
+    : !["inactive", "holding"].includes(state.robot?.state) ? `the arm is ${state.robot?.state}` : "";
+  start.disabled = Boolean(why);
+  start.title = why;
+  return el("div", { class: "row" }, why ? el("small", {}, why) : null, start);
+}
+
+async function begin(found) {
+  if (found.status === "waiting" && found.moves) {
+    const total = found.steps.filter((one) => one.status === "waiting").reduce((sum, one) => sum + (one.seconds ?? 0), 0);
+    if (!await ask("Start the investigation?", `The arm will move for about ${seconds(total)}, in several motions. Keep clear of it. STOP, pause and stop work at any time.`, "Start")) return;
+  }
+  const job = await post(`investigations/${found.id}/start`);
+  finished(job).then(
+    (whole) => { if (whole.result.status === "done") notice(`${found.name} is done.`, { action: { href: `#/investigate/${found.id}`, label: "Look" } }); soon(); },
+    (error) => { notice(`${found.name} did not come to its end.`, { kind: "error", detail: error.message }); soon(); });
+  await refresh();
+}
+
+function result(found) {
+  if (!found.verdict) return null;
+  const search = found.steps.filter((one) => one.kind === "diagnose" && one.status === "done").at(-1);
+  const judged = found.judged;
+  return el("div", { class: "result" }, el("p", { class: `verdict ${found.verdict}` }, search.said),
+    judged ? [el("p", {}, `Error in N·m on runs that ${judged.seen}, with ${judged.models.join(" and ")}:`),
+      table(["joint", "before", "after", "noise floor"], judged.before.map((before, j) => [String(j + 1), number(before), number(judged.after[j]), number(judged.noise_floor[j])]))] : null,
+    found.doubts.map((doubt) => el("p", {}, doubt.says, " ", doubt.problem ?? "",
+      links(found, doubt))));
+}
+
+function links(found, doubt) {
+  const number = found.findings.findIndex((one) => one.effect === doubt.effect && String(one.joints) === String(doubt.joints)) + 1;
+  const to = (ending, says) => el("a", { class: "button small", href: `api/v1/investigations/${found.id}/doubts/${number}.${ending}`, download: "" }, says);
+  return [doubt.plan ? to("yaml", "Plan") : null, " ", doubt.motion ? to("csv", "Motion") : null];
+}
