@@ -421,6 +421,12 @@ class InvestigationBrief(BaseModel):
     created: str
 
 
+class MotionList(BaseModel):
+    """Planned motions: ``kind``, ``parameters``, ``seconds``, ``joints``, ``time``, ``q``."""
+
+    items: list[dict[str, Any]]
+
+
 class InvestigationPage(Page):
     """Investigations, newest first."""
 

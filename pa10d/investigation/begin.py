@@ -12,7 +12,7 @@ from typing import Any
 from pa10d.common.errors import UserError
 from pa10d.investigation.archive import Archive
 from pa10d.investigation.course import first_steps
-from pa10d.investigation.motions import Preview, previews
+from pa10d.investigation.motions import Preview, keep_previews, previews
 from pa10d.investigation.state import Investigation, Question
 from pa10d.services.library import Library, open_library
 from pa10d.services.robots import load_robot
@@ -66,6 +66,7 @@ def begin(
     )  # fmt: skip
     if keep:
         archive.save(state)
+        keep_previews(archive.place(state.id), seen)
     return state, seen
 
 

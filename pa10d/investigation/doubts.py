@@ -11,7 +11,7 @@ import yaml
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.investigation.motions import planned, preview
+from pa10d.investigation.motions import keep_previews, planned, preview
 from pa10d.investigation.words import doubt_words
 from pa10d.services.robots import load_robot
 from pa10d.store.folders import write_text
@@ -24,7 +24,7 @@ def write_doubts(profile: str, findings: Sequence[dict[str, Any]], place: Path) 
     """Every finding with a ``next_experiment`` gets ``settling``: seconds, says, and its files'
     names in the folder ``doubts``; of a search before nothing stays there."""
     robot = load_robot(profile)[1]
-    folder = place / FOLDER
+    folder, shown = place / FOLDER, []
     folder.mkdir(exist_ok=True)
     for old in folder.glob("*.*"):
         old.unlink()
@@ -33,6 +33,7 @@ def write_doubts(profile: str, findings: Sequence[dict[str, Any]], place: Path) 
         if plan is None:
             continue
         seen = preview(robot, plan, "settle")
+        shown.append(seen)
         stem = f"{number}-{plan['kind']}"
         finding["settling"] = {
             "seconds": seen.motion.seconds,
@@ -46,6 +47,7 @@ def write_doubts(profile: str, findings: Sequence[dict[str, Any]], place: Path) 
             write_text(folder / f"{stem}.csv", motion_text(robot, plan))
         except UserError as error:
             finding["settling"] |= {"problem": str(error), "motion": None}
+    keep_previews(place, shown)
 
 
 def plan_text(finding: Mapping[str, Any]) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
@@ -16,6 +19,8 @@ from pa10d.investigation.state import Motion
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
 from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET
+from pa10d.store.entries import read_entry
+from pa10d.store.folders import write_json
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
@@ -25,7 +30,8 @@ Document = dict[str, Any]
 Progress = Callable[[float, str], None]
 
 LOOK = 50.0  # Hz: enough for times, ranges and clearance
-SHOWN = 400  # points of a motion that are drawn
+SHOWN = 200  # points of a motion that are drawn
+MOTIONS, LARGEST = "motions.json", 16 << 20  # bytes of it that are read
 
 FRESH: Document = {
     "kind": "point_to_point",
@@ -47,6 +53,27 @@ LATER: tuple[Document, ...] = (
     },
 )
 """What is recorded to ask what has changed."""
+
+
+class Course(BaseModel):
+    """One joint of a motion: rad and rad/s."""
+
+    joint: int
+    q_min: float
+    q_max: float
+    dq_max: float
+
+
+class Shown(Motion):
+    """A preview as JSON. time: (N) s; q: (N, n) rad."""
+
+    problems: list[str]
+    joints: list[Course]
+    time: list[float]
+    q: list[list[float]]
+
+
+_KEPT = TypeAdapter(list[Shown])
 
 
 @dataclass(frozen=True)
@@ -110,6 +137,23 @@ def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> Preview:
     return Preview(motion, t, q, dq, problems)
 
 
+def keep_previews(place: Path, found: Sequence[Preview]) -> None:
+    """Into an investigation's folder, beside those that are there: one of the same motion goes."""
+    new = [one.document() for one in found]
+    known = {_essence(one) for one in new}
+    write_json(place / MOTIONS, [*(o for o in kept_previews(place) if _essence(o) not in known),
+                                 *new])  # fmt: skip
+
+
+def kept_previews(place: Path) -> list[Document]:
+    """What was kept there; a file that is none counts as none, as they are for looking only."""
+    try:
+        kept = _KEPT.validate_json(read_entry(place / MOTIONS, LARGEST))
+    except (UserError, ValidationError):
+        return []
+    return [one.model_dump() for one in kept]
+
+
 def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]:
     """``{kind, parameters}`` as a plan of this arm."""
     around = Surroundings.of(robot)
@@ -120,6 +164,10 @@ def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]
 def possible(found: Sequence[Preview]) -> list[Motion]:
     """Those that can be planned."""
     return [one.motion for one in found if not one.problems]
+
+
+def _essence(shown: Document) -> str:
+    return json.dumps([shown["kind"], shown["parameters"], shown["purpose"]], sort_keys=True)
 
 
 def _asked(data: str, profile: Profile, question: str) -> list[tuple[Document, str]]:

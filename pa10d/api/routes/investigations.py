@@ -19,6 +19,7 @@ from pa10d.api.schemas import (
     InvestigationPage,
     InvestigationRequest,
     Job,
+    MotionList,
 )
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
@@ -26,6 +27,7 @@ from pa10d.daemon.investigations import investigation_job
 from pa10d.investigation.archive import REPORT
 from pa10d.investigation.document import brief, document
 from pa10d.investigation.doubts import FOLDER
+from pa10d.investigation.motions import kept_previews
 from pa10d.investigation.state import Investigation
 
 router = APIRouter(prefix="/investigations", tags=["investigations"])
@@ -65,6 +67,14 @@ async def list_investigations(
 async def show(daemon: TheDaemon, investigation: str) -> Any:
     """How far it is, and what came of it."""
     return await daemon.shelf(_document, daemon, await _find(daemon, investigation))
+
+
+@router.get("/{investigation}/motions", response_model=MotionList, responses=responses("not-found"))
+async def motions(daemon: TheDaemon, investigation: str) -> Any:
+    """Its motions as they were planned: angles over time, ranges, and what would keep them from
+    being run."""
+    state = await _find(daemon, investigation)
+    return {"items": await daemon.shelf(kept_previews, daemon.investigations.place(state.id))}
 
 
 @router.post(

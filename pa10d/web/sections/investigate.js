@@ -12,7 +12,7 @@ import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { runPicker } from "../parts/picker.js";
 
-const MARK = { done: "done", running: "now", waiting: "next", left_out: "left out" };
+const MARK = { done: "done", running: "now", waiting: "later", left_out: "left out" };
 const WORDS = {
   waiting: "Nothing has moved yet. Look at what will be done, then start it.",
   running: "It is under way.", paused: "It rests. Nothing is lost: it goes on where it is.",
@@ -20,7 +20,7 @@ const WORDS = {
   failed: "It could not go on. What is done stays done; remove the cause, then go on.", done: "It is done.",
 };
 const AGAIN = 1500; // ms between looks while it runs
-const planned = new Map(); // id -> motions, as long as this page is open
+const planned = new Map(); // id -> its motions as they were planned, and how many steps they are of
 let parts = null, shown = null, known = [];
 
 export function mount(box) {
@@ -49,6 +49,9 @@ async function refresh() {
   if (!shown) return fill(parts.detail);
   const found = await get(`investigations/${shown}`);
   if (found.id !== shown) return;
+  if (planned.get(shown)?.steps !== found.steps.length) {
+    planned.set(shown, { steps: found.steps.length, motions: (await get(`investigations/${shown}/motions`)).items });
+  }
   draw(found);
   if (found.status === "running") setTimeout(soon, AGAIN);
 }
@@ -65,7 +68,6 @@ function form() {
     const made = await finished(await post("investigations", {
       ...(runs ? { fit: fit.ids, validate: judge.ids } : { minutes: Number(minutes.value) }), ...(question.value ? { since: question.value } : {}) }));
     shown = made.result.id;
-    planned.set(shown, made.result.motions);
     await refresh();
     parts.detail.querySelector("button.primary")?.focus();
   }) }, "Show what will be done");
@@ -80,7 +82,7 @@ function form() {
   });
   return el("div", { class: "panel" }, el("div", { class: "row pickers" }, el("h2", {}, "New investigation"),
     el("label", { class: "picker" }, el("span", {}, "Ask"), question), el("label", { class: "picker" }, el("span", {}, "From"), source), moved, given, plan),
-  el("p", { class: "muted" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));
+  el("p", { class: "muted below" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));
 }
 
 function draw(found) {
@@ -102,15 +104,16 @@ function budget({ steps, moves: moving, budget_minutes: minutes, moved_seconds: 
 }
 
 function line(step, now, found) {
-  const motion = planned.get(found.id)?.find((one) => one.kind === step.experiment?.kind && JSON.stringify(one.parameters) === JSON.stringify(step.experiment.parameters));
+  const motion = planned.get(found.id).motions.find((one) => one.purpose === step.purpose && one.kind === step.experiment?.kind && JSON.stringify(one.parameters) === JSON.stringify(step.experiment.parameters));
   const running = now && [...state.jobs.values()].find((one) => one.request?.investigation === found.id && one.status === "running");
+  const next = step.status === "waiting" && found.steps.find((one) => ["waiting", "running"].includes(one.status)) === step;
   const time = step.status === "done" ? (step.moved ? seconds(step.moved) : "") : step.seconds ? `about ${seconds(step.seconds)}` : "";
   return el("li", { class: step.status, dataset: { step: step.id } },
-    el("div", { class: "row" }, el("span", { class: "mark" }, MARK[step.status]), el("b", {}, step.title), el("small", {}, time)),
+    el("div", { class: "row" }, el("span", { class: "mark" }, next ? "next" : MARK[step.status]), el("b", {}, step.title), el("small", {}, time)),
     running ? el("small", {}, running.message.replace(`${step.title}: `, "")) : null,
     step.why && step.status === "waiting" ? el("small", {}, step.why) : null,
     step.said ? el("p", {}, step.said) : null,
-    found.status === "waiting" && motion && step.status === "waiting" ? courses(motion) : null);
+    motion && step.status === "waiting" && (next || found.status === "waiting") ? courses(motion) : null);
 }
 
 function buttons(found) {
