@@ -67,8 +67,19 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     )
     app.state.daemon = daemon
     problems.install(app)
-    for room in (shape, robot, experiments, jobs, runs, models, analyses, investigations, plots,
-                 explorer, sockets):
+    for room in (
+        shape,
+        robot,
+        experiments,
+        jobs,
+        runs,
+        models,
+        analyses,
+        investigations,
+        plots,
+        explorer,
+        sockets,
+    ):
         app.include_router(room.router, prefix="/api/v1")
     app.include_router(service.router)
     app.include_router(docs.router)

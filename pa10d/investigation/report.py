@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pa10d import __version__
 from pa10d.common.errors import UserError
+from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.investigation.archive import REPORT, SHEET
 from pa10d.investigation.state import Investigation

@@ -14,8 +14,8 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import plain
-from pa10d.diagnose.delivery import delivered
-from pa10d.diagnose.outcome import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.search.delivery import delivered
 from pa10d.investigation.archive import SHEET, Archive
 from pa10d.investigation.doubts import write_doubts
 from pa10d.investigation.state import Investigation, Step

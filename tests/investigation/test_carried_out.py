@@ -10,7 +10,7 @@ import pytest
 from made_up import answer, finding, investigation
 
 from pa10d.common.errors import UserError
-from pa10d.daemon import investigations
+from pa10d.daemon.motions import investigations
 from pa10d.investigation import course
 from pa10d.investigation.archive import Archive
 

@@ -23,7 +23,7 @@ from pa10d.api.schemas import (
 )
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.investigations import investigation_job
+from pa10d.daemon.motions.investigations import investigation_job
 from pa10d.investigation.archive import REPORT
 from pa10d.investigation.document import brief, document
 from pa10d.investigation.doubts import FOLDER

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
-from pa10d.daemon.experiment import request_of
-from pa10d.daemon.jobs import Job, Progress, Report, part
-from pa10d.daemon.motions import experiment_of
+from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
+from pa10d.daemon.motions.experiment import request_of
+from pa10d.daemon.motions.kinds import experiment_of
 from pa10d.investigation import course
 from pa10d.investigation.document import document
 from pa10d.investigation.state import Investigation, Step
