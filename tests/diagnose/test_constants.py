@@ -18,7 +18,8 @@ def _given_here(path: Path) -> list[str]:
         target.id
         for line in ast.parse(path.read_text()).body
         if isinstance(line, ast.Assign)
-        for target in line.targets
+        for given in line.targets
+        for target in (given.elts if isinstance(given, ast.Tuple) else [given])
         if isinstance(target, ast.Name) and target.id.isupper()
         for value in [line.value.elts[0] if isinstance(line.value, ast.Tuple) else line.value]
         if isinstance(value, ast.Constant) and isinstance(value.value, int | float)

@@ -14,12 +14,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import MAJORITY_ROUNDS, MAJORITY_THIN
+from pa10d.diagnose.constants import BIWEIGHT, HUBER, MAJORITY_ROUNDS, MAJORITY_THIN
 from pa10d.diagnose.regression.fit import Fit
 
 Array = NDArray[np.float64]
-
-HUBER, BIWEIGHT = 1.345, 4.685  # standard deviations: each 95 % efficient on clean data
 
 
 def agreed(fit: Fit) -> Array:
