@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pa10d.checks.channels import check_channels
+from pa10d.checks.counters import check_counters
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
 from pa10d.checks.finding import Finding
+from pa10d.checks.geometry import check_geometry
 from pa10d.checks.timing import check_timing
 from pa10d.checks.units import beyond_limits, check_units
 from pa10d.dynamics.robot import Robot
@@ -26,16 +28,17 @@ def check_recording(
     """Everything worth saying, gravest first.
 
     timing: how the stamps were before they became equal steps; robot: for limits and the delay;
-    delay: whether to fit a model for it, which takes longer than all the rest.
+    delay: whether to fit a model for it and for signs, which takes longer than all the rest.
     """
     names = None if robot is None else robot.joint_names
     findings = [
         *check_timing(recording, timing),
         *check_channels(recording, names),
+        *check_counters(recording, names),
         *check_units(recording, robot),
     ]
     if robot is not None:
         findings += beyond_limits(recording, robot)
         if delay and not any(finding.severity == "error" for finding in findings):
-            findings += check_delay(recording, robot)
+            findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
     return sorted(findings, key=lambda finding: _ORDER[finding.severity])

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label
-from pa10d.dynamics import Robot, base_parameters
+from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
+from pa10d.dynamics import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import RunEquation, delayed, prepare
 
@@ -21,10 +22,8 @@ Array = NDArray[np.float64]
 
 CUTOFF = 10.0  # Hz
 LONGEST = 120.0  # s of the recording that are used: more does not sharpen the answer
-BLOCK = 1.0  # s whose residuals are taken as one: longer than any filter remembers
 FEWEST = 12  # blocks for an honest standard error
 FARTHEST = 0.05  # s: beyond that the linearisation means nothing
-SLOW = 0.03  # of the fast speed: there friction may be anything
 
 
 @dataclass(frozen=True)
@@ -50,16 +49,16 @@ def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
     part = recording.part(first, min(len(recording.t), first + wanted), "")
     part = replace(part, dq=None)  # late against the position, not against a reported velocity
     run = prepare(part, robot, min(CUTOFF, rate / 8))
-    columns = _columns(run)
-    blocks = _blocks(run)
-    keep = run.keep & _steady_sign(run)
+    columns = textbook_columns(run)
+    blocks = blocks_of(run)
+    keep = run.keep & steady_sign(run)
     if keep.sum() < 3 * columns.shape[2] or len(np.unique(blocks[keep.any(axis=1)])) < 2:
         return None
     weights, seconds, error, count = np.ones(robot.n), 0.0, np.inf, 0
     parameters = np.zeros(columns.shape[2])
     for turn in range(5):
         tau = run.lowpass(delayed(part.tau, -seconds, rate))
-        parameters, basis = _fit(columns, tau, keep, weights)
+        parameters, basis = fit_textbook(columns, tau, keep, weights)
         model = columns @ parameters
         residual = np.where(keep, tau - model, 0.0)
         spread = np.sqrt((residual**2).sum(axis=0) / np.maximum(keep.sum(axis=0), 1))
@@ -116,47 +115,6 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[Finding]:
             "check the joint's sign; negate one of the two columns",
             int(j) + 1,
         )
-
-
-def _columns(run: RunEquation) -> Array:
-    """(M, n, p): rigid bodies, and per joint rotor inertia, Coulomb, viscous friction, offset."""
-    c = run.context
-    rigid = run.rigid_columns(base_parameters(c.robot).kept)
-    parts = (c.ddq, np.sign(c.dq), c.dq, np.ones_like(c.dq))
-    n = c.robot.n
-    joint = np.zeros((run.lowpass.kept, n, len(parts) * n))
-    for k, part in enumerate(parts):
-        joint[:, range(n), range(k * n, (k + 1) * n)] = run.lowpass(part)
-    return np.concatenate([rigid, joint], axis=2)
-
-
-def _steady_sign(run: RunEquation) -> NDArray[np.bool_]:
-    """(M, n) False near a joint's reversals and standstills.
-
-    Where friction turns around depends on stiction and creeping, so a reversal would tell a delay
-    that is none; moving masses do not lie.
-    """
-    c = run.context
-    fast = np.quantile(np.abs(c.dq), 0.99, axis=0)
-    direction = np.where(np.abs(c.dq) > SLOW * fast, np.sign(c.dq), 0.0)
-    return np.asarray(np.abs(run.lowpass(direction)) > 0.99)
-
-
-def _blocks(run: RunEquation) -> NDArray[np.int64]:
-    return (run.t / BLOCK).astype(np.int64)
-
-
-def _fit(
-    columns: Array, tau: Array, keep: NDArray[np.bool_], weights: Array
-) -> tuple[Array, Array]:
-    """Parameters, and an orthonormal basis of what the model can absorb (kept rows)."""
-    matrix = (columns * weights[:, None])[keep]
-    scale = np.linalg.norm(matrix, axis=0)
-    scale[scale == 0] = 1.0
-    u, s, vt = np.linalg.svd(matrix / scale, full_matrices=False)
-    sure = s > 1e-8 * s[0]
-    inner = (u[:, sure].T @ (tau * weights)[keep]) / s[sure]
-    return (vt[sure].T @ inner) / scale, u[:, sure]
 
 
 def _beyond(values: Array, basis: Array, keep: NDArray[np.bool_], weights: Array) -> Array:

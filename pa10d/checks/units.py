@@ -61,7 +61,7 @@ def _angles(
             "error",
             "counts",
             f"q reaches {largest.max():.3g}: these look like encoder counts",
-            "q must be in rad: counts · 2π / counts per revolution",
+            "q must be in rad: --map 'q{n}[rev/COUNTS]=q' with the joint's counts per revolution",
         )
         return
     bounded = np.ones(recording.joints, bool)
@@ -79,7 +79,8 @@ def _angles(
             "degrees",
             f"q reaches {largest[far].max():.4g} on joint {joints}: these look like degrees"
             + ("" if sure else f", or like {largest[far].max() / (2 * np.pi):.0f} turns"),
-            "q must be in rad: degrees · π / 180",
+            "q must be in rad: --map 'q{n}[deg]=q'; motor-side angles: 'q{n}[1/RATIO]=q' with the "
+            "gear ratio",
         )
 
 
@@ -122,7 +123,7 @@ def _torques(largest: Array, robot: Robot) -> Iterator[Finding]:
             "torque_small",
             f"the torques stay below {percent(share.max())} of the limits: perhaps they are "
             "motor-side, or in kN·m",
-            "tau must be in N·m at the joint: motor torque · gear ratio",
+            "tau must be in N·m at the joint: --map 'tau{n}[RATIO]=tau' with the gear ratio",
         )
     if np.median(share) > 3:
         yield Finding(
@@ -130,5 +131,6 @@ def _torques(largest: Array, robot: Robot) -> Iterator[Finding]:
             "torque_large",
             f"the torques are {np.median(share):.3g} times the limits (median joint): perhaps they "
             "are in N·mm, per mille or counts",
-            "tau must be in N·m at the joint",
+            "tau must be in N·m at the joint: --map 'tau{n}[mNm]=tau', or of per mille "
+            "'tau{n}[RATED/1000]=tau'",
         )

@@ -92,6 +92,8 @@ def import_(options: argparse.Namespace) -> Answer:
         "warnings": result.info.warnings,
         "findings": [finding.document() for finding in shown],
     }
+    if result.kept:
+        note(result.kept)
     note(f"{result.info.name}: {_extent(result.info)}")
     return Answer(document, result.info.id)
 

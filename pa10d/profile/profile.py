@@ -149,6 +149,7 @@ class Profile(_Strict):
     drives: list[Drive] | None = None
     torque_constants: list[Nonzero] | None = None  # N·m (joint side) per A
     torque_gain_error: GainError | list[GainError] | None = None  # share; absent: 0.05
+    map: list[Text] | None = None  # what recordings call their columns, as --map has it
     backend: Text = "canopen_cia402"
     can: Can = Can()
     control: Control = Control()

@@ -25,13 +25,15 @@ def read_recording(
 ) -> CsvRecording:
     """Samples at equal steps; UserError names file, place and what was expected.
 
-    mapping: ``COLUMN=FIELD`` options, see ``pa10d.store.column_mapping``.
+    mapping: ``COLUMN=FIELD`` options, see ``pa10d.store.column_mapping``; the profile's own stand
+    behind them, as far as the file has their columns.
     """
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
-    rules, constants = read_mapping(mapping), profile.torque_constants
+    kept, constants = profile.map or [], profile.torque_constants
+    rules = read_mapping(mapping, kept)
     if _is_plain_csv(path):
-        return read_csv(path, robot.n, robot.name, constants, mapping)
+        return read_csv(path, robot.n, robot.name, constants, mapping, kept)
     return recording_of(path, _table(path, profile, robot), robot.n, robot.name, constants, rules)
 
 

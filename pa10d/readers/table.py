@@ -10,7 +10,7 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.store.channels import Array, Samples
-from pa10d.store.column_mapping import Rule, resolve
+from pa10d.store.column_mapping import Rule, Unit, resolve
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences
 from pa10d.store.equal_steps import equal_steps
@@ -45,7 +45,7 @@ def recording_of(
             f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
             f"--map c1=time c2=q1 … ({len(names)} columns)"
         ) from error
-    cells = _Cells(path, names, table.columns, resolved.factors)
+    cells = _Cells(path, names, table.columns, resolved.units)
     t = cells.take(columns.time)
     if len(t) < FEWEST:
         raise UserError(f"{path}: found {len(t)} samples, expected at least {FEWEST}")
@@ -63,7 +63,8 @@ def recording_of(
     samples.stamps[:] += zero
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     remarks = [f"{path}: {remark}" for remark in table.remarks]
-    return CsvRecording(samples, zero, timing, [*remarks, *columns.warnings], said)
+    called = {field: column for column, field in resolved.fields.items()}
+    return CsvRecording(samples, zero, timing, [*remarks, *columns.warnings], said, called)
 
 
 class _Cells:
@@ -72,14 +73,14 @@ class _Cells:
         path: Path,
         names: Sequence[str],
         columns: Mapping[str, Array],
-        factors: Mapping[str, float],
+        units: Mapping[str, Unit],
     ) -> None:
-        self._path, self._names, self._columns, self._factors = path, names, columns, factors
+        self._path, self._names, self._columns, self._units = path, names, columns, units
 
     def take(self, column: int) -> Array:
         """One column, every value a finite number, in SI units."""
         name = self._names[column]
-        values = np.asarray(self._columns[name], dtype=np.float64) * self._factors.get(name, 1.0)
+        values = self._units.get(name, Unit())(np.asarray(self._columns[name], dtype=np.float64))
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise UserError(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pa10d.checks import Finding, beyond_limits, check_recording
@@ -12,11 +13,14 @@ from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 from pa10d.readers import read_recording
+from pa10d.services.kept_mapping import keep_mapping
 from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
+from pa10d.store.column_guess import DEMANDED
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
+_MAPPED = re.compile(r"'((?:q|dq|tau)\d+)\[")
 PACKED = (".gz", ".bz2", ".zst")
 KNOWN = (
     ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".parquet", ".feather", ".arrow", ".mat",
@@ -31,6 +35,7 @@ class Imported:
     info: RunInfo
     header_warnings: list[str]
     findings: list[Finding]
+    kept: str = ""  # what became of the mapping
 
 
 def import_run(
@@ -51,7 +56,8 @@ def import_run(
     (Unsound), unless forced. What the checks say stays with the run."""
     found = read_recording(file, profile, robot, mapping)
     recording = _recording(found, name or file.name)
-    findings = check_recording(recording, found.timing, robot, delay=check)
+    checked = check_recording(recording, found.timing, robot, delay=check)
+    findings = [*_demanded(found.called), *(_in_words_of(f, found.called) for f in checked)]
     errors = [finding for finding in findings if finding.severity == "error"]
     if check and errors and not force:
         raise unsound(file.name, errors)
@@ -69,7 +75,8 @@ def import_run(
         time_zero_ns=found.time_zero_ns,
     ) as writer:
         writer.append(found.samples)
-    return Imported(writer.info, found.header_warnings, findings)
+    kept = keep_mapping(profile, mapping) if mapping else ""
+    return Imported(writer.info, found.header_warnings, findings, kept)
 
 
 def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
@@ -82,6 +89,31 @@ def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
             f"{robot.name}"
         )
     return check_recording(recording, timing, robot)
+
+
+def _demanded(called: Mapping[str, str]) -> list[Finding]:
+    """Torques from columns whose names say that they were asked for, not measured."""
+    named = [c for field, c in called.items() if field.startswith("tau") and DEMANDED.search(c)]
+    if not named:
+        return []
+    return [
+        Finding(
+            "warning",
+            "commanded",
+            f"{', '.join(named)}: a torque that was asked for, by its name, not a measured one",
+            "map the measured torque or the motor current; what the drive's own loop adds is "
+            "missing otherwise",
+        )
+    ]
+
+
+def _in_words_of(finding: Finding, called: Mapping[str, str]) -> Finding:
+    """Its ``--map`` line with the file's own names of the columns."""
+
+    def own(match: re.Match[str]) -> str:
+        return f"'{called.get(match[1], match[1])}["
+
+    return replace(finding, advice=_MAPPED.sub(own, finding.advice))
 
 
 def _without_folder(file: Path, text: str) -> str:

@@ -5,9 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+
+Array = NDArray[np.float64]
 
 FIELD = re.compile(r"(time)|(q|dq|tau|i|temp)([1-9]\d*)")
 PER_JOINT = ("q", "dq", "tau", "i", "temp")
@@ -21,18 +26,24 @@ UNITS = {
     "A": 1.0, "mA": 1e-3, "°C": 1.0, "degC": 1.0, "C": 1.0,
 }  # fmt: skip
 """Unit -> what one of it is in SI."""
+WORDS = {"i8": 2.0**8, "i16": 2.0**16, "i32": 2.0**32}
+"""Numbers with a sign that were read without it: 65535 for -1."""
 _WITH_UNIT = re.compile(r"(.+?)\s*[\[(]([^\[\]()]+)[\])]")
+_OPERATOR = re.compile(r"[*/]")
 _NUMBER = "{n}"
 _FROM_ZERO = "{n-1}"
 
 
 @dataclass(frozen=True)
 class Rule:
-    """column may hold ``{n}``, the joint's number from 1, or ``{n-1}``; field likewise."""
+    """column may hold ``{n}``, the joint's number from 1, or ``{n-1}``; field likewise.
+
+    optional: for files that have the column, and no other for the same field."""
 
     text: str
     column: str
     field: str
+    optional: bool = False
 
     @property
     def of_every_joint(self) -> bool:
@@ -45,32 +56,71 @@ class Rule:
 
 
 @dataclass(frozen=True)
+class Unit:
+    """factor: SI units per unit; word: how many values a counter has whose sign was lost."""
+
+    factor: float = 1.0
+    word: float | None = None
+
+    def __call__(self, values: Array) -> Array:
+        """(N,) in SI units."""
+        if self.word is not None:
+            values = np.mod(values + 0.5 * self.word, self.word) - 0.5 * self.word
+        return values if self.factor == 1.0 else values * self.factor
+
+
+@dataclass(frozen=True)
 class Resolved:
-    """fields: column -> field; factors: column -> SI units per unit."""
+    """fields: column -> field; units: column -> what its numbers are in, where that is not SI."""
 
     fields: dict[str, str]
-    factors: dict[str, float]
+    units: dict[str, Unit]
 
 
-def read_mapping(pairs: Sequence[str]) -> list[Rule]:
-    """``COLUMN=FIELD`` options."""
+def read_unit(text: str) -> Unit:
+    """``deg``, ``-1``, ``0.01``, ``1/100``, ``-deg``, ``i16*0.001``; ValueError for others."""
+    sign, bare = (-1.0, text[1:].strip()) if text.startswith("-") else (1.0, text)
+    if bare in UNITS:
+        return Unit(sign * UNITS[bare])
+    factor, word = sign, None
+    operators = ["*", *_OPERATOR.findall(bare)]
+    for operator, part in zip(operators, _OPERATOR.split(bare), strict=True):
+        name = part.strip()
+        if name in WORDS and operator == "*" and word is None:
+            word = WORDS[name]
+            continue
+        value = UNITS.get(name) or float(name)
+        factor = factor * value if operator == "*" else factor / value
+    if not math.isfinite(factor) or factor == 0:
+        raise ValueError(text)
+    return Unit(factor, word)
+
+
+def read_mapping(pairs: Sequence[str], kept: Sequence[str] = ()) -> list[Rule]:
+    """``COLUMN=FIELD`` options, and those that a profile has kept."""
     rules: list[Rule] = []
     for pair in pairs:
-        column, sign, name = pair.rpartition("=")
-        rule = Rule(pair, column.strip(), name.strip().replace(_NUMBER, ""))
-        good = rule.field in PER_JOINT if rule.of_every_joint else FIELD.fullmatch(rule.field)
-        if not sign or not rule.column or not good:
-            raise UserError(
-                f"--map {pair}: expected COLUMN=FIELD, FIELD being time, q1, tau1, dq1, i1, temp1 …"
-                ", or COLUMN with {n} for every joint and FIELD q, tau, dq, i or temp; "
-                "[unit] behind COLUMN where it is not SI"
-            )
+        rule = read_rule(pair)
         if any(rule.column == other.column or rule.field == other.field for other in rules):
             raise UserError(
                 f"--map {pair}: found a second time, expected each column and field once"
             )
         rules.append(rule)
-    return rules
+    return [*rules, *(replace(read_rule(pair), optional=True) for pair in kept)]
+
+
+def read_rule(pair: str) -> Rule:
+    """One of them."""
+    column, sign, name = pair.rpartition("=")
+    rule = Rule(pair, column.strip(), name.strip().replace(_NUMBER, ""))
+    good = rule.field in PER_JOINT if rule.of_every_joint else FIELD.fullmatch(rule.field)
+    if not sign or not rule.column or not good:
+        raise UserError(
+            f"--map {pair}: expected COLUMN=FIELD, FIELD being time, q1, tau1, dq1, i1, temp1 …"
+            ", or COLUMN with {n} for every joint and FIELD q, tau, dq, i or temp; "
+            "[unit] behind COLUMN where it is not SI"
+        )
+    return rule
 
 
 def resolve(rules: Sequence[Rule], names: Sequence[str], n: int, where: str) -> Resolved:
@@ -78,25 +128,41 @@ def resolve(rules: Sequence[Rule], names: Sequence[str], n: int, where: str) -> 
     out, found = Resolved({}, {}), ", ".join(names)
     found = found if len(found) <= 120 else f"{found[:117]}..."
     for rule in rules:
+        if rule.optional and not _applies(rule, names, n, out):
+            continue
         for joint in range(1, n + 1) if rule.of_every_joint else (0,):
             written, field = rule.named(joint)
-            column, factor = _column(written, names, rule.text)
+            column, unit = _column(written, names, rule.text)
             if column is None:
                 raise UserError(f"{where}: no column {written!r}, expected by --map; found {found}")
             out.fields[column] = field
-            if factor != 1.0:
-                out.factors[column] = factor
+            if unit != Unit():
+                out.units[column] = unit
     return out
 
 
-def _column(written: str, names: Sequence[str], text: str) -> tuple[str | None, float]:
-    """The column that is meant, and the factor of the unit behind its name."""
+def _applies(rule: Rule, names: Sequence[str], n: int, taken: Resolved) -> bool:
+    """Whether every column of the rule is there, and neither it nor its field is spoken for."""
+    for joint in range(1, n + 1) if rule.of_every_joint else (0,):
+        written, field = rule.named(joint)
+        column, _ = _column(written, names, rule.text)
+        if column is None or column in taken.fields or field in taken.fields.values():
+            return False
+    return True
+
+
+def _column(written: str, names: Sequence[str], text: str) -> tuple[str | None, Unit]:
+    """The column that is meant, and the unit behind its name."""
     match = _WITH_UNIT.fullmatch(written)
     if written in names:
-        return written, UNITS.get(match[2].strip(), 1.0) if match else 1.0
+        return written, Unit(UNITS.get(match[2].strip(), 1.0)) if match else Unit()
     if match is None or match[1] not in names:
-        return None, 1.0
+        return None, Unit()
     unit = match[2].strip()
-    if unit not in UNITS:
-        raise UserError(f"--map {text}: unit {unit!r}, expected one of {', '.join(UNITS)}")
-    return match[1], UNITS[unit]
+    try:
+        return match[1], read_unit(unit)
+    except (ValueError, ZeroDivisionError):
+        raise UserError(
+            f"--map {text}: unit {unit!r}, expected a factor such as -1, 0.01 or 1/100, "
+            f"i16 for numbers that lost their sign, or one of {', '.join(UNITS)}"
+        ) from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from pa10d.common.errors import UserError
 from pa10d.store.column_guess import guess
-from pa10d.store.column_mapping import FIELD
+from pa10d.store.column_mapping import FIELD, Unit
 
 _ALIASES = {"t", "stamp", "timestamp", "time_s", "time[s]", "time [s]", "seconds", "sec"}
 
@@ -25,7 +25,7 @@ class Columns:
     current: list[int | None] | None = None  # None within: not measured, and not needed
     temperature: list[int] | None = None
     extra: dict[str, int] = field(default_factory=dict)
-    factors: dict[int, float] = field(default_factory=dict)  # SI units per unit of a column
+    units: dict[int, Unit] = field(default_factory=dict)  # of columns that are not in SI
     warnings: list[str] = field(default_factory=list)
 
     def required(self) -> list[int]:

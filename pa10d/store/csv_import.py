@@ -5,8 +5,8 @@ Arrow parses; where it finds fault, the file is read again line by line to say w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ class CsvRecording:
     timing: Timing
     header_warnings: list[str]
     timing_warnings: list[str]
+    called: Mapping[str, str] = field(default_factory=dict)  # field -> its column, if mapped
 
 
 def read_csv(
@@ -40,19 +41,20 @@ def read_csv(
     robot: str,
     torque_constants: Sequence[float] | None = None,
     mapping: Sequence[str] = (),
+    kept: Sequence[str] = (),
 ) -> CsvRecording:
     """A recording of a robot with n joints; UserError names file, line and column.
 
     torque_constants: (n,) N·m per A, used for joints that have a motor current but no torque.
-    mapping: ``COLUMN=FIELD`` options.
+    mapping: ``COLUMN=FIELD`` options; kept: further ones, for whatever columns are there.
     """
-    rules = read_mapping(mapping)
+    rules = read_mapping(mapping, kept)
     refuse_bombs(path)
     names = [name.strip() for name in _first_line(path)]
     given = resolve(rules, names, n, f"{path}:1")
     header = Header(f"{path}:1", names, given.fields)
     columns = header.columns(n, torque_constants is not None, robot)
-    columns.factors = {names.index(name): factor for name, factor in given.factors.items()}
+    columns.units = {names.index(name): unit for name, unit in given.units.items()}
     table, warnings = _Table(path, columns), list(columns.warnings)
     t = table.take(columns.time)
     if len(t) < FEWEST:
@@ -69,7 +71,8 @@ def read_csv(
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
-    return CsvRecording(samples, zero, timing, warnings, said)
+    called = {name: column for column, name in given.fields.items()}
+    return CsvRecording(samples, zero, timing, warnings, said, called)
 
 
 def _equal_steps(path: Path, t: Array, samples: Samples) -> tuple[Timing, Samples]:
@@ -118,8 +121,8 @@ class _Table:
         array: Array = values.to_numpy().astype(np.float64, copy=False)
         if values.null_count or not np.isfinite(array).all():
             raise UserError(_fault(self.path, self._columns, "a cell that is no finite number"))
-        factor = self._columns.factors.get(column, 1.0)
-        return array if factor == 1.0 else array * factor
+        unit = self._columns.units.get(column)
+        return array if unit is None else unit(array)
 
     def block(self, columns: Sequence[int]) -> Array:
         """(N, n), one column per joint."""

@@ -96,11 +96,13 @@ FLAWS = {
     "counts": ({"q": lambda q: np.round(q / 7.67e-6)}, {"counts", "limits", "velocity_unit"}, None),
     "speed in degrees": ({"dq": _joint(0, np.degrees)}, {"velocity_unit", "limits"}, 1),
     "speed reversed": ({"dq": _joint(0, lambda v: -v)}, {"velocity_unit"}, 1),
-    "motor-side torque": ({"tau": lambda tau: tau / 50}, {"torque_small"}, None),
-    "millinewtonmetres": ({"tau": lambda tau: tau * 1e3}, {"torque_large", "limits"}, None),
+    "motor-side torque": ({"tau": lambda tau: tau / 50}, {"torque_small", "torque_scale"}, None),
+    "millinewtonmetres": (
+        {"tau": lambda tau: tau * 1e3}, {"torque_large", "limits", "torque_scale"}, None,
+    ),  # fmt: skip
     "slow": ({"t": lambda t: t * 20}, {"slow"}, None),
     "milliseconds": ({"t": lambda t: t * 1000}, {"time_unit"}, None),
-    "sign": ({"tau": _joint(2, lambda v: -v)}, {"sign"}, 3),
+    "sign": ({"tau": _joint(2, lambda v: -v)}, {"sign", "turned"}, 3),
 }
 
 

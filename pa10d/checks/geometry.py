@@ -1,0 +1,150 @@
+"""Which joints count the other way round, and whose torque is not in N·m at the joint.
+
+The arm's geometry alone tells a sign: the textbook model has the lengths and axes of the URDF, not
+its masses, and fits a recording with a joint turned round worse than the same recording with that
+joint turned back. What the torque is measured in needs the URDF's bodies: their weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.checks.finding import Finding, joint_label
+from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
+from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.measurement.recording import Recording
+from pa10d.regression.equation import prepare
+
+Array = NDArray[np.float64]
+
+CUTOFF = 5.0  # Hz
+LONGEST = 30.0  # s of the recording that are used
+FEWEST = 8  # blocks
+BETTER = 0.7  # of what the textbook model leaves, that a joint turned round must come down to
+SURE = 5.0  # standard errors, over blocks: 21 questions to seven joints leave one false in 10^4
+OFF = 40.0  # times: real URDFs have links that weigh a twentieth of the true ones, not a fortieth
+TOLD = 0.5  # of the torque that weight must explain before its size is believed
+TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
+
+
+def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
+    """Joints that are turned round, and torques that weigh another arm."""
+    rate = recording.rate
+    count = min(len(recording.t), int(LONGEST * rate))
+    first = (len(recording.t) - count) // 2
+    part = recording.part(first, first + count, "")
+    turned = dict(_turned(part, robot))
+    for j, (signs, share) in sorted(turned.items()):
+        label = joint_label(j, robot.joint_names)
+        what = " and ".join(name for name in TURNED[signs] if name != "dq")
+        have = [name for name in TURNED[signs] if name != "dq" or recording.dq is not None]
+        rules = " ".join(f"'{name}{j + 1}[-1]={name}{j + 1}'" for name in have)
+        yield Finding(
+            "warning",
+            "turned",
+            f"{label}: {what} counts the other way than the URDF: turned round, the textbook model "
+            f"leaves {share:.0%} of the error",
+            f"--map {rules}",
+            j + 1,
+        )
+    if not turned:
+        yield from _weighed(part, robot)
+
+
+def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
+    """The joint whose turning round helps most is turned; then the others are asked again."""
+    usual = _left(part, robot, None)
+    if usual is None or len(usual[0]) < FEWEST:
+        return
+    left, scale = usual
+    asked = set(range(robot.n))
+    while asked:
+        found = {
+            (j, signs): _left(_with_signs(part, j, signs), robot, scale)
+            for j in asked
+            for signs in TURNED
+        }
+        shares = {
+            key: float(new[0].sum() / max(left.sum(), 1e-300))
+            for key, new in found.items()
+            if new is not None and len(new[0]) == len(left) and _surely_less(new[0], left)
+        }
+        if not shares:
+            return
+        (j, signs), share = min(shares.items(), key=lambda item: item[1])
+        yield j, (signs, share)
+        part = _with_signs(part, j, signs)
+        left = found[j, signs][0]  # type: ignore[index]
+        asked.remove(j)
+
+
+def _surely_less(new: Array, old: Array) -> bool:
+    """Sums of squares per block; their ratios, because blocks differ widely in size."""
+    seen = (old > 0) & (new > 0)
+    if seen.sum() < FEWEST or new.sum() > BETTER * old.sum():
+        return False
+    gain = np.log(old[seen] / new[seen])
+    return bool(gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(len(gain)))
+
+
+def _with_signs(part: Recording, joint: int, signs: tuple[int, int]) -> Recording:
+    q, tau = part.q.copy(), part.tau.copy()
+    q[:, joint] *= signs[0]
+    tau[:, joint] *= signs[1]
+    return replace(part, q=q, tau=tau)
+
+
+def _left(part: Recording, robot: Robot, scale: Array | None) -> tuple[Array, Array] | None:
+    """Per block the sum of squares that the textbook model leaves, each joint by the size of its
+    torque (n,), which comes back too; None where there is too little motion."""
+    run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
+    columns = textbook_columns(run)
+    keep = run.keep & steady_sign(run)
+    if keep.sum() < 3 * columns.shape[2]:
+        return None
+    if scale is None:
+        scale = np.maximum(run.tau.std(axis=0), 1e-9)
+    parameters, _ = fit_textbook(columns, run.tau, keep, 1.0 / scale)
+    left = np.where(keep, (run.tau - columns @ parameters) / scale, 0.0)
+    sums = np.bincount(blocks_of(run), (left**2).sum(axis=1))
+    return np.asarray(sums, dtype=np.float64), scale
+
+
+def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
+    """The slope of each torque over what the URDF's bodies ask for there."""
+    run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
+    factor = run.lowpass.factor
+    c = run.context
+    weight = run.lowpass(inverse_dynamics(robot, robot.parameters, c.q, c.dq, c.ddq))
+    dq, ddq = c.dq[::factor], c.ddq[::factor]
+    blocks = blocks_of(run)
+    for j in range(robot.n):
+        keep = run.keep[:, j]
+        if keep.sum() < 50 or np.ptp(weight[keep, j]) < 1e-3 * np.abs(weight).max() + 1e-9:
+            continue
+        others = np.stack([np.ones(keep.sum()), np.sign(dq[keep, j]), dq[keep, j], ddq[keep, j]], 1)
+        x, y = _without(others, weight[keep, j]), _without(others, run.tau[keep, j])
+        power = float(x @ x)
+        slope = float(x @ y) / power
+        told = slope * float(x @ y) / max(float(y @ y), 1e-300)
+        scores = np.bincount(blocks[keep], x * (y - slope * x))
+        error = float(np.sqrt((scores**2).sum()) / power)
+        if told < TOLD or abs(slope) < SURE * error or 1 / OFF < abs(slope) < OFF:
+            continue
+        yield Finding(
+            "warning",
+            "torque_scale",
+            f"{joint_label(j, robot.joint_names)}: tau is {abs(slope):.2g} times what the URDF's "
+            "bodies ask for: motor-side, in another unit, or bodies that are placeholders?",
+            f"--map 'tau{j + 1}[{1 / abs(slope):.3g}]=tau{j + 1}', better with the gear ratio",
+            j + 1,
+        )
+
+
+def _without(columns: Array, values: Array) -> Array:
+    found, *_ = np.linalg.lstsq(columns, values, rcond=None)
+    return np.asarray(values - columns @ found)

@@ -1,0 +1,56 @@
+"""The textbook model fitted to one recording: what several checks judge it by."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics import base_parameters
+from pa10d.regression.equation import RunEquation
+
+Array = NDArray[np.float64]
+
+BLOCK = 1.0  # s whose residuals are taken as one: longer than any filter remembers
+SLOW = 0.03  # of the fast speed: there friction may be anything
+
+
+def textbook_columns(run: RunEquation) -> Array:
+    """(M, n, p): rigid bodies, and per joint rotor inertia, Coulomb, viscous friction, offset."""
+    c = run.context
+    rigid = run.rigid_columns(base_parameters(c.robot).kept)
+    parts = (c.ddq, np.sign(c.dq), c.dq, np.ones_like(c.dq))
+    n = c.robot.n
+    joint = np.zeros((run.lowpass.kept, n, len(parts) * n))
+    for k, part in enumerate(parts):
+        joint[:, range(n), range(k * n, (k + 1) * n)] = run.lowpass(part)
+    return np.concatenate([rigid, joint], axis=2)
+
+
+def steady_sign(run: RunEquation) -> NDArray[np.bool_]:
+    """(M, n) False near a joint's reversals and standstills.
+
+    Where friction turns around depends on stiction and creeping, so a reversal would tell a delay
+    that is none; moving masses do not lie.
+    """
+    c = run.context
+    fast = np.quantile(np.abs(c.dq), 0.99, axis=0)
+    direction = np.where(np.abs(c.dq) > SLOW * fast, np.sign(c.dq), 0.0)
+    return np.asarray(np.abs(run.lowpass(direction)) > 0.99)
+
+
+def blocks_of(run: RunEquation) -> NDArray[np.int64]:
+    """(M,) which block of BLOCK seconds a sample lies in."""
+    return (run.t / BLOCK).astype(np.int64)
+
+
+def fit_textbook(
+    columns: Array, tau: Array, keep: NDArray[np.bool_], weights: Array
+) -> tuple[Array, Array]:
+    """Parameters, and an orthonormal basis of what the model can absorb (kept rows)."""
+    matrix = (columns * weights[:, None])[keep]
+    scale = np.linalg.norm(matrix, axis=0)
+    scale[scale == 0] = 1.0
+    u, s, vt = np.linalg.svd(matrix / scale, full_matrices=False)
+    sure = s > 1e-8 * s[0]
+    inner = (u[:, sure].T @ (tau * weights)[keep]) / s[sure]
+    return (vt[sure].T @ inner) / scale, u[:, sure]

@@ -1,0 +1,111 @@
+"""Signs, gears, counters: each wrong recording is named with the line that mends it; put right it
+is silent."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backends.virtual.datasets import make_runs
+from pa10d.checks import check_recording
+from pa10d.checks.counters import wraps
+from pa10d.checks.geometry import check_geometry
+from pa10d.measurement.recording import Recording
+from pa10d.profile import load_profile
+from pa10d.readers import read_recording
+from pa10d.services.robots import load_robot
+
+CODES = {"turned", "torque_scale", "wrapped"}
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("ur5e")[1]
+
+
+@pytest.fixture(scope="module")
+def clean():
+    runs, _ = make_runs(
+        5, [], "white", ("train_a",), load_profile("ur5e"), seconds=15.0, rate=200.0
+    )
+    return runs["train_a"]
+
+
+def _said(run, robot):
+    return [(f.code, f.joint, f.advice) for f in check_geometry(run, robot)]
+
+
+def _turned(run, joint, q=1, tau=1):
+    angles, torques = run.q.copy(), run.tau.copy()
+    angles[:, joint - 1] *= q
+    torques[:, joint - 1] *= tau
+    return replace(run, q=angles, tau=torques)
+
+
+def test_a_clean_recording_is_silent(clean, robot):
+    assert _said(clean, robot) == []
+
+
+@pytest.mark.parametrize(
+    ("joint", "q", "tau", "line"),
+    [
+        (2, -1, 1, "--map 'q2[-1]=q2'"),
+        (3, 1, -1, "--map 'tau3[-1]=tau3'"),
+        (3, -1, -1, "--map 'q3[-1]=q3' 'tau3[-1]=tau3'"),
+    ],
+)
+def test_a_joint_turned_round_is_named_with_its_line(clean, robot, joint, q, tau, line):
+    assert _said(_turned(clean, joint, q, tau), robot) == [("turned", joint, line)]
+
+
+def test_torques_of_the_motor_side_are_named_with_their_factor(clean, robot):
+    found = _said(replace(clean, tau=clean.tau / 100.0), robot)
+    assert {(code, joint) for code, joint, _ in found} >= {("torque_scale", 2)}
+    advice = next(advice for _, joint, advice in found if joint == 2)
+    factor = float(advice.split("[")[1].split("]")[0])
+    assert 70 < factor < 140
+    assert "gear ratio" in advice
+
+
+def test_a_counter_without_its_sign_is_named_and_mended(tmp_path, robot, clean):
+    raw = np.round(clean.tau * 100.0)
+    lost = Recording("lost", clean.t, clean.q, np.mod(raw, 65536.0), None)
+    found = [f for f in check_recording(lost, None, robot, delay=False) if f.code == "wrapped"]
+    assert {f.joint for f in found} >= {1, 3, 4, 5, 6}  # joint 2 carries its weight on one side
+    assert all(f.severity == "error" for f in found)
+    assert "'tau1[i16]=tau1'" in found[0].advice
+    names = ["time", *(f"q{j}" for j in range(1, 7)), *(f"raw{j}" for j in range(1, 7))]
+    table = np.column_stack([lost.t, lost.q, lost.tau])
+    file = tmp_path / "lost.csv"
+    np.savetxt(file, table, fmt="%.10g", delimiter=",", header=",".join(names), comments="")
+    profile, arm = load_robot("ur5e")
+    back = read_recording(file, profile, arm, ["raw{n}[i16*0.01]=tau"])
+    np.testing.assert_allclose(back.samples.tau, raw / 100.0, atol=1e-12)
+
+
+def test_signals_that_are_no_counters_do_not_wrap():
+    t = np.linspace(0, 10, 1000)
+    assert wraps(np.abs(50 * np.sin(t))) is None
+    assert wraps(np.round(100 + 90 * np.sin(t))) is None
+    assert wraps(np.where(t > 5, 300.0, 0.0)) is None
+
+
+REAL = ["bam_xl330", "double_pendulum", "kr300", "kuka_lwr4", "laas_motor", "panda", "ur10"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "name", [*REAL, "samples/s01", "samples/s02", "samples/s03", "samples/s04"]
+)
+def test_recordings_of_others_raise_no_false_alarm(shared_data, name):
+    folder = shared_data / name
+    here = folder / "robot.urdf"
+    profile, robot = load_robot(here if here.is_file() else folder.parent / "robot.urdf")
+    for file in sorted([*folder.glob("*.csv"), *folder.glob("*.csv.gz")]):
+        found = read_recording(file, profile, robot)
+        s = found.samples
+        run = Recording(file.name, found.timing.grid, s.q, s.tau, s.dq)
+        said = check_recording(run, found.timing, robot)
+        assert [str(f) for f in said if f.code in CODES | {"sign", "commanded"}] == []
