@@ -98,7 +98,9 @@ FLAWS = {
     "speed reversed": ({"dq": _joint(0, lambda v: -v)}, {"velocity_unit"}, 1),
     "motor-side torque": ({"tau": lambda tau: tau / 50}, {"torque_small", "torque_scale"}, None),
     "millinewtonmetres": (
-        {"tau": lambda tau: tau * 1e3}, {"torque_large", "limits", "torque_scale"}, None,
+        {"tau": lambda tau: tau * 1e3},
+        {"torque_large", "limits", "torque_scale"},
+        None,
     ),  # fmt: skip
     "slow": ({"t": lambda t: t * 20}, {"slow"}, None),
     "milliseconds": ({"t": lambda t: t * 1000}, {"time_unit"}, None),
