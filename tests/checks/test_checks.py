@@ -101,7 +101,7 @@ FLAWS = {
         {"tau": lambda tau: tau * 1e3},
         {"torque_large", "limits", "torque_scale"},
         None,
-    ),  # fmt: skip
+    ),
     "slow": ({"t": lambda t: t * 20}, {"slow"}, None),
     "milliseconds": ({"t": lambda t: t * 1000}, {"time_unit"}, None),
     "sign": ({"tau": _joint(2, lambda v: -v)}, {"sign", "turned"}, 3),
