@@ -228,6 +228,10 @@ class Parameter(BaseModel):
     unit: str
     determined: bool = Field(description="False where the data leave the value open")
     meaning: str
+    urdf: float | None = Field(
+        description="The same of the bodies that the URDF has; null for effects"
+    )
+    flags: list[str] = Field(examples=[["weak"], ["not determined"], ["at its bound"]])
 
 
 class Delivery(BaseModel):
@@ -381,6 +385,12 @@ class ImproveRequest(Strict):
         False, description="Take away what no effect explains by smooth maps, which explain nothing"
     )
     force: Force = False
+
+
+class ReportRequest(Strict):
+    """The report of a model. runs: to judge it by; default: those that it was judged by."""
+
+    runs: Annotated[list[Name], Field(max_length=100)] = []
 
 
 class InvestigationRequest(Strict):

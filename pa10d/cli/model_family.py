@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.models import _library, _model, _rows
+from pa10d.cli.progress import progress_line
 from pa10d.export.endings import ENDINGS, FORMATS
 
 if TYPE_CHECKING:
@@ -43,6 +44,21 @@ def add_commands(commands: Commands) -> None:
         help="runs to judge by (default: those that the model was judged by, else fitted to)",
     )  # fmt: skip
     parser = models.add(
+        "report",
+        report,
+        "one file to send on: robot, runs, fit, parameters, errors, versions",
+        examples=(
+            "pa10d model report m1",
+            "pa10d model report m1 --runs valid --out m1.html",
+        ),
+    )
+    _model(parser)
+    parser.add_argument(
+        "--runs", nargs="+", action="extend", default=[], metavar="RUN",
+        help="runs to judge by (default: those that the model was judged by)",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.html")
+    parser = models.add(
         "export",
         export,
         "a model for other programs",
@@ -61,6 +77,17 @@ def add_commands(commands: Commands) -> None:
         "--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf, .py, .h, .json"
     )
     replace_option(parser, "an existing file")
+
+
+def report(options: argparse.Namespace) -> Answer:
+    """``model report``."""
+    from pa10d.services.dossier import write_model_report
+
+    library = _library(options)
+    info = library.models.find(options.model_)
+    path = (options.out or Path(f"{info.name}.html")).absolute()
+    made = write_model_report(library, info.id, path, options.runs, progress=progress_line())
+    return Answer({"id": info.id, "name": info.name, "report": str(made)}, str(made))
 
 
 def list_(options: argparse.Namespace) -> Answer:

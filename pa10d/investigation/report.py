@@ -15,8 +15,10 @@ from pa10d.investigation.state import Investigation
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Lines, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
+from pa10d.report.model_page import dossier_sections
 from pa10d.report.page import page
 from pa10d.report.sheet import sections_of
+from pa10d.services.dossier import dossier
 from pa10d.services.library import Library
 from pa10d.services.models import write_file
 from pa10d.store.entries import read_entry
@@ -48,6 +50,7 @@ def report_text(
         *_delivery(state),
         *_doubts(state),
         *sections_of(_sheet(place)),
+        *_model(library, state),
         _course(state),
     ]
     question = "what has changed?" if state.question == "changed" else "what is missing?"
@@ -57,6 +60,12 @@ def report_text(
         sections,
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )
+
+
+def _model(library: Library, state: Investigation) -> list[Section]:
+    """What a reviewer asks for: robot, runs, fit, parameters, errors of the last version."""
+    fresh = state.recorded("fresh") or state.unseen or state.to_fit
+    return dossier_sections(dossier(library, state.versions[-1], fresh))
 
 
 def _facts(state: Investigation, found: dict[str, Any]) -> list[tuple[str, str]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
-from fastapi.responses import PlainTextResponse
+from fastapi.responses import FileResponse, PlainTextResponse
 
 from pa10d.api.deps import Client, MayReplace, TheDaemon
 from pa10d.api.paging import page_of
@@ -24,6 +24,7 @@ from pa10d.api.schemas import (
     Model,
     ModelDetails,
     ModelPage,
+    ReportRequest,
 )
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
@@ -191,6 +192,34 @@ async def improve(
         require_ready(daemon)
         return accepted(improvement_job(daemon, asked), response)
     return accepted(daemon.compute("improve", "improve", asked), response)
+
+
+@router.post(
+    "/models/{model}/reports",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "refused"),
+)
+async def write_report(
+    daemon: TheDaemon, model: str, request: ReportRequest, response: Response
+) -> Any:
+    """One file to send on; it is at ``/api/v1/reports/{job}`` once the job is done."""
+    info = await find_model(daemon, model)
+    await find_runs(daemon, request.runs, True)
+    asked = {"model": info.id, "runs": request.runs}
+    return accepted(daemon.compute("report", "model_report", asked, sheet=True), response)
+
+
+@router.get("/reports/{job}", response_class=FileResponse, responses=responses("not-found"))
+async def show_report(daemon: TheDaemon, job: str) -> FileResponse:
+    """The report that a job has written: HTML that opens without a network."""
+    found = daemon.jobs.get(job)
+    if found is None or found.kind != "report":
+        raise Problem("not-found", f"no report job {job[:60]!r}")
+    path = daemon.jobs.folder_of(found) / "report.html"
+    if not await daemon.shelf(path.is_file):
+        raise Problem("not-found", f"report job {job}: it is {found.status}")
+    return FileResponse(path, media_type="text/html; charset=utf-8")
 
 
 def _look(daemon: Daemon) -> tuple[list[ModelInfo], list[SetAside]]:

@@ -240,3 +240,17 @@ def investigation_step(
     from pa10d.investigation.work import compute
 
     return compute(data, investigation, step, progress)
+
+
+def model_report(
+    data: str, model: str, runs: list[str], progress: Progress, sheet: str | None = None
+) -> dict[str, Any]:
+    """The report of a model, into the job's folder."""
+    from pa10d.services.dossier import write_model_report
+    from pa10d.services.library import open_library
+
+    folder = Path(str(sheet))
+    folder.mkdir(exist_ok=True)
+    library = open_library(data)
+    write_model_report(library, model, folder / "report.html", runs, progress=progress)
+    return {"model": library.models.find(model).name, "file": "report.html"}

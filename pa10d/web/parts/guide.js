@@ -3,6 +3,7 @@ import { el, fill } from "../base/dom.js";
 import { get } from "../base/api.js";
 import { change, current, state, tagged, watch } from "../base/store.js";
 import { running } from "../base/condition.js";
+import { reportButton } from "./report.js";
 
 /** Marks of a run that was made to settle a doubt. */
 export const SETTLES = ["fit", "judge"];
@@ -145,5 +146,10 @@ export function heading(section, title, here = {}) {
     if (other) line.append(other);
   };
   watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "ready"], refresh);
-  return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line);
+  const report = reportButton(() => current()[0].name, () => tagged("judge").map((run) => run.id));
+  watch(["models"], () => {
+    report.hidden = !current().length || section === "models"; // there it is of the model that is shown
+    report.textContent = `Report on ${current()[0]?.name}`;
+  });
+  return el("div", { class: "heading" }, el("h1", { id: `${section}-title` }, title), line, report);
 }

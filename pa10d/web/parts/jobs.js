@@ -8,7 +8,7 @@ import { guarded } from "../base/notices.js";
 const WORDS = {
   experiment: "Experiment", series: "Experiments", check: "Pre-check", identify: "Fit",
   compare: "Comparison", diagnose: "Diagnosis", add: "Adding an effect", improve: "Improvement",
-  improvement: "Improvement", preparation: "Plan", investigation: "Investigation", analysis: "Investigation",
+  improvement: "Improvement", preparation: "Plan", investigation: "Investigation", analysis: "Investigation", report: "Report",
 };
 const waiting = new Map();
 

@@ -12,6 +12,8 @@ import { heading } from "../parts/guide.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
+import { fitOptions } from "../parts/fitoptions.js";
+import { reportButton } from "../parts/report.js";
 
 let parts = null, chosen = null, wanted = null, detailed = null, drawn = ""; // detailed: whose details are shown
 
@@ -50,10 +52,10 @@ function refresh() {
 }
 
 function fitForm() {
-  const runs = runPicker("Fit to", "fit");
+  const runs = runPicker("Fit to", "fit"), how = fitOptions();
   const name = el("input", { id: "model-name", maxLength: 100, size: 12, required: true });
   const start = el("button", { class: "primary", id: "fit-start", type: "button", onclick: guarded("The model could not be fitted.", async () => {
-    const job = await postSound("models", { runs: runs.ids, name: name.value.trim() });
+    const job = await postSound("models", { runs: runs.ids, name: name.value.trim(), ...how.read() });
     const made = (await finished(job)).result;
     wanted = made.name;
     notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: `#/compare/of/${made.name}`, label: "See where it fails" } });
@@ -64,7 +66,7 @@ function fitForm() {
     start.title = start.disabled ? "choose at least one run" : "";
   });
   return el("div", { class: "panel row pickers" }, el("h2", {}, "New model"), runs.box,
-    el("label", { class: "picker" }, el("span", {}, "Name"), name), start);
+    el("label", { class: "picker" }, el("span", {}, "Name"), name), start, how.box);
 }
 
 function details(model) {
@@ -92,9 +94,10 @@ function details(model) {
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
   }, load);
   parts.exports = el("div", { class: "row" });
+  const report = reportButton(() => model.name, () => parts.judge.ids);
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
-      el("div", { class: "row" }, load, undo(model), parts.exports)),
+      el("div", { class: "row" }, load, undo(model), report, parts.exports)),
     el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
       ? "Every link is a body that can exist."
       : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
@@ -191,9 +194,33 @@ async function drawVersus(model) {
   }
 }
 
+const PARAMETERS = [ // head, value to sort by, how it is shown
+  ["parameter", (one) => one.name, (one) => one.name],
+  ["value", (one) => one.value, (one) => (one.determined ? number(one.value, 4) : "not determined")],
+  ["± standard error", (one) => one.std_error ?? Infinity, (one) => (one.determined ? number(one.std_error, 2) : "–")],
+  ["error, % of value", (one) => relative(one), (one) => (one.determined && Number.isFinite(relative(one)) ? number(relative(one), 2) : "–")],
+  ["95 % interval", (one) => one.value, (one) => (one.determined && one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–")],
+  ["URDF", (one) => one.urdf ?? -Infinity, (one) => (one.urdf === null ? "–" : number(one.urdf, 4))],
+  ["unit", (one) => one.unit, (one) => (one.unit === "1" ? "" : one.unit)],
+  ["to be known", (one) => one.flags.join(), (one) => one.flags.join(", ")],
+];
+const relative = (one) => 100 * (one.std_error ?? Infinity) / Math.abs(one.value);
+
+/** Sorted by the head that is pressed; pressed again, the other way round. */
 function parameters(model) {
-  return table(["parameter", "value", "± standard error", "95 % interval", "unit"], model.parameters.map((one) => [
-    one.name, one.determined ? number(one.value, 4) : "not determined", one.determined ? number(one.std_error, 2) : "–",
-    one.determined && one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–",
-    one.unit === "1" ? "" : one.unit]));
+  const body = el("tbody", {});
+  let by = null, way = 1;
+  const heads = PARAMETERS.map(([name], column) => el("th", { scope: "col" }, el("button", { type: "button", class: "link", onclick: () => {
+    way = by === column ? -way : 1;
+    by = column;
+    refresh();
+  } }, name)));
+  const refresh = () => {
+    heads.forEach((head, column) => (by === column ? head.setAttribute("aria-sort", way > 0 ? "ascending" : "descending") : head.removeAttribute("aria-sort")));
+    const rows = [...model.parameters];
+    if (by !== null) rows.sort((a, b) => { const [x, y] = [a, b].map(PARAMETERS[by][1]); return way * (x < y ? -1 : x > y ? 1 : 0); });
+    fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show]) => el("td", {}, show(one))))));
+  };
+  refresh();
+  return el("div", { class: "scroll" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body));
 }
