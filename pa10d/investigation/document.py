@@ -10,8 +10,17 @@ from pa10d.investigation.doubts import FOLDER
 from pa10d.investigation.state import Investigation, Step
 from pa10d.store.location import data_folder
 
-DIAGNOSED = ("rms", "noise_floor", "cutoff_hz", "mask", "unexplained", "remaining", "judged_on",
-             "warnings")  # fmt: skip
+DIAGNOSED = (
+    "rms",
+    "noise_floor",
+    "cutoff_hz",
+    "mask",
+    "unexplained",
+    "remaining",
+    "judged_on",
+    "frozen",
+    "warnings",
+)  # fmt: skip
 
 
 def document(state: Investigation, data: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from pa10d.common.errors import UserError
 from pa10d.investigation import course
 from pa10d.investigation.archive import STATE, Archive
 from pa10d.investigation.document import document
+from pa10d.investigation.words import found_words
 from pa10d.services.documents import SCHEMAS
 
 
@@ -103,3 +104,4 @@ def test_its_document_fits_its_schema_at_every_step(tmp_path):
     schema.model_validate(found)
     assert found["status"] == "done"
     assert found["report"] is None, "no file, no path"
+    assert found_words(found).startswith("Missing in the model: Stribeck friction in joint 4.")
