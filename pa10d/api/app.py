@@ -20,6 +20,7 @@ from pa10d.api.routes import (
     investigations,
     jobs,
     models,
+    night,
     plots,
     robot,
     runs,
@@ -78,6 +79,7 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
         investigations,
         plots,
         explorer,
+        night,
         sockets,
     ):
         app.include_router(room.router, prefix="/api/v1")

@@ -387,6 +387,17 @@ class ImproveRequest(Strict):
     force: Force = False
 
 
+class Story(BaseModel):
+    """A virtual arm that hides something, on which day, and what it is once it was revealed."""
+
+    hides: bool
+    day: int
+    hidden: str | None = Field(examples=["stribeck in joint 4 (Fs = 2.03, vs = 0.1)"])
+    since_the_night: bool | None = Field(
+        description="Whether it came with the night: then a comparison with before shows it"
+    )
+
+
 class ReportRequest(Strict):
     """The report of a model. runs: to judge it by; default: those that it was judged by."""
 

@@ -24,6 +24,7 @@ from pa10d.api.app import create_app
 from pa10d.api.listeners import LARGEST, listeners
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.night import Secret
 from pa10d.daemon.presence import Presence, announced, present
 from pa10d.daemon.processes.runtime import own, runtime_folder
 from pa10d.dynamics import Robot
@@ -42,7 +43,7 @@ log = logging.getLogger("pa10d")
 class Settings:
     """How to serve. Port 0: a free one. Without tokens only loopback addresses are allowed.
 
-    attached: end when standard input ends.
+    attached: end when standard input ends; secret: what the virtual arm hides.
     """
 
     data: Path
@@ -53,6 +54,7 @@ class Settings:
     simulator: bool = True
     as_json: bool = False
     attached: bool = False
+    secret: Secret | None = None
 
 
 def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
@@ -72,7 +74,7 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
         runtime = stack.enter_context(runtime_folder())
         daemon = Daemon(
             profile, robot, settings.data, runtime,
-            simulator=settings.simulator, inherit=(lock.fileno(),),
+            simulator=settings.simulator, inherit=(lock.fileno(),), secret=settings.secret,
         )  # fmt: skip
         url = _url(settings.host, listener.getsockname()[1])
         tokens = dict(settings.tokens)

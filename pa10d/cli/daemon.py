@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.daemon_client import robot_options
 
 if TYPE_CHECKING:
+    from pa10d.daemon.night import Secret
     from pa10d.profile import Profile
 
 PORT = 8010
@@ -143,7 +145,8 @@ def serve(options: argparse.Namespace) -> Answer:
         profile, slow = kept_time(profile)
         if slow is not None:
             note(slow)
-    run(_with_secret(profile, options), robot, settings)
+    profile, secret = _with_secret(profile, options)
+    run(profile, robot, replace(settings, secret=secret))
     return Answer(None)
 
 
@@ -224,18 +227,21 @@ def sim(options: argparse.Namespace) -> Answer:
     return Answer(None)
 
 
-def _with_secret(profile: Profile, options: argparse.Namespace) -> Profile:
-    """The profile whose virtual arm hides what was asked for; nobody is told."""
+def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile, Secret | None]:
+    """The profile whose virtual arm hides what was asked for, and the arm of the next day: what
+    happens to an arm happens over night. Nobody is told."""
     if options.hide is None:
-        return profile
+        return profile, None
     from secrets import randbelow
 
+    from pa10d.daemon.night import Secret
     from pa10d.demo.hidden import hide, with_secret
 
     seed = randbelow(10_000) if options.seed is None else options.seed
-    asked = None if options.hide == "any" else options.hide
-    note(f"the virtual arm of seed {seed} may hide something")
-    return with_secret(profile, hide(asked, seed, profile), seed)
+    hidden = hide(None if options.hide == "any" else options.hide, seed, profile)
+    note(f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on")
+    today, later = (with_secret(profile, hidden, seed, day) for day in (False, True))
+    return today, None if hidden.foreign else Secret(later, hidden.in_words(), hidden.changes)
 
 
 def _on_bus(profile: Profile, options: argparse.Namespace) -> Profile:

@@ -14,6 +14,7 @@ from pa10d.common.errors import UserError
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report
 from pa10d.daemon.jobs.shelf import Shelf
+from pa10d.daemon.night import Night, Secret
 from pa10d.daemon.notify import notify, watchdog_period
 from pa10d.daemon.processes.budget import of_a_job, of_an_answer
 from pa10d.daemon.processes.crowded import Crowded
@@ -30,6 +31,7 @@ from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
 MOVING = ("experiment", "series", "improvement", "investigation")  # kinds of jobs that move the arm
+SWITCHED, CONNECTED = 5.0, 60.0  # s for an arm to be off, and on again
 LOOK_EVERY = 0.5  # s between looks at the virtual arm
 END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
 BEFORE_JOBS = 5  # niceness of what a request waits for
@@ -50,8 +52,10 @@ class Daemon:
         *,
         simulator: bool = True,
         inherit: Sequence[int] = (),
+        secret: Secret | None = None,
     ) -> None:
-        """simulator: start the virtual arm too, where the profile has one."""
+        """simulator: start the virtual arm too, where the profile has one; secret: what it
+        hides."""
         self.profile, self.kinematics, self.data = profile, robot, data
         self.began = time.monotonic()
         self.events = Events()
@@ -72,6 +76,7 @@ class Daemon:
         self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
         self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
+        self.night = Night(secret if self.simulator is not None else None)
         self._tasks: list[asyncio.Task[None]] = []
         self._ending: asyncio.Future[None] | None = None
 
@@ -148,6 +153,19 @@ class Daemon:
         if self.simulator is not None and self.simulator.dead:
             await self.simulator.start()
             self.robot.remark = None
+
+    async def pass_night(self) -> None:
+        """The virtual arm is switched off and on again, as it is on the next day."""
+        await self.night.passes(self._switch_arm)
+        self.events.publish("story", self.night.document())
+
+    async def _switch_arm(self, profile: Profile) -> None:
+        assert self.simulator is not None
+        await self.robot.disconnect()
+        await self.robot.until("offline", timeout=SWITCHED)
+        await self.simulator.become(profile)
+        await self.robot.connect()
+        await self.robot.until("inactive", timeout=CONNECTED)
 
     async def _open_eyes(self) -> None:
         """Have the viewer's libraries loaded before somebody looks."""

@@ -46,6 +46,11 @@ class Hidden:
         """What the arm has on the first day, or later: a payload and the like come in between."""
         return [dict(entry) for entry in self.effects if later or not _a_change(entry)]
 
+    @property
+    def changes(self) -> bool:
+        """Whether it is there on the later day alone."""
+        return self.present(later=True) != self.present(later=False)
+
     def in_words(self) -> str:
         """With its parameters."""
         if not self.effects:

@@ -56,7 +56,7 @@ def report_text(
     question = "what has changed?" if state.question == "changed" else "what is missing?"
     return page(
         title or f"{state.robot}: {question}",
-        f"investigation {state.name} · {state.created[:16].replace('T', ' ')} UTC",
+        f"{state.name} · {state.created[:16].replace('T', ' ')} UTC",
         sections,
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )

@@ -60,7 +60,7 @@ def found_words(found: Document) -> str:
     verb = "What changed" if found["frozen"] else "Missing in the model"
     text = f"{verb}: {listed([named(f, found['frozen']) for f in found['findings']])}."
     sizes = [
-        f"{name} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}"
+        f"{name} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}".removesuffix(" 1")
         for name, v in found["findings"][0]["parameters"].items()
         if v.get("determined", True)
     ]

@@ -73,18 +73,32 @@ class Simulator:
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self.process.stdout.readline(), START_TIME)
 
+    async def become(self, profile: Profile) -> None:
+        """Another arm on the same bus: the one that was started here ends first."""
+        if self.process is None:
+            raise UserError(
+                "the virtual arm runs in a process of its own, started by somebody else; expected "
+                "the one that the daemon starts"
+            )
+        process, self.process = self.process, None  # its end is no fault
+        await self._end(process)
+        self._profile = profile
+        await self.start()
+
     async def close(self) -> None:
         """End it."""
-        if self.process is None:
-            return
+        if self.process is not None:
+            await self._end(self.process)
+
+    async def _end(self, process: asyncio.subprocess.Process) -> None:
         self._let_go()
         with contextlib.suppress(ProcessLookupError):
-            self.process.terminate()
+            process.terminate()
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self.process.wait(), END_TIME)
-        if self.process.returncode is None:
-            self.process.kill()
-            await self.process.wait()
+            await asyncio.wait_for(process.wait(), END_TIME)
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
 
     def _let_go(self) -> None:
         """The one that there was may end."""

@@ -1,0 +1,102 @@
+"""A virtual arm's night: what changed came with it, by a button, and is told when asked for."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import sys
+
+import pytest
+from loops import run_apart
+
+from pa10d.client import ApiError, running_at
+from pa10d.common.errors import UserError
+from pa10d.daemon.night import Night, Secret
+from pa10d.demo.hidden import Hidden, hide
+from pa10d.profile import load_profile
+
+PROFILE = load_profile("pa10-sim")
+SECRET = Secret(PROFILE, "payload (mass = 2.0)", True)
+
+
+async def nothing(profile):
+    """The arm is switched off and on again."""
+
+
+def test_an_arm_without_a_secret_has_no_nights():
+    night = Night(None)
+    assert night.document()["hides"] is False
+    with pytest.raises(UserError, match="hides nothing"):
+        night.reveal()
+    with pytest.raises(UserError, match="hides nothing"):
+        run_apart(night.passes(nothing))
+
+
+def test_it_passes_once_and_tells_nothing():
+    night, seen = Night(SECRET), []
+
+    async def switched(profile):
+        seen.append(profile)
+
+    run_apart(night.passes(switched))
+    assert (night.day, seen) == (2, [PROFILE])
+    assert "payload" not in json.dumps(night.document())
+    with pytest.raises(UserError, match="day 2"):
+        run_apart(night.passes(switched))
+    night.reveal()
+    assert night.document()["hidden"] == "payload (mass = 2.0)"
+    assert night.document()["since_the_night"] is True
+
+
+def test_an_arm_that_does_not_come_back_has_seen_no_day_2():
+    night = Night(SECRET)
+
+    async def fails(profile):
+        raise UserError("it does not answer")
+
+    with pytest.raises(UserError, match="does not answer"):
+        run_apart(night.passes(fails))
+    assert night.day == 1
+    run_apart(night.passes(nothing))
+    assert night.day == 2
+
+
+def test_what_a_draw_changes_is_not_there_on_the_first_day():
+    """Whatever is drawn, one of the two questions of the page can show it."""
+    for seed in range(60):
+        drawn = hide(None, seed, PROFILE)
+        assert drawn.changes is (drawn.present(later=False) == [])
+        assert drawn.present(later=True)
+    assert Hidden(({"effect": "payload", "mass": 1.0},)).changes
+    assert not Hidden().changes
+
+
+@contextlib.contextmanager
+def hiding(data, *options):
+    command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve", *options]
+    command += ["--port", "0", "--clock", "simulated", "--channel", f"night-{data.name}"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        with running_at(json.loads(process.stdout.readline())["url"], data) as client:
+            yield client
+    finally:
+        process.terminate()
+        process.wait(30)
+        process.stdout.close()
+
+
+@pytest.mark.alone
+def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
+    with hiding(tmp_path, "--hide", "payload", "--seed", "4") as client:
+        ask = client._ask
+        assert ask("GET", "/api/v1/story")["day"] == 1
+        client.enable()
+        with pytest.raises(ApiError, match="expected inactive"):
+            ask("POST", "/api/v1/story/night")
+        client.disable()
+        assert ask("POST", "/api/v1/story/night")["day"] == 2
+        assert client.enable()["state"] == "holding"
+        client.disable()
+        assert ask("GET", "/api/v1/story")["hidden"] is None
+        assert ask("POST", "/api/v1/story/reveal")["hidden"].startswith("payload (mass = ")
