@@ -65,6 +65,7 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
         docs_url=None,
         redoc_url=None,
         separate_input_output_schemas=False,
+        generate_unique_id_function=lambda route: route.name,
     )
     app.state.daemon = daemon
     problems.install(app)

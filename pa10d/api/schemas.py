@@ -108,12 +108,6 @@ class Job(BaseModel):
     finished: str | None
 
 
-class JobWithResult(Job):
-    """With what came out."""
-
-    result: Any = None
-
-
 class RecordingFinding(BaseModel):
     """What the checks say of a recording; an error stops what would be fitted to it."""
 
@@ -607,7 +601,7 @@ class TorquePlot(Plot):
     jump: tuple[float, float] | None = None
 
 
-class Step(BaseModel):
+class Stair(BaseModel):
     """One version on the runs."""
 
     model: str
@@ -618,7 +612,7 @@ class Step(BaseModel):
 class StaircasePlot(Plot):
     """With its numbers."""
 
-    steps: list[Step]
+    steps: list[Stair]
     noise_floor: list[float | None] = Field(description="N·m, per joint; null: not known")
     units: list[str] = Field(description="Of each joint's torque: N·m, or N")
     cutoff_hz: float

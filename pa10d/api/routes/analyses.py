@@ -10,6 +10,7 @@ from fastapi.responses import FileResponse
 from pa10d.api.deps import TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
+from pa10d.api.results import ComparisonJob, DiagnosisJob
 from pa10d.api.routes.accepted import accepted, whole
 from pa10d.api.routes.models import find_model, refuse_wrong_effect
 from pa10d.api.routes.runs import find_runs
@@ -18,7 +19,6 @@ from pa10d.api.schemas import (
     DiagnoseRequest,
     Job,
     JobPage,
-    JobWithResult,
     Sheet,
 )
 from pa10d.daemon.daemon import Daemon
@@ -49,7 +49,7 @@ async def list_comparisons(
     return _listed(daemon, "compare", limit, cursor)
 
 
-@router.get("/comparisons/{comparison}", response_model=JobWithResult, responses=WRONG)
+@router.get("/comparisons/{comparison}", response_model=ComparisonJob, responses=WRONG)
 async def show_comparison(daemon: TheDaemon, comparison: str) -> Any:
     """One comparison, with its result once it is done."""
     return whole(daemon, _one(daemon, "compare", comparison))
@@ -84,7 +84,7 @@ async def list_diagnoses(
     return _listed(daemon, "diagnose", limit, cursor)
 
 
-@router.get("/diagnoses/{diagnosis}", response_model=JobWithResult, responses=WRONG)
+@router.get("/diagnoses/{diagnosis}", response_model=DiagnosisJob, responses=WRONG)
 async def show_diagnosis(daemon: TheDaemon, diagnosis: str) -> Any:
     """One diagnosis, with its result once it is done."""
     return whole(daemon, _one(daemon, "diagnose", diagnosis))

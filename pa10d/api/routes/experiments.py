@@ -28,13 +28,13 @@ router = APIRouter(prefix="/experiments", tags=["experiments"])
 
 
 @router.get("", response_model=KindList)
-async def list_kinds() -> dict[str, Any]:
+async def list_experiments() -> dict[str, Any]:
     """Every kind with the JSON schema of its parameters, and what to record first."""
     return {"items": [_about(kind) for kind in KINDS], "starting_set": list(STARTING_SET)}
 
 
 @router.get("/{kind}", response_model=KindAbout, responses=responses("not-found"))
-async def show_kind(kind: str) -> dict[str, Any]:
+async def show_experiment(kind: str) -> dict[str, Any]:
     """One kind."""
     _known(kind)
     return _about(kind)
@@ -46,7 +46,7 @@ async def show_kind(kind: str) -> dict[str, Any]:
     status_code=202,
     responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
-async def start(
+async def start_experiment(
     daemon: TheDaemon,
     _client: Commander,
     may_replace: MayReplace,
@@ -90,7 +90,9 @@ async def start_series(
     status_code=202,
     responses=responses("not-found", "refused", "conflict"),
 )
-async def check(daemon: TheDaemon, request: ExperimentRequest, response: Response) -> Any:
+async def check_experiment(
+    daemon: TheDaemon, request: ExperimentRequest, response: Response
+) -> Any:
     """The pre-check alone, from where the arm stands: state, bus, drives, limits, torque,
     collisions, floor. The job's result has the ``margins`` that are left, and a ``preview`` of the
     motion, poses at equal steps of time."""

@@ -36,7 +36,9 @@ ASKED = responses("not-found", "refused", "conflict", "unsound")
 
 
 @router.post("", response_model=Job, status_code=202, responses=ASKED)
-async def prepare(daemon: TheDaemon, request: InvestigationRequest, response: Response) -> Any:
+async def prepare_investigation(
+    daemon: TheDaemon, request: InvestigationRequest, response: Response
+) -> Any:
     """Plan one: the job's result has its ``steps`` and ``motions`` with their times. Nothing moves
     before ``/investigations/{id}/start``."""
     if request.since is not None:
@@ -64,13 +66,13 @@ async def list_investigations(
 @router.get(
     "/{investigation}", response_model=InvestigationDocument, responses=responses("not-found")
 )
-async def show(daemon: TheDaemon, investigation: str) -> Any:
+async def show_investigation(daemon: TheDaemon, investigation: str) -> Any:
     """How far it is, and what came of it."""
     return await daemon.shelf(_document, daemon, await _find(daemon, investigation))
 
 
 @router.get("/{investigation}/motions", response_model=MotionList, responses=responses("not-found"))
-async def motions(daemon: TheDaemon, investigation: str) -> Any:
+async def show_motions(daemon: TheDaemon, investigation: str) -> Any:
     """Its motions as they were planned: angles over time, ranges, and what would keep them from
     being run."""
     state = await _find(daemon, investigation)
@@ -83,7 +85,9 @@ async def motions(daemon: TheDaemon, investigation: str) -> Any:
     status_code=202,
     responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
-async def start(daemon: TheDaemon, client: Client, investigation: str, response: Response) -> Any:
+async def start_investigation(
+    daemon: TheDaemon, client: Client, investigation: str, response: Response
+) -> Any:
     """Begin it, or go on where it was paused, stopped, or ended by a fault. One that moves the arm
     needs its command, and holds it until it ends."""
     state = await _find(daemon, investigation)
@@ -106,7 +110,7 @@ async def start(daemon: TheDaemon, client: Client, investigation: str, response:
     response_model=InvestigationDocument,
     responses=responses("not-found", "conflict"),
 )
-async def pause(daemon: TheDaemon, investigation: str) -> Any:
+async def pause_investigation(daemon: TheDaemon, investigation: str) -> Any:
     """Rest after the present step. To stop at once, cancel its job, or stop the arm."""
     state = await _find(daemon, investigation)
     if state.status != "running":
@@ -118,7 +122,7 @@ async def pause(daemon: TheDaemon, investigation: str) -> Any:
 @router.get(
     "/{investigation}/report", response_class=FileResponse, responses=responses("not-found")
 )
-async def report(daemon: TheDaemon, investigation: str) -> FileResponse:
+async def investigation_report(daemon: TheDaemon, investigation: str) -> FileResponse:
     """Its report: one HTML file that opens without a network."""
     state = await _find(daemon, investigation)
     path = daemon.investigations.place(state.id) / REPORT
@@ -132,7 +136,9 @@ async def report(daemon: TheDaemon, investigation: str) -> FileResponse:
     response_class=FileResponse,
     responses=responses("not-found"),
 )
-async def doubt(daemon: TheDaemon, investigation: str, number: Number, ending: str) -> FileResponse:
+async def doubt_file(
+    daemon: TheDaemon, investigation: str, number: Number, ending: str
+) -> FileResponse:
     """What settles a doubt, of the finding with this number: a plan (yaml) or a motion (csv)."""
     state = await _find(daemon, investigation)
     key = {"yaml": "plan", "csv": "motion"}.get(ending)

@@ -17,7 +17,7 @@ COMMAND = responses("state", "held", "not-ready")
 
 
 @router.get("", response_model=RobotState)
-async def look(daemon: TheDaemon) -> dict[str, Any]:
+async def show_robot(daemon: TheDaemon) -> dict[str, Any]:
     """The arm, now."""
     return describe(daemon)
 
@@ -84,7 +84,7 @@ async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     response_model=RobotState,
     responses=responses("state", "held", "refused", "not-found"),
 )
-async def controller(
+async def choose_controller(
     daemon: TheDaemon, _client: Commander, request: ControllerRequest
 ) -> dict[str, Any]:
     """Choose the control law; computed torque needs a model, whose effects go along in every
@@ -95,7 +95,7 @@ async def controller(
 
 
 @router.get("/lease", response_model=Lease)
-async def lease(daemon: TheDaemon) -> dict[str, Any]:
+async def show_lease(daemon: TheDaemon) -> dict[str, Any]:
     """Who commands the arm."""
     return daemon.lease.document()
 

@@ -16,7 +16,7 @@ router = APIRouter(prefix="/robot/shape", tags=["robot"])
 
 
 @router.get("", response_model=Shape)
-async def shape(daemon: TheDaemon) -> Any:
+async def show_shape(daemon: TheDaemon) -> Any:
     """The chain of joints, the bodies that the pre-check keeps apart, and which meshes there are.
 
     A joint's frame is its parent's, moved by ``translation``, turned by ``rotation`` (row by row),
@@ -31,7 +31,7 @@ async def shape(daemon: TheDaemon) -> Any:
     responses=responses("refused")
     | {200: {"content": {"application/octet-stream": {"schema": {"format": "binary"}}}}},
 )
-async def mesh(daemon: TheDaemon, number: Annotated[int, Path(ge=0, le=10_000)]) -> Response:
+async def show_mesh(daemon: TheDaemon, number: Annotated[int, Path(ge=0, le=10_000)]) -> Response:
     """One mesh: uint32 counts of vertices and triangles, float32 vertices (m), uint32 triangles."""
     made = await daemon.look("mesh", of="shape", profile=str(daemon.profile.path), number=number)
     return Response(base64.b64decode(made), media_type="application/octet-stream")

@@ -1,0 +1,127 @@
+"""What the jobs end with, by kind: described in OpenAPI, passed on as the daemon keeps it.
+
+A result was made and checked by whoever computed it, and may be of an older version: it is not
+judged again on the way out.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainSerializer, WrapValidator
+
+from pa10d.api.schemas import Job
+from pa10d.services.documents import (
+    Compare,
+    Diagnose,
+    Document,
+    Identify,
+    Improve,
+    Investigate,
+    Known,
+    PerJoint,
+)
+
+AsItIs = (WrapValidator(lambda value, _: value), PlainSerializer(lambda value: value))
+
+
+class PreCheck(Document):
+    """One thing that was looked at before a motion. joint: from 1, null: the whole arm; time: s."""
+
+    level: Literal["ok", "warning", "error"]
+    subject: str
+    sentence: str
+    joint: int | None
+    time: float | None
+
+
+class Recorded(Document):
+    """A run that an experiment left. duration: s."""
+
+    id: str
+    name: str
+    status: str
+    duration: float
+
+
+class ExperimentResult(Document):
+    """Of ``experiment``: the runs, and what an analysis found in them, which is beside."""
+
+    kind: str
+    runs: list[str] = Field(description="Ids")
+    recorded: list[Recorded]
+
+
+class SeriesResult(Document):
+    """Of ``series``: one experiment after the other, and all runs together."""
+
+    runs: list[str]
+    experiments: list[ExperimentResult]
+
+
+class CheckResult(Document):
+    """Of ``check``: whether the motion may go, and why. seconds: s of motion."""
+
+    go: bool
+    plan: dict[str, Any]
+    checks: list[PreCheck]
+    seconds: float
+
+
+class AddResult(Document):
+    """Of ``add``: the new version. held_out, promised, achieved: N·m per joint."""
+
+    id: str
+    name: str
+    parent: str | None
+    change: str | None
+    held_out: PerJoint
+    promised: Known | None
+    achieved: Known | None
+    warnings: list[str]
+
+
+class ImprovementResult(Improve):
+    """Of ``improvement``: an improvement with the arm at hand, and what it ran to settle doubts."""
+
+    experiments: list[dict[str, Any]]
+    fit: list[str]
+    validate_: list[str] = Field(alias="validate")
+
+
+class Partial(Document):
+    """Of any job that failed or was cancelled on its way: what it had by then."""
+
+
+# the richest first: who tries them in turn finds the right one
+Result = (
+    ImprovementResult
+    | Improve
+    | Investigate
+    | Diagnose
+    | Compare
+    | Identify
+    | AddResult
+    | CheckResult
+    | ExperimentResult
+    | SeriesResult
+    | Partial
+)
+
+
+class JobWithResult(Job):
+    """With what came out; ``kind`` says which."""
+
+    result: Annotated[Result | None, *AsItIs] = None
+
+
+class ComparisonJob(Job):
+    """A comparison: null until it is done."""
+
+    result: Annotated[Compare | None, *AsItIs] = None
+
+
+class DiagnosisJob(Job):
+    """A diagnosis: null until it is done."""
+
+    result: Annotated[Diagnose | None, *AsItIs] = None
