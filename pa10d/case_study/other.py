@@ -23,7 +23,7 @@ def other_motion(problem: Problem, periods: int, seed: int) -> Excitation:
     """As large as limits, bodies and floor allow."""
     asked = excitation_problem(
         problem.robot, fundamental=FUNDAMENTAL, harmonics=max(RATES) * max(ODD),
-        samples=4 * max(RATES) * max(ODD), floor=problem.floor,
+        samples=4 * max(RATES) * max(ODD),
     )  # fmt: skip
     rng = np.random.default_rng([seed, 5])
     for share in np.repeat(np.linspace(1.0, 0.3, TRIES // 4), 4):
@@ -31,7 +31,9 @@ def other_motion(problem: Problem, periods: int, seed: int) -> Excitation:
         x[1:] *= share
         if asked.excess(x) == 0.0:
             return Excitation.of(asked, x, periods)
-    raise UserError("no transfer motion keeps the arm clear of itself and the floor")
+    raise UserError(
+        f"no transfer motion keeps the arm clear of itself and {problem.robot.environment}"
+    )
 
 
 def _to_and_fro(problem: Problem, rng: np.random.Generator) -> Array:

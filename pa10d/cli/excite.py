@@ -33,7 +33,7 @@ def add_commands(commands: Commands) -> None:
     add("--cycles", type=int, default=3, metavar="N", help="periods to record (default: 3)")
     add("--harmonics", type=int, default=5, metavar="N", help="of the series (default: 5)")
     add("--samples", type=int, default=100, metavar="N", help="of a period (default: 100)")
-    add("--floor", default="0", metavar="M", help="height in the base frame, or none (default: 0)")
+    add("--floor", metavar="M", help="height in the base frame, or none (default: the profile's)")
     add("--boundary", type=float, nargs="+", metavar="V",
         help="rad/s per joint: only samples above it count")  # fmt: skip
     add("--noise", type=float, nargs="+", metavar="T", help="N·m per joint: weigh by it")
@@ -113,9 +113,9 @@ def _joints(text: str | None) -> list[int] | None:
     return found
 
 
-def _floor(text: str) -> float | None:
-    if text.lower() == "none":
-        return None
+def _floor(text: str | None) -> float | str | None:
+    if text is None or text == "none":
+        return text
     try:
         return float(text)
     except ValueError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
@@ -27,6 +27,21 @@ def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
 def _nonzero(value: float) -> float:
     if value == 0:
         raise expected("a number other than 0")
+    return value
+
+
+def _height(value: Any) -> Any:
+    """A number, or none (which YAML reads as a word, and null as nothing)."""
+    if value is None or value == "none":
+        return "none"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not -1e3 < value < 1e3:
+        raise expected("a height in m, or none")
+    return float(value)
+
+
+def _lengths(value: tuple[float, ...]) -> tuple[float, ...]:
+    if min(value) <= 0:
+        raise expected("three lengths in m, all above 0")
     return value
 
 
@@ -56,6 +71,8 @@ Nonzero = Annotated[Number, AfterValidator(_nonzero)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 Factory = Annotated[Text, AfterValidator(_factory)]
 Vector3 = Annotated[tuple[Number, Number, Number], _count(3)]
+Size = Annotated[tuple[Number, Number, Number], AfterValidator(_lengths), _count(3)]
+Height = Annotated[float | Literal["none"], BeforeValidator(_height)]
 Range = Annotated[tuple[Number, Number], AfterValidator(_ascending), _count(2)]
 Inertia = Annotated[
     tuple[Number, Number, Number, Number, Number, Number],

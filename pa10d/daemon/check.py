@@ -32,6 +32,7 @@ from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check
 from pa10d.profile import Profile
 from pa10d.store.folders import write_text
+from pa10d.trajectory.poses import CLEAR, Surroundings
 
 SMALL_DISK = 2.0  # GB; an hour of a seven-axis run takes about one
 SLOW_DISK = 0.1  # s for a small synchronous write
@@ -45,6 +46,7 @@ def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> l
     return [
         *_bus(profile),
         *_limits(profile, robot),
+        *environment_checks(robot),
         *_disk(data),
         *_clock(),
         *_timing(profile, seconds),
@@ -68,6 +70,19 @@ def _limits(profile: Profile, robot: Robot) -> list[Check]:
     ]
     text = "position, velocity, acceleration and torque are known for every joint"
     return unbounded or [Check("ok", "limits", text)]
+
+
+def environment_checks(robot: Robot) -> list[Check]:
+    """What plans keep clear of, and whether the arm can stand there at all."""
+    around = Surroundings.of(robot)
+    text = f"plans keep {1e3 * CLEAR:g} mm from {robot.environment}"
+    gaps = around.capsules.clearance(around.limits.rest_pose()[None])[0]
+    near = [
+        Check("warning", "environment", f"at rest, {around.capsules.name(int(column))} are "
+              f"{1e3 * gaps[column]:.0f} mm apart: few plans will be found from there")
+        for column in np.flatnonzero(gaps < CLEAR)
+    ]  # fmt: skip
+    return near or [Check("ok", "environment", text)]
 
 
 def _disk(data: Path) -> list[Check]:

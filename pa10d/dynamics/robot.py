@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.dynamics.environment import EMPTY, Box, Environment
 from pa10d.dynamics.urdf_check import check_urdf
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ class Robot:
     lower … acceleration  (n,) limits, rad, rad/s, N·m, rad/s²; inf where nothing is known
     gain_error   (n,) share of its value to which each drive's torque constant is known; None: USUAL
     home         (n,) rad (m) a pose that motions may begin at; None: zero, or mid-range
+    environment  what stands around it
     """
 
     name: str
@@ -62,6 +64,7 @@ class Robot:
     urdf: str
     gain_error: Array | None = None
     home: Array | None = None
+    environment: Environment = EMPTY
 
     def gain_share(self, joints: Sequence[int]) -> float:
         """To what share of its value a torque is known: of these joints (0-based; empty: all), as
@@ -169,6 +172,7 @@ def robot_from_profile(profile: Profile) -> Robot:
         changes["gain_error"] = np.array(given, dtype=float)
     if profile.home is not None:
         changes["home"] = _per_joint(profile, "home", profile.home, n)
+    changes["environment"] = _environment(profile)
     if profile.tool is not None:
         tool = profile.tool
         changes["parameters"] = robot.parameters.copy()
@@ -186,6 +190,15 @@ def _require_home_inside(profile: Profile, robot: Robot) -> None:
             f"{profile.path}: home.{j + 1}: found {robot.home[j]:g}, expected a value within the "
             f"joint's limits, {robot.lower[j]:g} to {robot.upper[j]:g}"
         )
+
+
+def _environment(profile: Profile) -> Environment:
+    given = profile.environment
+    boxes = [
+        Box(box.name or f"box {k + 1}", np.array(box.size), np.array(box.xyz), _rpy(*box.rpy))
+        for k, box in enumerate(given.boxes)
+    ]
+    return Environment(None if given.floor == "none" else given.floor, tuple(boxes))
 
 
 def rigid_body(mass: float, com: Any, inertia: Any = (0.0,) * 6) -> Array:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics.environment import Environment
 from pa10d.experiments.motion import Whole
 from pa10d.trajectory.limits import MotionLimits
 
@@ -22,7 +23,7 @@ SUBJECTS = {
     "torque": "the torque that the bodies need lies within its limit",
     "step": "positions and speeds belong together",
     "rest": "the motion begins and ends at rest",
-    "collision": "the arm keeps clear of itself and of the floor",
+    "collision": "the arm keeps clear of itself and of {environment}",
 }
 
 
@@ -41,7 +42,9 @@ class Check:
         return asdict(self)
 
 
-def checks_of(whole: Whole, torque: Array, limits: MotionLimits) -> list[Check]:
+def checks_of(
+    whole: Whole, torque: Array, limits: MotionLimits, environment: Environment
+) -> list[Check]:
     """Violations, warnings, and one ``ok`` for every subject without either."""
     found = [Check("error", v.kind, v.sentence, v.joint or None, v.time) for v in whole.violations]
     share = np.abs(torque).max(axis=0) / limits.torque
@@ -50,4 +53,8 @@ def checks_of(whole: Whole, torque: Array, limits: MotionLimits) -> list[Check]:
         found.append(Check("warning", "torque", text, int(j) + 1))
     found += [Check("warning", "limits", sentence) for sentence in limits.assumed]
     said = {check.subject for check in found}
-    return found + [Check("ok", s, text) for s, text in SUBJECTS.items() if s not in said]
+    return found + [
+        Check("ok", subject, text.format(environment=environment))
+        for subject, text in SUBJECTS.items()
+        if subject not in said
+    ]

@@ -14,12 +14,14 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pa10d.common.fieldtypes import (
     Counted,
     Factory,
+    Height,
     Inertia,
     Nonzero,
     NotNegative,
     Number,
     Positive,
     Range,
+    Size,
     Text,
     Vector3,
 )
@@ -42,6 +44,22 @@ class Tool(_Strict):
     mass: Positive
     com: Vector3 = (0.0, 0.0, 0.0)
     inertia: Inertia = (0.0,) * 6  # about the centre of mass: Ixx Iyy Izz Ixy Ixz Iyz
+
+
+class Box(_Strict):
+    """A solid that the arm must not meet, placed as a URDF places one, in the base frame."""
+
+    size: Size  # m, whole lengths along its own axes
+    xyz: Vector3  # m, its centre
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    name: Text | None = None
+
+
+class Environment(_Strict):
+    """What stands around the arm, in the frame of its base (a turned base takes it along)."""
+
+    floor: Height = 0.0  # m along the base's z axis, or none
+    boxes: list[Box] = []
 
 
 class Limits(_Strict):
@@ -145,6 +163,7 @@ class Profile(_Strict):
     gravity: Vector3 | None = None
     tool: Tool | None = None
     home: list[Number] | None = None  # rad (m): where motions begin; absent: zero, or mid-range
+    environment: Environment = Environment()
     limits: Limits = Limits()
     drives: list[Drive] | None = None
     torque_constants: list[Nonzero] | None = None  # N·m (joint side) per A

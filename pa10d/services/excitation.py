@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pa10d.common.parallel import process_map
@@ -29,13 +30,20 @@ def excite(
     seed: int = 1,
     cycles: int = 3,
     workers: int | None = None,
+    floor: float | str | None = None,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
     **problem: Any,
 ) -> ExcitingTrajectory:
     """Search for ``generations``, or for as long as ``seconds`` allow; ``problem``: options of
-    ``excitation_problem`` (pose, fundamental, harmonics, samples, floor, boundary, noise, …)."""
+    ``excitation_problem`` (pose, fundamental, harmonics, samples, boundary, noise, …).
+
+    floor: m or 'none', instead of the profile's.
+    """
     robot = load_robot(profile)[1]
+    if floor is not None:
+        height = None if floor == "none" else float(floor)
+        robot = replace(robot, environment=replace(robot.environment, floor=height))
     asked = excitation_problem(robot, None if joints is None else list(joints), **problem)
     rounds = generations if generations is not None else ENDLESS if seconds else GENERATIONS
 

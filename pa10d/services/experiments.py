@@ -108,7 +108,10 @@ def prepare_motion(
     recorded = Channels(robot.joint_names, commands=True, temperature=True)
     room = room_check(data_folder(data), size_of_run(recorded, len(rows)))
     return {
-        "checks": [c.document() for c in [*checks_of(whole, torque, limits), *said, room]],
+        "checks": [
+            c.document()
+            for c in [*checks_of(whole, torque, limits, robot.environment), *said, room]
+        ],
         "margins": margins(whole, torque, limits, Surroundings.of(robot).capsules),
         "preview": preview(whole),
         "start": list(start),

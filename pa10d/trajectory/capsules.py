@@ -1,4 +1,4 @@
-"""The arm as capsules, for self-collision and the floor.
+"""The arm as capsules, for collisions with itself and with what stands around it.
 
 A link is a straight capsule from its joint to each joint it carries (the last one: to where its
 mass suggests that it ends). No mesh is read. The radius is that of a solid cylinder with the
@@ -7,7 +7,7 @@ link's smallest moment of inertia where that is believable, else a share of the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ class Capsules:
     link (c,) the joint (0-based) each moves with, -1 for the base
     start, end (c, 3) m in that joint's frame (base frame for -1); radius (c,) m
     pairs (p, 2) capsules that must not meet; grounded (f,) capsules that must stay above the floor
-    floor m, height of the mounting plane in the base frame, -inf for none
+    blocked (b, 2) capsules and boxes of the robot's environment that must not meet
     """
 
     robot: Robot
@@ -41,16 +41,20 @@ class Capsules:
     radius: Array
     pairs: NDArray[np.int64]
     grounded: NDArray[np.int64]
-    floor: float
+    blocked: NDArray[np.int64]
 
     def clearance(self, q: Array) -> Array:
-        """(N, p + f) m between the surfaces of each pair, then above the floor; < 0: inside."""
-        r = self.robot
-        out = np.empty((len(q), len(self.pairs) + len(self.grounded)))
+        """(N, p + f + b) m between the surfaces of each pair, above the floor, from each box;
+        < 0: inside."""
+        r, around = self.robot, self.robot.environment
+        out = np.empty((len(q), len(self.pairs) + len(self.grounded) + len(self.blocked)))
+        boxes = np.zeros((len(around.boxes), 5, 3))
+        for k, box in enumerate(around.boxes):
+            boxes[k, 0], boxes[k, 1], boxes[k, 2:] = box.position, box.size / 2, box.rotation.T
         measure(
             np.ascontiguousarray(q, dtype=float), r.parent, r.order, r.rotation, r.translation,
             r.axis, r.prismatic, self.link, self.start, self.end, self.radius,
-            self.pairs, self.grounded, self.floor, out,
+            self.pairs, self.grounded, around.floor or 0.0, self.blocked, boxes, out,
         )  # fmt: skip
         return out
 
@@ -75,15 +79,19 @@ class Capsules:
         if column < len(self.pairs):
             a, b = self.pairs[column]
             return f"{self._body(a)} and {self._body(b)}"
-        return f"{self._body(self.grounded[column - len(self.pairs)])} and the floor"
+        column -= len(self.pairs)
+        if column < len(self.grounded):
+            return f"{self._body(self.grounded[column])} and the floor"
+        capsule, box = self.blocked[column - len(self.grounded)]
+        return f"{self._body(capsule)} and '{self.robot.environment.boxes[box].name}'"
 
     def _body(self, capsule: int) -> str:
         link = int(self.link[capsule])
         return "the base" if link < 0 else f"link {link + 1}"
 
 
-def capsules_of(robot: Robot, floor: float | None = 0.0) -> Capsules:
-    """Capsules of an arm; ``floor``: m in the base frame, where it is mounted; None: none."""
+def capsules_of(robot: Robot) -> Capsules:
+    """Capsules of an arm, and what of them may meet what."""
     link, start, end, radius = [], [], [], []
     for body in (-1, *range(robot.n)):
         for tip in _tips(robot, body):
@@ -102,7 +110,7 @@ def capsules_of(robot: Robot, floor: float | None = 0.0) -> Capsules:
         np.array(radius, dtype=float),
         np.zeros((0, 2), dtype=np.int64),
         np.zeros(0, dtype=np.int64),
-        -np.inf if floor is None else floor,
+        np.zeros((0, 2), dtype=np.int64),
     )
     apart = [
         (a, b)
@@ -110,12 +118,15 @@ def capsules_of(robot: Robot, floor: float | None = 0.0) -> Capsules:
         for b in range(a + 1, len(link))
         if not _neighbours(bodies, a, b)
     ]
-    ground = [] if floor is None else [c for c in range(len(link)) if _dips(bodies, c)]
-    return Capsules(
-        robot, table, bodies.start, bodies.end, bodies.radius,
-        np.array(apart, dtype=np.int64).reshape(-1, 2), np.array(ground, dtype=np.int64),
-        bodies.floor,
-    )  # fmt: skip
+    around, count = robot.environment, range(len(link))
+    ground = [] if around.floor is None else [c for c in count if _moves(bodies, c)]
+    blocked = [(c, k) for k in range(len(around.boxes)) for c in count if _moves(bodies, c, k)]
+    return replace(
+        bodies,
+        pairs=np.array(apart, dtype=np.int64).reshape(-1, 2),
+        grounded=np.array(ground, dtype=np.int64),
+        blocked=np.array(blocked, dtype=np.int64).reshape(-1, 2),
+    )
 
 
 def _tips(robot: Robot, body: int) -> list[Array]:
@@ -163,13 +174,14 @@ def _chain(robot: Robot, link: int) -> list[int]:
     return chain
 
 
-def _dips(bodies: Capsules, capsule: int) -> bool:
-    """Whether the height of a capsule depends on the pose at all."""
+def _moves(bodies: Capsules, capsule: int, box: int | None = None) -> bool:
+    """Whether a capsule's distance from a box (None: from the floor) depends on the pose at all:
+    what the arm stands on, it always touches."""
     robot = bodies.robot
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, robot.n))
-    only = Capsules(
-        robot, bodies.link, bodies.start, bodies.end, bodies.radius,
-        np.zeros((0, 2), dtype=np.int64), np.array([capsule], dtype=np.int64), 0.0,
-    )  # fmt: skip
-    height = only.clearance(q)[:, 0]
-    return bool(height.max() - height.min() > 1e-9)
+    if box is None:
+        only = replace(bodies, grounded=np.array([capsule], dtype=np.int64))
+    else:
+        only = replace(bodies, blocked=np.array([[capsule, box]], dtype=np.int64))
+    distance = only.clearance(q)[:, 0]
+    return bool(distance.max() - distance.min() > 1e-9)

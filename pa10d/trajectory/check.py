@@ -38,13 +38,12 @@ def check(
     plan: Plan | Samples,
     robot: Robot,
     limits: MotionLimits,
-    floor: float | None = 0.0,
     measured: Array | None = None,
     torque: Callable[[Samples], Array] | None = None,
 ) -> list[Violation]:
     """The worst violation of each kind and joint; an empty list means: go.
 
-    limits: of the robot itself, not those of planning. floor: m in the base frame, None for none.
+    limits: of the robot itself, not those of planning.
     measured: (n,) where the arm stands, to be compared with the start. torque: what predicts N·m
     (N, n) for the motion; default: rigid bodies of the URDF, without friction.
     """
@@ -67,7 +66,7 @@ def check(
         *_above("torque", "torque", "N·m", samples, tau, limits.torque),
         *_steps(samples, limits),
         *_ends(samples, limits, measured),
-        *_bodies(samples, capsules_of(robot, floor)),
+        *_bodies(samples, capsules_of(robot)),
     ]
 
 

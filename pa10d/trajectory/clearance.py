@@ -72,9 +72,49 @@ def _between(p1, q1, p2, q2):
 
 
 @numba.njit(cache=True)
+def _from_box(p, q, box):
+    """Distance of a segment from a solid box: rows centre, half lengths, and its three axes.
+
+    The squared distance is convex along the segment: its slope is bisected."""
+    at, way = np.empty(3), np.empty(3)
+    for i in range(3):
+        at[i] = way[i] = 0.0
+        for k in range(3):
+            at[i] += box[2 + i, k] * (p[k] - box[0, k])
+            way[i] += box[2 + i, k] * (q[k] - p[k])
+    low, high = 0.0, 1.0
+    if _slope(at, way, box[1], 1.0) <= 0.0:
+        low = 1.0
+    if _slope(at, way, box[1], 0.0) >= 0.0:
+        high = 0.0
+    for _ in range(40):
+        if low >= high:
+            break
+        middle = 0.5 * (low + high)
+        if _slope(at, way, box[1], middle) > 0.0:
+            high = middle
+        else:
+            low = middle
+    total = 0.0
+    for i in range(3):
+        outside = max(abs(at[i] + min(low, high) * way[i]) - box[1, i], 0.0)
+        total += outside * outside
+    return np.sqrt(total)
+
+
+@numba.njit(cache=True)
+def _slope(at, way, half, share):
+    slope = 0.0
+    for i in range(3):
+        x = at[i] + share * way[i]
+        slope += way[i] * (x - min(max(x, -half[i]), half[i]))
+    return slope
+
+
+@numba.njit(cache=True)
 def measure(
     q, parent, order, fixed, offset, axis, prismatic, link, start, end, radius,
-    pairs, grounded, floor, out,
+    pairs, grounded, floor, blocked, boxes, out,
 ):  # fmt: skip
     samples, n = q.shape
     rot, pos = np.empty((n, 3, 3)), np.empty((n, 3))
@@ -101,3 +141,7 @@ def measure(
             c = grounded[m]
             low = min(ends[c, 0, 2], ends[c, 1, 2])
             out[s, len(pairs) + m] = low - radius[c] - floor
+        for m in range(len(blocked)):
+            c = blocked[m, 0]
+            gap = _from_box(ends[c, 0], ends[c, 1], boxes[blocked[m, 1]])
+            out[s, len(pairs) + len(grounded) + m] = gap - radius[c]

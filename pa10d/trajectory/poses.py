@@ -27,17 +27,16 @@ class Surroundings:
 
     robot: Robot
     limits: MotionLimits
-    floor: float | None = 0.0
 
     @classmethod
-    def of(cls, robot: Robot, floor: float | None = 0.0) -> Surroundings:
+    def of(cls, robot: Robot) -> Surroundings:
         """With the usual margins."""
-        return cls(robot, limits_of(robot).planned(), floor)
+        return cls(robot, limits_of(robot).planned())
 
     @cached_property
     def capsules(self) -> Capsules:
         """The bodies."""
-        return capsules_of(self.robot, self.floor)
+        return capsules_of(self.robot)
 
     def gravity(self, q: Array) -> Array:
         """(N, n) N·m that holds the poses q (N, n), by the robot's own parameters."""
@@ -94,7 +93,7 @@ class Surroundings:
                 return pose
         raise UserError(
             f"none of {tries} random poses is free of collisions and light enough for the torque "
-            "limits; expected wider limits, stronger joints or no floor"
+            "limits; expected wider limits, stronger joints or less around it (environment)"
         )
 
     def load(self, pose: Array, joint: int) -> float:
@@ -142,7 +141,7 @@ def gravity_free_pose(
     if not usable.any():
         raise UserError(
             f"joint {joint + 1} can nowhere be moved by ±{travel:.2g} rad: every pose that was "
-            "tried meets a limit, a body or the floor; expected a smaller travel"
+            "tried meets a limit, a body or what stands around; expected a smaller travel"
         )
     worst = float(torque[usable].max())
     # of poses that are equally good the one nearest home: less to move

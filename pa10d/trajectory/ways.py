@@ -36,7 +36,8 @@ def free_way(around: Surroundings, here: Array, there: Array, seed: int = 0) -> 
         if not way_is_free(around, pose, pose):
             raise UserError(
                 f"the pose {np.round(pose, 3).tolist()} rad has bodies nearer than {CLEAR:g} m to "
-                "each other or to the floor: no way leads there; expected another pose"
+                f"each other or to {around.robot.environment}: no way leads there; expected "
+                "another pose"
             )
     home = around.limits.rest_pose()
     if way_is_free(around, here, home) and way_is_free(around, home, there):
@@ -101,7 +102,8 @@ def _connected(
         one, other = other, one
     raise UserError(
         f"no way found from {np.round(here, 2).tolist()} to {np.round(there, 2).tolist()} rad that "
-        "keeps clear of the arm itself and the floor; expected poses nearer to each other"
+        f"keeps clear of the arm itself and {around.robot.environment}; expected poses nearer to "
+        "each other"
     )
 
 

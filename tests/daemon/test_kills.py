@@ -20,6 +20,7 @@ from pa10d.store import RunStore
 pytestmark = [pytest.mark.alone, pytest.mark.timeout(600)]
 REST = {"real": 4.0, "simulated": 60.0}  # s until the arm is at rest with its brakes on
 TIMES = 2
+FLUSHED = 0.2  # s, after which a sample is on the disk
 
 
 def pytest_generate_tests(metafunc):
@@ -68,7 +69,7 @@ def test_control(bench, moment, took_to_rest):
 
 
 def test_recorder(bench, moment, took_to_rest):
-    job = bench.start_moving(moment)
+    job = bench.start_moving(FLUSHED + moment)
     os.kill(bench.pid_of("pa10d.recorder"), signal.SIGKILL)
     took_to_rest(rest(bench))
     with pytest.raises(JobFailed, match="recorder"):

@@ -38,6 +38,26 @@ BROKEN = {
     "no number in vector": (
         HEAD + "gravity: [0, 0, down]\n", 2, "gravity.3", "'down'", "a number",
     ),
+    "floor is a word": (
+        HEAD + "environment: {floor: low}\n",
+        2, "environment.floor", "'low'", "a height in m, or none",
+    ),
+    "box without a place": (
+        HEAD + "environment:\n  boxes:\n    - {size: [1, 1, 1]}\n",
+        4, "environment.boxes.1.xyz", "nothing", "a value",
+    ),
+    "box without extent": (
+        HEAD + "environment:\n  boxes:\n    - {size: [1, 0, 1], xyz: [0, 0, 0]}\n",
+        4, "environment.boxes.1.size", "[1, 0, 1]", "three lengths in m, all above 0",
+    ),
+    "box with a misspelt key": (
+        HEAD + "environment:\n  boxes:\n    - {size: [1, 1, 1], xyz: [0, 0, 0], rpj: [0, 0, 0]}\n",
+        4, "environment.boxes.1.rpj", "an unknown key", "'rpy'",
+    ),
+    "boxes are one box": (
+        HEAD + "environment: {boxes: {size: [1, 1, 1]}}\n",
+        2, "environment.boxes", "{'size': [1, 1, 1]}", "a list",
+    ),
     "section is a number": (HEAD + "can: 5\n", 2, "can", "5", "a section of keys and values"),
     "number is text": (HEAD + "control: {rate: fast}\n", 2, "control.rate", "'fast'", "a number"),
     "number is true": (HEAD + "control: {rate: yes}\n", 2, "control.rate", "True", "a number"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from pa10d.dynamics import Robot, robot_from_profile, robot_from_urdf
+from pa10d.dynamics.environment import Box, Environment
 from pa10d.profile import load_profile
 from pa10d.trajectory.poses import Surroundings
 
@@ -22,6 +24,18 @@ JOINT = (
 @cache
 def pa10() -> Robot:
     return robot_from_profile(load_profile("pa10-sim"))
+
+
+def among(robot: Robot, *boxes: Box, floor: float | None = 0.0) -> Robot:
+    """The same arm among other things."""
+    return replace(robot, environment=Environment(floor, boxes))
+
+
+def box(size, position, turn=0.0) -> Box:
+    """A box turned about a skew axis."""
+    axis = np.array([[0, -0.6, 0.8], [0.6, 0, 0], [-0.8, 0, 0]])  # of (0, 0.8, 0.6), as a cross
+    rotation = np.eye(3) + np.sin(turn) * axis + (1 - np.cos(turn)) * axis @ axis
+    return Box("table", np.array(size), np.array(position), rotation)
 
 
 @cache

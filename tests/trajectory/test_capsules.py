@@ -7,7 +7,7 @@ import pytest
 
 from pa10d.dynamics import robot_from_urdf
 from pa10d.trajectory.capsules import capsules_of
-from tests.trajectory.sample_arms import pa10
+from tests.trajectory.sample_arms import among, box, pa10
 
 
 def frames(robot, q):
@@ -23,9 +23,20 @@ def frames(robot, q):
     return places
 
 
+def as_coal(coal, capsules, k, ends):
+    """A capsule and where it is."""
+    low, high = ends[k]
+    along = (high - low) / np.linalg.norm(high - low)
+    side = np.linalg.svd(along[None])[2]
+    turn = np.column_stack([side[1], np.cross(along, side[1]), along])
+    body = coal.Capsule(capsules.radius[k], float(np.linalg.norm(high - low)))
+    return body, coal.Transform3s(turn, 0.5 * (low + high))
+
+
 def test_clearances_are_those_of_a_collision_library():
     coal = pytest.importorskip("coal", reason="the collision library coal is not installed")
-    robot = pa10()
+    boxes = [box((0.5, 0.3, 0.8), (0.7, -0.3, 0.6), 0.9), box((0.2, 2.0, 0.1), (-0.5, 0.0, 0.9))]
+    robot = among(pa10(), *boxes)
     capsules = capsules_of(robot)
     q = np.random.default_rng(4).uniform(-2, 2, (40, 7))
     found = capsules.clearance(q)
@@ -37,20 +48,22 @@ def test_clearances_are_those_of_a_collision_library():
             ends.append((turn @ start + origin, turn @ end + origin))
         for column, (a, b) in enumerate(capsules.pairs):
             request, result = coal.DistanceRequest(), coal.DistanceResult()
-            shapes = []
-            for k in (a, b):
-                low, high = ends[k]
-                along = (high - low) / np.linalg.norm(high - low)
-                side = np.linalg.svd(along[None])[2]
-                turn = np.column_stack([side[1], np.cross(along, side[1]), along])
-                body = coal.Capsule(capsules.radius[k], float(np.linalg.norm(high - low)))
-                shapes += [body, coal.Transform3s(turn, 0.5 * (low + high))]
+            shapes = [part for k in (a, b) for part in as_coal(coal, capsules, k, ends)]
             gap = coal.distance(*shapes, request, result)
             if gap > 0:
                 assert found[sample, column] == pytest.approx(gap, abs=1e-5)
         for column, k in enumerate(capsules.grounded):
             low = min(ends[k][0][2], ends[k][1][2]) - capsules.radius[k]
             assert found[sample, len(capsules.pairs) + column] == pytest.approx(low, abs=1e-9)
+        before = len(capsules.pairs) + len(capsules.grounded)
+        for column, (k, b) in enumerate(capsules.blocked):
+            request, result = coal.DistanceRequest(), coal.DistanceResult()
+            solid = coal.Box(*boxes[b].size), coal.Transform3s(boxes[b].rotation, boxes[b].position)
+            gap = coal.distance(*as_coal(coal, capsules, k, ends), *solid, request, result)
+            if gap > 0:
+                assert found[sample, before + column] == pytest.approx(gap, abs=1e-5)
+            else:
+                assert found[sample, before + column] < 1e-5
 
 
 def test_straight_up_is_free_and_folded_down_is_not():
@@ -69,7 +82,15 @@ def test_neighbours_never_collide_and_the_floor_can_be_taken_away():
     links = [tuple(capsules.link[pair]) for pair in capsules.pairs]
     assert (0, 2) not in links  # upper arm stands on the shoulder
     assert (0, 4) in links
-    assert len(capsules_of(robot, floor=None).grounded) == 0
+    assert len(capsules_of(among(robot, floor=None)).grounded) == 0
+
+
+def test_what_an_arm_stands_on_is_not_in_its_way():
+    stand = box((0.4, 0.4, 1.0), (0.0, 0.0, -0.5))
+    capsules = capsules_of(among(pa10(), stand, floor=None))
+    assert -1 not in capsules.link[capsules.blocked[:, 0]]
+    assert capsules.clearance(np.zeros((1, 7))).min() > 0.03
+    assert "'table'" in capsules.name(len(capsules.pairs))
 
 
 def test_gradient_of_the_hinge():

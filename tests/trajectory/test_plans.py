@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 
 from pa10d.common.errors import UserError
+from pa10d.daemon.check import environment_checks
+from pa10d.profile import find_profile
+from pa10d.services.robots import load_robot
 from pa10d.trajectory.check import check
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.motions import Drawing, Samples
 from pa10d.trajectory.plan import Plan, Segment, joined, move
 from pa10d.trajectory.poses import Surroundings, gravity_free_pose
 from pa10d.trajectory.ways import free_way, way_is_free
-from tests.trajectory.sample_arms import around_pa10, pa10
+from tests.trajectory.sample_arms import among, around_pa10, box, pa10
 
 LIMITS = limits_of(pa10())
 
@@ -120,7 +123,7 @@ def test_a_way_around_the_shoulder_is_found():
 
 
 def test_an_obstacle_in_the_straight_way_is_gone_around():
-    around = Surroundings.of(pa10(), floor=0.18)  # not far below the shoulder
+    around = Surroundings.of(among(pa10(), floor=0.18))  # not far below the shoulder
     rng, blocked = np.random.default_rng(0), 0
     for _ in range(400):
         here, there = (around.random_pose(rng, 0.95) for _ in range(2))
@@ -167,3 +170,44 @@ def test_gravity_free_poses_are_free_of_gravity(joint):
     else:
         assert found.free
         assert torque < 1.0
+
+
+def test_a_box_is_kept_clear_of_and_gone_around():
+    here, there = np.zeros(7), np.zeros(7)
+    here[[0, 1]], there[[0, 1]] = (-0.9, 1.1), (0.9, 1.1)
+    free, blocked = pa10(), among(pa10(), box((0.3, 0.3, 2.0), (0.75, 0.0, 1.0)))
+    straight = plan_of(move(here, there, LIMITS))
+    assert check(straight, free, LIMITS) == []
+    (found,) = [v for v in check(straight, blocked, LIMITS) if "'table'" in v.sentence][:1]
+    assert found.kind == "collision"
+    places = Surroundings.of(blocked)
+    assert not way_is_free(places, here, there)
+    way = [here, *free_way(places, here, there)]
+    assert len(way) > 2
+    assert all(way_is_free(places, a, b) for a, b in pairwise(way))
+
+
+def test_without_a_floor_the_arm_may_hang_down():
+    low = np.zeros(7)
+    low[[1, 3]] = 1.5, 0.9
+    assert not Surroundings.of(pa10()).allowed(low[None])[0]
+    assert Surroundings.of(among(pa10(), floor=None)).capsules.clearance(low[None]).min() > 0.03
+
+
+def test_a_profile_says_what_stands_around_and_everybody_is_told(tmp_path):
+    text = (
+        find_profile("pa10-sim")
+        .read_text()
+        .replace("urdf: ", f"urdf: {find_profile('pa10-sim').parent}/")
+    )
+    text = text.replace("floor: 0 ", "floor: none ").replace(
+        "boxes: []", "boxes: [{size: [1, 1, 1], xyz: [0, 0, 1]}]"
+    )
+    (tmp_path / "arm.yaml").write_text(text)
+    robot = load_robot(tmp_path / "arm.yaml")[1]
+    assert str(robot.environment) == "'box 1'"
+    assert str(pa10().environment) == "the floor at 0 m"
+    found = environment_checks(robot)
+    assert {check.level for check in found} == {"warning"}, "at rest the arm stands in the box"
+    assert "'box 1'" in found[0].sentence
+    assert [check.level for check in environment_checks(pa10())] == ["ok"]

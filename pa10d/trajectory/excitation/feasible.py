@@ -96,7 +96,7 @@ def _bodies(problem: Problem) -> list[str]:
         return [
             f"{problem.capsules.name(worst)} come nearer than {CLEAR:g} m in "
             f"{100 * bad[:, worst].mean():.0f} % of all poses; expected another pose of the joints "
-            "that stand, other position limits, or another floor height"
+            "that stand, other position limits, or another environment in the profile"
         ]
     return []
 

@@ -81,9 +81,9 @@ def exciting_trajectory(
     refuse_unfit(problem, found.x)
     refuse_unexcited(problem, found.x)
     request = Excitation.of(problem, found.x, cycles)
-    around = Surroundings(problem.robot, problem.limits, problem.floor)
+    around = Surroundings(problem.robot, problem.limits)
     plan = request.build(around)
-    wrong = check(plan, problem.robot, limits_of(problem.robot), problem.floor)
+    wrong = check(plan, problem.robot, limits_of(problem.robot))
     if wrong:
         raise UserError("\n".join(violation.sentence for violation in wrong))
     return ExcitingTrajectory(request, plan, figures(problem, found.x), found, problem)
@@ -96,7 +96,6 @@ def excitation_problem(
     fundamental: float = 0.1,
     harmonics: int = 5,
     samples: int = 100,
-    floor: float | None = 0.0,
     boundary: list[float] | None = None,
     noise: list[float] | None = None,
     **weights: Any,
@@ -105,7 +104,7 @@ def excitation_problem(
     joint; weights: ``condition, smallest, evenness, determinant, above, scaled, second`` of
     Criterion."""
     base = Excitation(joints=joints, pose=pose)
-    around = Surroundings.of(robot, floor)
+    around = Surroundings.of(robot)
     chosen = base.chosen(around)
     rows = {"boundary": boundary, "noise": noise}
     for key, values in rows.items():
@@ -116,5 +115,5 @@ def excitation_problem(
     given: dict[str, Any] = {k: np.array(v) for k, v in rows.items() if v is not None}
     return Problem(
         robot, tuple(chosen), tuple(base.home(around)), around.limits, fundamental, harmonics,
-        samples, floor, Criterion(**given, **weights),
+        samples, Criterion(**given, **weights),
     )  # fmt: skip

@@ -30,7 +30,6 @@ class Problem:
     robot     the whole arm; joints (m,) 0-based, the others are held at pose (n,)
     limits    of the whole arm, as a plan may use them
     samples   of one period, at which the observation matrix is formed
-    floor     m in the base frame, None for no floor
     """
 
     robot: Robot
@@ -40,7 +39,6 @@ class Problem:
     fundamental: float = 0.1
     harmonics: int = 5
     samples: int = 100
-    floor: float | None = 0.0
     criterion: Criterion = field(default_factory=Criterion)
 
     @classmethod
@@ -73,7 +71,7 @@ class Problem:
     @cached_property
     def capsules(self) -> Capsules:
         """Bodies of the whole arm."""
-        return capsules_of(self.robot, self.floor)
+        return capsules_of(self.robot)
 
     @cached_property
     def fine(self) -> tuple[Array, Array, Array]:

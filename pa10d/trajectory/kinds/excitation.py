@@ -87,7 +87,7 @@ class Excitation(Kind):
     def _random(self, around: Surroundings, joints: list[int]) -> Fourier:
         problem = Problem(
             around.robot, tuple(joints), tuple(self.home(around)), around.limits,
-            self.fundamental, self.harmonics, floor=around.floor,
+            self.fundamental, self.harmonics,
         )  # fmt: skip
         rng = np.random.default_rng(self.seed)
         drawn = [problem.random(rng) for _ in range(DRAWS)]

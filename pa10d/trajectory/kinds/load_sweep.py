@@ -62,7 +62,7 @@ class LoadSweep(Kind):
         if len(usable) < self.count:
             raise UserError(
                 f"joint {j + 1}: only {len(usable)} of {TRIES} random poses are free; expected "
-                f"at least {self.count}: wider limits, fewer poses or no floor"
+                f"at least {self.count}: wider limits, fewer poses or less around it (environment)"
             )
         loads = around.gravity(usable)[:, j]
         wanted = np.linspace(loads.min(), loads.max(), self.count)
