@@ -32,6 +32,10 @@ def _lines(facts: Facts, a: Answers, urdf: str) -> Iterator[str]:
     names = ", ".join(json.dumps(name, ensure_ascii=False) for name in robot.joint_names)
     yield f"joints: [{names}]  # in the order of every list here"
     yield f"base: {{rpy: {_row(a.rpy)}}}  # rad; 0, 0, 0 stands on the floor"
+    yield ""
+    yield "environment:  # plans keep 3 cm from it; in the frame of the base"
+    yield "  floor: 0  # m along the base's z axis, where it is mounted; none: no floor"
+    yield "  boxes: []  # such as {name: table, size: [0.8, 1.2, 0.7], xyz: [0.9, 0, 0.35]}"
     if a.tool_mass:
         yield f"tool: {{mass: {a.tool_mass:.12g}, com: {_row(a.tool_com)}}}  # kg, m"
     else:
