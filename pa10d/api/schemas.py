@@ -537,7 +537,7 @@ class Shape(BaseModel):
     joints: list[ShapeJoint]
     order: list[int] = Field(description="Indices such that parents come before children")
     up: list[float] = Field(description="Against gravity, base frame")
-    floor: float
+    floor: float | None = Field(description="m along the base's z axis; null: no floor")
     capsules: list[ShapeCapsule]
     meshes: list[ShapeMesh]
     notes: list[str]

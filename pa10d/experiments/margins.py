@@ -22,7 +22,7 @@ DIGITS = 4  # of a pose's angles: 0.1 mrad
 
 def margins(whole: Whole, torque: Array, limits: MotionLimits, bodies: Capsules) -> dict[str, Any]:
     """Per joint what is left to the nearer position limit, braking included, and the shares of the
-    other limits that are used; what is left between the arm's bodies and above the floor.
+    other limits that are used; what is left between the arm's bodies, above the floor and to boxes.
 
     torque: (N, n) N·m that the motion needs. rad (m) and m; every figure with its second.
     """
@@ -42,10 +42,12 @@ def margins(whole: Whole, torque: Array, limits: MotionLimits, bodies: Capsules)
         for j in range(q.shape[1])
     ]
     gaps, pairs = bodies.clearance(q), len(bodies.pairs)
+    low = pairs + len(bodies.grounded)
     return {
         "joints": joints,
         "self": _nearest(t, gaps[:, :pairs], bodies, 0),
-        "floor": _nearest(t, gaps[:, pairs:], bodies, pairs),
+        "floor": _nearest(t, gaps[:, pairs:low], bodies, pairs),
+        "boxes": _nearest(t, gaps[:, low:], bodies, low),
     }
 
 

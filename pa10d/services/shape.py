@@ -67,7 +67,7 @@ def shape(data: str, profile: str) -> dict[str, Any]:
         ],
         "order": robot.order.tolist(),
         "up": _up(robot),
-        "floor": bodies.floor,
+        "floor": robot.environment.floor,
         "capsules": [
             {"link": int(link), "start": start.tolist(), "end": end.tolist(), "radius": float(r)}
             for link, start, end, r in zip(

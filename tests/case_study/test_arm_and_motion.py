@@ -45,7 +45,7 @@ def test_the_other_motion_is_fast_and_allowed(profile, seed):
     robot = load_robot(profile.path)[1]
     found = other_motion(excitation_problem(robot), 1, seed)
     plan = found.build(Surroundings.of(robot))
-    assert check(plan, robot, limits_of(robot), 0.0) == []
+    assert check(plan, robot, limits_of(robot)) == []
     (span,) = plan.spans
     _, dq, _ = plan.at(np.arange(span.begin, span.end, 0.01))
     assert np.all((np.abs(dq) > 0.2).mean(axis=0) > 0.9)
