@@ -13,10 +13,9 @@ from pa10d.effects.base import (
 )
 from pa10d.effects.context import Context
 from pa10d.effects.memory import fading
-from pa10d.effects.registry import TEXTBOOK, all_effects, effect
+from pa10d.effects.registry import all_effects, effect
 
 __all__ = [
-    "TEXTBOOK",
     "Coefficient",
     "Context",
     "Effect",

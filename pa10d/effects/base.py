@@ -189,6 +189,8 @@ class Effect(ABC):
     starts_by_own_equation: ClassVar[bool] = False  # which says best where a search begins
     feels_own_heat: ClassVar[bool] = False  # is friction that depends on the heat of friction
     rubs: ClassVar[bool] = False  # is friction that needs nothing but the motion, and heats
+    smoothed_over: ClassVar[str] = ""  # shape parameter: the speed over which its sign is smoothed
+    # (an identification asks the data for that of every joint's dry friction)
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot

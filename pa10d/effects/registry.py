@@ -14,9 +14,6 @@ from pa10d.effects.base import Effect
 from pa10d.effects.check import fault
 from pa10d.effects.smooth_map import SmoothMap, smooth_map
 
-TEXTBOOK = ("rotor_inertia", "coulomb", "viscous")
-"""In every model from the start, beside the rigid bodies."""
-
 GROUP = "pa10d.effects"
 
 

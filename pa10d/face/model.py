@@ -141,8 +141,11 @@ class Model(ByContent):
         return inner.name, inner.robot.urdf, terms, tuple(map(bits, arrays)), inner.cutoff
 
     def __repr__(self) -> str:
-        textbook = ("rotor_inertia", "coulomb", "viscous")
-        added = [str(e).partition(":")[0] for e in self.effects if e.effect not in textbook]
+        added = [
+            str(told).partition(":")[0]
+            for told, term in zip(self.effects, self.inner.terms, strict=True)
+            if term.effect.question != "textbook"
+        ]
         beyond = f", with {', '.join(added)}" if added else ""
         return (
             f"<Model {self.name}: {len(self.joints)} joints, textbook model{beyond}; "

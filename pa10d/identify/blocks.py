@@ -20,7 +20,7 @@ from pa10d.identify.condition import (
     textbook_gram,
 )
 from pa10d.identify.cuts import PIECE, cuts
-from pa10d.identify.layout import Layout
+from pa10d.regression.layout import Layout
 from pa10d.identify.piece import Piece
 from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot, regressor
-from pa10d.identify.layout import Layout, textbook
-from pa10d.identify.triangle import Triangle
+from pa10d.regression.layout import Layout, textbook
+from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
@@ -90,7 +90,7 @@ def _own(dq: Array, ddq: Array) -> Array:
 
 def _kept(layout: Layout) -> NDArray[np.int64]:
     n, b = layout.robot.n, len(layout.base)
-    rotors = [s.joints[0] for s in layout.slots if s.effect_id == "rotor_inertia"]
+    rotors = [t.joints[0] for t in layout.terms if t.effect.is_rotor]
     return np.concatenate(
         [np.arange(b), b + np.array(rotors, dtype=np.int64), b + n + np.arange(2 * n)]
     )

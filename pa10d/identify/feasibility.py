@@ -14,8 +14,8 @@ from pa10d.dynamics.feasible import Feasible, feasible_fit
 from pa10d.dynamics.pseudo_inertia import definiteness
 from pa10d.effects import Coefficient
 from pa10d.identify.fit import Fit
-from pa10d.identify.layout import Layout
-from pa10d.identify.solution import Solution
+from pa10d.regression.layout import Layout
+from pa10d.regression.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class FeasibleModel:
 
 def find_feasible(fit: Fit, layout: Layout) -> FeasibleModel:
     """Least squares again, on the same weighted data, with every link a possible body."""
-    bounded = [c for slot in layout.slots for c in slot.effect.coefficients]
+    bounded = [c for term in layout.terms for c in term.effect.coefficients]
     return nearest_feasible(
         fit.solution, layout.base, layout.robot, bounded, lambda b: fit.rms_of(b, layout.of_joint)
     )

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.lacking import Stretch, lacking
-from pa10d.identify.layout import Layout
-from pa10d.identify.rows import Rows, all_rows, is_coulomb, rows_of, triangles_of
+from pa10d.regression.lacking import Stretch, lacking
+from pa10d.regression.layout import Layout, has_sign
+from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
-from pa10d.identify.solution import Indices, Solution, estimate_weights, solve
-from pa10d.identify.triangle import Triangle
+from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
+from pa10d.regression.triangle import Triangle
 from pa10d.identify.uncertainty import Uncertainty, covariance
 
 Array = NDArray[np.float64]
@@ -139,10 +139,10 @@ def _v0_errors(
     """(n,) rad/s; the unknowns after the layout's own are Fc·d(sign)/d(ln v0)."""
     found = np.flatnonzero(smoothing.found)
     errors = np.full(layout.robot.n, np.inf)
-    for i, slot in enumerate(layout.slots):
-        j = slot.joints[0] if slot.joints else -1
-        if is_coulomb(slot, j) and smoothing.found[j]:
+    for term, place in zip(layout.terms, layout.places, strict=True):
+        j = term.joints[0] if term.joints else -1
+        if has_sign(term, j) and smoothing.found[j]:
             k = layout.size + int(np.searchsorted(found, j))
-            force = max(abs(float(beta[layout.where(i).start])), 1e-12)
+            force = max(abs(float(beta[place.start])), 1e-12)
             errors[j] = smoothing.v0[j] * np.sqrt(whole[k, k]) / force
     return errors

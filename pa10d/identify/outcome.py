@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
-from pa10d.identify.layout import Layout
+from pa10d.regression.layout import Layout
 from pa10d.identify.timing import Shift
 from pa10d.measurement.recording import Recording
-from pa10d.model import Term, TorqueModel
+from pa10d.model import TorqueModel
 
 
 def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:
@@ -48,18 +49,15 @@ def model_of(
     """The model of a finished fit."""
     beta = fit.solution.beta
     terms = []
-    for i, slot in enumerate(layout.slots):
-        errors = {}
-        if slot.effect_id == "coulomb":
-            errors = {"v0": float(fit.v0_errors[slot.joints[0]])}
-        terms.append(
-            Term(slot.effect_id, slot.joints, beta[layout.where(i)], dict(slot.shape), errors)
-        )
+    for term in layout.fitted(beta):
+        name = term.effect.smoothed_over
+        errors = {name: float(fit.v0_errors[term.joints[0]])} if name else {}
+        terms.append(replace(term, shape_errors=errors))
     return TorqueModel(
         name=name,
         robot=layout.robot,
         base=layout.base,
-        h=beta[: len(layout.base)],
+        h=layout.rigid(beta),
         terms=tuple(terms),
         covariance=fit.uncertainty.covariance,
         noise=fit.rms,

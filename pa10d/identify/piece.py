@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context
-from pa10d.identify.layout import Slot
+from pa10d.model import Term
 from pa10d.measurement.signals import delayed
 from pa10d.regression.equation import RunEquation
 
@@ -49,14 +49,14 @@ class Piece:
         moved = replace(run, tau=run.lowpass(raw), raw_tau=raw, shift=run.shift + seconds)
         return replace(self, equation=moved)
 
-    def filtered(self, slots: Sequence[Slot], joint: int) -> Array:
+    def filtered(self, terms: Sequence[Term], joint: int) -> Array:
         """(M, Σk) filtered columns of effects in one joint's equation; they are remembered."""
-        if not slots:
+        if not terms:
             return np.empty((len(self.tau), 0))
-        keys = [(s.effect_id, s.joints, joint, *s.shape.items()) for s in slots]
-        new = {k: s for k, s in zip(keys, slots, strict=True) if k not in self._columns}
+        keys = [(t.effect_id, t.joints, joint, *t.shape.items()) for t in terms]
+        new = {k: t for k, t in zip(keys, terms, strict=True) if k not in self._columns}
         if new:
-            raw = [s.rows(self.context, joint).T for s in new.values()]
+            raw = [t.rows(self.context, joint).T for t in new.values()]
             found = self.equation.lowpass(np.concatenate(raw).T)
             ends = np.cumsum([len(r) for r in raw])[:-1]
             self._columns.update(zip(new, np.split(found, ends, axis=1), strict=True))

@@ -16,7 +16,7 @@ from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import plain_fit, weighted_fit
-from pa10d.identify.layout import Layout, textbook
+from pa10d.regression.layout import Layout, textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
@@ -24,7 +24,7 @@ from pa10d.identify.shapes import with_starting_shapes
 from pa10d.identify.smoothing import find_smoothing, sharp_where_unseen, with_smoothing
 from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
-from pa10d.model import Term, TorqueModel
+from pa10d.model import TorqueModel
 
 Array = NDArray[np.float64]
 
@@ -131,16 +131,12 @@ def _cut_off(
     smoothing = find_smoothing(pieces, layout)
     wide = with_smoothing(layout, smoothing)
     beta = plain_fit(pieces, wide)
-    terms = tuple(
-        Term(s.effect_id, s.joints, beta[wide.where(i)], dict(s.shape))
-        for i, s in enumerate(wide.slots)
-    )
     model = TorqueModel(
         name="probe",
         robot=robot,
         base=layout.base,
-        h=beta[: len(layout.base)],
-        terms=terms,
+        h=wide.rigid(beta),
+        terms=wide.fitted(beta),
         covariance=np.zeros((0, 0)),
         noise=np.zeros(robot.n),
         cutoff=pieces.cutoff,

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.layout import Layout, Slot
+from pa10d.regression.layout import Layout, has_sign
 from pa10d.identify.piece import Piece
-from pa10d.identify.triangle import Triangle
+from pa10d.model import Term
+from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 
@@ -44,12 +45,12 @@ def rows_of(piece: Piece, layout: Layout, bent: NDArray[np.bool_] | None = None)
     derivative of joint j's smoothed sign by ln v0."""
     columns = []
     for j in range(layout.robot.n):
-        slots = [s for s in layout.slots if s.touches(j)]
+        terms = [t for t in layout.terms if t.touches(j)]
         if bent is None or not bent[j]:
-            columns.append(np.column_stack([piece.rigid[j], piece.filtered(slots, j)]))
+            columns.append(np.column_stack([piece.rigid[j], piece.filtered(terms, j)]))
             continue
-        sharp, smooth = _bracket(next(s for s in slots if is_coulomb(s, j)))
-        found = piece.filtered([*slots, smooth, sharp], j)
+        sharp, smooth = _bracket(next(t for t in terms if has_sign(t, j)))
+        found = piece.filtered([*terms, smooth, sharp], j)
         slope = (found[:, -2] - found[:, -1]) / (2 * STEP)
         columns.append(np.column_stack([piece.rigid[j], found[:, :-2], slope]))
     return Rows(columns, piece.tau, piece.moving, piece.inside & ~piece.moving)
@@ -78,14 +79,8 @@ def triangles_of(
     return found
 
 
-def is_coulomb(slot: Slot, joint: int) -> bool:
-    """Whether this is the joint's Coulomb friction."""
-    return slot.effect_id == "coulomb" and slot.joints == (joint,)
-
-
-def _bracket(slot: Slot) -> tuple[Slot, Slot]:
-    v0 = slot.shape["v0"]
-    return (
-        replace(slot, shape={"v0": v0 * float(np.exp(-STEP))}),
-        replace(slot, shape={"v0": v0 * float(np.exp(STEP))}),
-    )
+def _bracket(term: Term) -> tuple[Term, Term]:
+    name = term.effect.smoothed_over
+    factors = float(np.exp(-STEP)), float(np.exp(STEP))
+    sharp, smooth = (replace(term, shape={name: term.shape[name] * f}) for f in factors)
+    return sharp, smooth

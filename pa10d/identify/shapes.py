@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.layout import Layout, Slot
+from pa10d.regression.layout import Layout
 from pa10d.identify.rows import Rows, triangles_of
-from pa10d.identify.triangle import left_over
+from pa10d.model import Term
+from pa10d.regression.triangle import left_over
 
 
 def with_starting_shapes(layout: Layout, pieces: Pieces) -> Layout:
@@ -18,23 +19,23 @@ def with_starting_shapes(layout: Layout, pieces: Pieces) -> Layout:
     Judged on the joint's own equation; refining them is what adding an effect to a model does.
     """
     shapes = {
-        i: _best(layout, pieces, slot)
-        for i, slot in enumerate(layout.slots)
-        if slot.effect.shapes and not slot.shape
+        i: _best(layout, pieces, term)
+        for i, term in enumerate(layout.terms)
+        if term.effect.shapes and not term.shape
     }
     return layout.with_shapes(shapes) if shapes else layout
 
 
-def _best(layout: Layout, pieces: Pieces, slot: Slot) -> dict[str, float]:
-    joint = slot.joints[0] if slot.joints else 0
+def _best(layout: Layout, pieces: Pieces, term: Term) -> dict[str, float]:
+    joint = term.joints[0] if term.joints else 0
     first = next(iter(pieces.some()))
-    trials = [replace(slot, shape=dict(s)) for s in slot.effect.starts(first.context, slot.joints)]
+    trials = [replace(term, shape=dict(s)) for s in term.effect.starts(first.context, term.joints)]
     if len(trials) == 1:
         return trials[0].shape
     others = [
-        s
-        for s in layout.slots
-        if s is not slot and s.touches(joint) and (s.shape or not s.effect.shapes)
+        t
+        for t in layout.terms
+        if t is not term and t.touches(joint) and (t.shape or not t.effect.shapes)
     ]
 
     def rows():
@@ -45,11 +46,11 @@ def _best(layout: Layout, pieces: Pieces, slot: Slot) -> dict[str, float]:
             yield Rows([columns], piece.tau[:, one], piece.moving[:, one], ~piece.moving[:, one])
 
     triangle = triangles_of(rows())[0]
-    count = len(trials) * slot.width
+    count = len(trials) * term.width
     left = left_over(triangle.r, triangle.width - 1 - count)
     losses = []
     for k in range(len(trials)):
-        part = left[:, k * slot.width : (k + 1) * slot.width]
+        part = left[:, k * term.width : (k + 1) * term.width]
         solved = np.linalg.lstsq(part, left[:, -1], rcond=1e-9)[0]
         losses.append(float(np.sum((left[:, -1] - part @ solved) ** 2)))
     return trials[int(np.argmin(losses))].shape

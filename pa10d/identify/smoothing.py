@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.layout import START_V0, Layout, Slot
+from pa10d.regression.layout import START_V0, Layout, has_sign
 from pa10d.identify.piece import Piece
-from pa10d.identify.rows import Rows, is_coulomb, triangles_of
-from pa10d.identify.spectrum import autocovariance, correlation_length, flat_top
-from pa10d.identify.triangle import Triangle, left_over, min_norm
+from pa10d.identify.rows import Rows, triangles_of
+from pa10d.model import Term
+from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.regression.triangle import Triangle, left_over, min_norm
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ class Smoothing:
 
 
 def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
-    """v0 of every joint's ``coulomb`` slot."""
+    """v0 of every joint's dry friction."""
     n = layout.robot.n
     grids = [COARSE] * n
     fits = _fits(pieces, layout, grids)
@@ -80,11 +81,11 @@ def sharp_where_unseen(smoothing: Smoothing, faster_than: Array | None) -> Smoot
 
 
 def with_smoothing(layout: Layout, smoothing: Smoothing) -> Layout:
-    """The layout with these v0 in its Coulomb slots."""
+    """The layout with these v0 in the joints' dry friction."""
     shapes = {
-        i: {"v0": float(smoothing.v0[s.joints[0]])}
-        for i, s in enumerate(layout.slots)
-        if s.effect_id == "coulomb"
+        i: {t.effect.smoothed_over: float(smoothing.v0[t.joints[0]])}
+        for i, t in enumerate(layout.terms)
+        if t.effect.smoothed_over
     }
     return layout.with_shapes(shapes)
 
@@ -92,12 +93,15 @@ def with_smoothing(layout: Layout, smoothing: Smoothing) -> Layout:
 def _trial_rows(pieces: Pieces, layout: Layout, grids: Sequence[Array]) -> Iterator[Rows]:
     """Rows with, per joint, all other columns first and then one Coulomb column per v0."""
     n = layout.robot.n
-    others = [[s for s in layout.slots if s.touches(j) and not is_coulomb(s, j)] for j in range(n)]
-    own = [next(s for s in layout.slots if is_coulomb(s, j)) for j in range(n)]
-    trials = [[replace(own[j], shape={"v0": float(v)}) for v in grids[j]] for j in range(n)]
+    others = [[t for t in layout.terms if t.touches(j) and not has_sign(t, j)] for j in range(n)]
+    own = [next(t for t in layout.terms if has_sign(t, j)) for j in range(n)]
+    trials = [
+        [replace(t, shape={t.effect.smoothed_over: float(v)}) for v in grid]
+        for t, grid in zip(own, grids, strict=True)
+    ]
 
-    def columns(piece: Piece, joint: int, slots: Sequence[Slot]) -> Array:
-        return np.column_stack([piece.rigid[joint], piece.filtered(slots, joint)])
+    def columns(piece: Piece, joint: int, terms: Sequence[Term]) -> Array:
+        return np.column_stack([piece.rigid[joint], piece.filtered(terms, joint)])
 
     for piece in pieces.some():
         found = [columns(piece, j, others[j] + trials[j]) for j in range(n)]

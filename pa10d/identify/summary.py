@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from pa10d.effects import TEXTBOOK
 from pa10d.model import TorqueModel
 
 
 def summary(model: TorqueModel) -> dict[str, Any]:
     """JSON-ready: see INTERFACES, ``identify``. ``id`` is the name until a store gives one."""
-    textbook = sum(len(t.coefficients) for t in model.terms if t.effect_id in TEXTBOOK)
+    textbook = sum(len(t.coefficients) for t in model.terms if t.effect.question == "textbook")
     return {
         "id": model.name,
         "name": model.name,

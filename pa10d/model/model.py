@@ -6,8 +6,8 @@ never changed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -16,79 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
-from pa10d.effects import Context, Effect, Value, effect
+from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
-from pa10d.effects.together import contextualised, sensed, torque_of
+from pa10d.effects.together import contextualised, sensed
+from pa10d.model.term import Term, as_told
+from pa10d.model.unknowns import Unknowns
 
 Array = NDArray[np.float64]
 
 Parameters = Literal["free", "feasible"]
-
-
-@dataclass(frozen=True)
-class Term:
-    """One effect at work in a model, with its fitted values.
-
-    joints: 0-based; empty for a robot-wide effect
-    coefficients (k,), shape: name -> value, shape_errors: name -> standard error
-    over: quantities of a map
-    """
-
-    effect_id: str
-    joints: tuple[int, ...]
-    coefficients: Array
-    shape: dict[str, float] = field(default_factory=dict)
-    shape_errors: dict[str, float] = field(default_factory=dict)
-    over: tuple[str, ...] = ()
-
-    @property
-    def effect(self) -> Effect:
-        """The effect's class instance."""
-        return effect(self.effect_id, self.over)
-
-    @property
-    def label(self) -> str:
-        """``stribeck J4`` (joints numbered from 1)."""
-        return label(self.effect_id, [j + 1 for j in self.joints], self.over)
-
-    def full_columns(self, context: Context) -> Array:
-        """(N, n, k) torque per unit coefficient at the raw rate."""
-        columns = self.effect.columns(context, self.joints, self.shape)
-        return spread(self.effect, self.joints, columns, context.robot.n)
-
-    def torque(self, context: Context) -> Array:
-        """(N, n) N·m at the raw rate."""
-        return torque_of(self, context)
-
-
-def as_told(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
-    """An effect's values in the units of its joints, with what their torque constants may be off
-    by in the standard errors."""
-    share = robot.gain_share(term.joints)
-    whole = {name: value.with_gain_error(share) for name, value in values.items()}
-    return in_units_of(robot, term, whole)
-
-
-def in_units_of(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:
-    """An effect's values in the units of its joints."""
-    if not term.joints or not all(robot.prismatic[j] for j in term.joints):
-        return values
-    return {name: value.of_a_slide() for name, value in values.items()}
-
-
-def label(effect_id: str, joints: Sequence[int], over: Sequence[str] = ()) -> str:
-    """What a term is called; joints numbered from 1."""
-    where = f" J{','.join(map(str, joints))}" if joints else ""
-    return f"{effect_id}{where}{' over ' + ', '.join(over) if over else ''}"
-
-
-def spread(kind: Effect, joints: Sequence[int], columns: Array, n: int) -> Array:
-    """Columns of any effect as (N, n, k): those of one equation get zeros elsewhere."""
-    if kind.reaches_other_joints:
-        return columns
-    out = np.zeros((len(columns), n, columns.shape[-1]))
-    out[:, joints[0]] = columns
-    return out
 
 
 @dataclass(frozen=True)
@@ -124,6 +60,11 @@ class TorqueModel:
     runs: tuple[str, ...] = ()
     held_out: dict[str, Array] = field(default_factory=dict)
     notes: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def unknowns(self) -> Unknowns:
+        """What stands where in [h, all coefficients in order]."""
+        return Unknowns(self.base, self.terms)
 
     @property
     def rigid(self) -> Array:
@@ -176,15 +117,11 @@ class TorqueModel:
 
     def parameter_names(self) -> list[str]:
         """Names of [h, coefficients], such as ``Izz4`` or ``coulomb J2: Fc``."""
-        names = [parameter_name(k) for k in self.base.kept]
-        for term in self.terms:
-            names += [f"{term.label}: {c.name}" for c in term.effect.coefficients]
-        return names
+        return self.unknowns.names()
 
     def term_slice(self, index: int) -> slice:
         """Where the coefficients of terms[index] lie in the covariance."""
-        start = len(self.h) + sum(len(t.coefficients) for t in self.terms[:index])
-        return slice(start, start + len(self.terms[index].coefficients))
+        return self.unknowns.places[index]
 
     def term_values(self, index: int) -> dict[str, Value]:
         """Parameters of one effect with standard errors and units."""

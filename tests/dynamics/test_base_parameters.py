@@ -10,7 +10,7 @@ from trees import ALL
 
 from pa10d.dynamics import base_parameters, regressor, robot_from_profile, robot_from_urdf
 from pa10d.dynamics.base import random_motion
-from pa10d.identify.layout import textbook
+from pa10d.regression.layout import textbook
 from pa10d.profile import load_profile
 
 

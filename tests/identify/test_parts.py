@@ -13,8 +13,8 @@ from synthetic import estimates, fourier, pa10_truth, recording
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.identify import condition_number, identify
 from pa10d.identify.cuts import cuts
-from pa10d.identify.layout import textbook
-from pa10d.identify.triangle import Triangle, left_over
+from pa10d.regression.layout import textbook
+from pa10d.regression.triangle import Triangle, left_over
 from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed

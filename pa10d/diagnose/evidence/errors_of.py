@@ -17,8 +17,8 @@ from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import State
-from pa10d.identify.lacking import Stretch, lacking, weight_of
-from pa10d.identify.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
+from pa10d.regression.lacking import Stretch, lacking, weight_of
+from pa10d.regression.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
 
 Array = NDArray[np.float64]
 

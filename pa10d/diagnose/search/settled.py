@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.regression.state import State
 from pa10d.identify.fit import rms_of
-from pa10d.identify.solution import Solution, solve
-from pa10d.identify.triangle import Triangle
+from pa10d.regression.solution import Solution, solve
+from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 

@@ -15,6 +15,7 @@ class Coulomb(Effect):
     equation = "τ = Fc·tanh(q̇/v0)"
     question = "textbook"
     rubs = True
+    smoothed_over = "v0"
     also_changes = True
     joint_property = "friction"
     live = True

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from pa10d.identify.triangle import Triangle
+from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 Indices = Sequence[NDArray[np.int64]]

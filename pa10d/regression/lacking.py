@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.identify.spectrum import autocovariance, spectrum_of
+from pa10d.regression.spectrum import autocovariance, spectrum_of
 from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]

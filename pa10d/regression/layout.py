@@ -1,0 +1,110 @@
+"""Which unknowns there are, and in which joint's equation each of them stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.common.errors import UserError
+from pa10d.dynamics import BaseParameters, Robot, base_parameters, regressor
+from pa10d.dynamics.base import random_motion
+from pa10d.effects import Effect, all_effects, effect
+from pa10d.model import Term, Unknowns
+
+Array = NDArray[np.float64]
+
+SPANNED = 1e-5  # share of a rotor inertia's column outside the rigid base, below which it is in it
+START_V0 = 0.01  # rad/s
+
+
+@dataclass(frozen=True)
+class Layout(Unknowns):
+    """The unknowns of a robot's equations, and in which joint's equation each stands.
+
+    seen (n, b): True where a base parameter enters a joint's equation at all
+    """
+
+    robot: Robot
+    seen: NDArray[np.bool_]
+
+    @cached_property
+    def of_joint(self) -> tuple[NDArray[np.int64], ...]:
+        """Per joint: which unknowns stand in its equation, rigid ones first."""
+        out = []
+        for j in range(self.robot.n):
+            own = [
+                np.arange(place.start, place.stop)
+                for term, place in zip(self.terms, self.places, strict=True)
+                if term.touches(j)
+            ]
+            out.append(np.concatenate([np.flatnonzero(self.seen[j]), *own]).astype(np.int64))
+        return tuple(out)
+
+    def with_shapes(self, shapes: dict[int, dict[str, float]]) -> Layout:
+        """The same unknowns with other shapes for some terms (by index)."""
+        terms = [replace(t, shape=shapes.get(i, t.shape)) for i, t in enumerate(self.terms)]
+        return replace(self, terms=tuple(terms))
+
+
+def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
+    """Rigid bodies, rotor inertia where it is not one of theirs, Coulomb and viscous friction,
+    then ``extra`` effects on every joint."""
+    base = base_parameters(robot)
+    seen, redundant = structure(robot, base)
+    kinds = [kind for kind in all_effects().values() if kind.question == "textbook"]
+    terms = [
+        Term.of(kind.id, (j,))
+        for kind in kinds
+        if kind.is_rotor
+        for j in np.flatnonzero(~redundant).tolist()
+    ]
+    for j in range(robot.n):
+        terms += [begun(kind, j) for kind in kinds if not kind.is_rotor]
+    for name in extra:
+        if name in {kind.id for kind in kinds}:
+            continue
+        kind = effect(name)
+        if kind.question == "chosen":
+            raise UserError(
+                f"--with {name}: explains nothing; expected an effect (pa10d add … {name} --over "
+                "takes quantities that a diagnosis names)"
+            )
+        if kind.scope == "pair":
+            raise UserError(
+                f"--with {name}: acts on a pair of joints; expected an effect of one joint or the "
+                f"whole robot (pa10d add … {name} --joint 6 7 takes pairs)"
+            )
+        joints = [(j,) for j in range(robot.n)] if kind.scope == "joint" else [()]
+        terms += [Term.of(name, on) for on in joints]
+    return Layout(base, tuple(terms), robot, seen)
+
+
+def begun(kind: Effect, joint: int) -> Term:
+    """A textbook effect of one joint with the shape that is usual before the data are asked."""
+    return Term.of(kind.id, (joint,), {kind.smoothed_over: START_V0} if kind.smoothed_over else {})
+
+
+def has_sign(term: Term, joint: int) -> bool:
+    """Whether this is the joint's dry friction, how sharp whose sign is the data are asked."""
+    return bool(term.effect.smoothed_over) and term.joints == (joint,)
+
+
+def structure(robot: Robot, base: BaseParameters) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """(n, b): which base parameters load which joint; (n,): whose rotor inertia is one of them."""
+    n, samples = robot.n, 200
+    q, dq, ddq = random_motion(robot, samples, seed=2)
+    columns = regressor(robot, q, dq, ddq, base.kept)
+    size = np.abs(columns).max(axis=0)
+    seen = size > 1e-12 * size.max(axis=0)
+    basis, _ = np.linalg.qr(columns.reshape(samples * n, -1))
+    redundant = np.zeros(n, dtype=bool)
+    for j in range(n):
+        rotor = np.zeros((samples, n))
+        rotor[:, j] = ddq[:, j] / np.linalg.norm(ddq[:, j])
+        rest = rotor.ravel() - basis @ (basis.T @ rotor.ravel())
+        redundant[j] = np.linalg.norm(rest) < SPANNED
+    return seen, redundant
