@@ -7,7 +7,7 @@ from pa10d.effects.base import Coefficient, Effect, ShapeParameter
 TEXTS = ("id", "title", "equation", "signature", "experiment", "source")
 CHOICES = {
     "scope": ("joint", "pair", "robot"),
-    "question": ("missing", "changed"),
+    "question": ("textbook", "missing", "changed"),
 }
 
 

@@ -11,9 +11,9 @@ from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
 from pa10d.identify.excitation import Excitation
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
-from pa10d.regression.layout import Layout
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
+from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
 

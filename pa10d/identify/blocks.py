@@ -20,13 +20,13 @@ from pa10d.identify.condition import (
     textbook_gram,
 )
 from pa10d.identify.cuts import PIECE, cuts
-from pa10d.regression.layout import Layout
 from pa10d.identify.piece import Piece
 from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass
 from pa10d.measurement.standstill import fast_speed
 from pa10d.regression.equation import RunEquation, decimation, prepare
+from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.dynamics.base import BaseParameters
 from pa10d.dynamics.feasible import Feasible, feasible_fit
 from pa10d.dynamics.pseudo_inertia import definiteness
-from pa10d.effects import Coefficient
 from pa10d.identify.fit import Fit
+from pa10d.model import Unknowns
 from pa10d.regression.layout import Layout
-from pa10d.regression.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -36,25 +34,28 @@ class FeasibleModel:
 
 def find_feasible(fit: Fit, layout: Layout) -> FeasibleModel:
     """Least squares again, on the same weighted data, with every link a possible body."""
-    bounded = [c for term in layout.terms for c in term.effect.coefficients]
+    solution = fit.solution
     return nearest_feasible(
-        fit.solution, layout.base, layout.robot, bounded, lambda b: fit.rms_of(b, layout.of_joint)
+        solution.triangle,
+        solution.target,
+        layout,
+        layout.robot,
+        lambda beta: fit.rms_of(beta, layout.of_joint),
     )
 
 
 def nearest_feasible(
-    solution: Solution,
-    base: BaseParameters,
+    triangle: Array,
+    target: Array,
+    unknowns: Unknowns,
     robot: Robot,
-    bounded: Sequence[Coefficient],
     rms: Callable[[Array], Array],
 ) -> FeasibleModel:
-    """The same of any weighted fit of [base parameters, coefficients]; rms: (n,) N·m that other
-    values of these leave."""
+    """The same of any weighted fit, ‖triangle·β - target‖²; rms: (n,) N·m that another β leaves."""
+    base = unknowns.base
+    bounded = [c for term in unknowns.terms for c in term.effect.coefficients]
     lower, upper = (np.array([getattr(c, side) for c in bounded]) for side in ("lower", "upper"))
-    answer: Feasible = feasible_fit(
-        solution.triangle, solution.target, base, robot.parameters, lower, upper
-    )
+    answer: Feasible = feasible_fit(triangle, target, base, robot.parameters, lower, upper)
     inner = definiteness(answer.standard)
     return FeasibleModel(
         standard=answer.standard,

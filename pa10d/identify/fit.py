@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.regression.lacking import Stretch, lacking
-from pa10d.regression.layout import Layout, has_sign
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
+from pa10d.identify.uncertainty import Uncertainty, covariance
+from pa10d.regression.lacking import Stretch, lacking
+from pa10d.regression.layout import Layout, has_sign
 from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
 from pa10d.regression.triangle import Triangle
-from pa10d.identify.uncertainty import Uncertainty, covariance
 
 Array = NDArray[np.float64]
 

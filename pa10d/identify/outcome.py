@@ -9,10 +9,10 @@ from typing import Any
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
-from pa10d.regression.layout import Layout
 from pa10d.identify.timing import Shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
+from pa10d.regression.layout import Layout
 
 
 def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context
-from pa10d.model import Term
 from pa10d.measurement.signals import delayed
+from pa10d.model import Term
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]

@@ -16,7 +16,6 @@ from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import plain_fit, weighted_fit
-from pa10d.regression.layout import Layout, textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
@@ -25,6 +24,7 @@ from pa10d.identify.smoothing import find_smoothing, sharp_where_unseen, with_sm
 from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
+from pa10d.regression.layout import Layout, textbook
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.fit import Fit, weighted_fit
-from pa10d.regression.layout import Layout
 from pa10d.identify.rows import all_rows
 from pa10d.identify.smoothing import Smoothing
+from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.regression.layout import Layout, has_sign
 from pa10d.identify.piece import Piece
 from pa10d.model import Term
+from pa10d.regression.layout import Layout, has_sign
 from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]

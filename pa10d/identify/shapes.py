@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.identify.blocks import Pieces
-from pa10d.regression.layout import Layout
 from pa10d.identify.rows import Rows, triangles_of
 from pa10d.model import Term
+from pa10d.regression.layout import Layout
 from pa10d.regression.triangle import left_over
 
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.regression.layout import START_V0, Layout, has_sign
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, triangles_of
 from pa10d.model import Term
+from pa10d.regression.layout import START_V0, Layout, has_sign
 from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
 from pa10d.regression.triangle import Triangle, left_over, min_norm
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.regression.layout import Layout
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, rows_of, triangles_of
+from pa10d.regression.layout import Layout
 from pa10d.regression.solution import estimate_weights, solve
 from pa10d.regression.triangle import Triangle
 

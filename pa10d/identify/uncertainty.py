@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.regression.lacking import weight_of
 from pa10d.identify.rows import Rows
+from pa10d.regression.lacking import weight_of
 from pa10d.regression.solution import Solution
 from pa10d.regression.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
 

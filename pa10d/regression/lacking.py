@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.regression.spectrum import autocovariance, spectrum_of
 from pa10d.measurement.signals import Lowpass
+from pa10d.regression.spectrum import autocovariance, spectrum_of
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]

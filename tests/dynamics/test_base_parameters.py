@@ -10,8 +10,8 @@ from trees import ALL
 
 from pa10d.dynamics import base_parameters, regressor, robot_from_profile, robot_from_urdf
 from pa10d.dynamics.base import random_motion
-from pa10d.regression.layout import textbook
 from pa10d.profile import load_profile
+from pa10d.regression.layout import textbook
 
 
 def pa10(joints):
@@ -27,7 +27,7 @@ def pa10(joints):
 )
 def test_counts_of_the_pa10(joints, inertial, rotor, all_):
     layout = textbook(pa10(joints))
-    rotors = sum(s.effect_id == "rotor_inertia" for s in layout.slots)
+    rotors = sum(t.effect.is_rotor for t in layout.terms)
     assert len(layout.base) == inertial
     assert inertial + rotors == rotor
     assert layout.size == all_
@@ -68,5 +68,5 @@ def test_matrix_and_sentences_agree_with_relations():
 
 def test_redundant_rotor_inertias_lie_in_the_rigid_base():
     layout = textbook(pa10(7))
-    fitted = {s.joints[0] for s in layout.slots if s.effect_id == "rotor_inertia"}
+    fitted = {t.joints[0] for t in layout.terms if t.effect.is_rotor}
     assert fitted == {2, 3, 4, 5, 6}

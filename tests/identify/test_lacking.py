@@ -7,8 +7,8 @@ import pytest
 from synthetic import estimates, fourier, pa10_truth, recording
 
 from pa10d.identify import identify
-from pa10d.regression.lacking import LOOKS, Stretch, lacking, weight_of
 from pa10d.measurement.signals import Lowpass
+from pa10d.regression.lacking import LOOKS, Stretch, lacking, weight_of
 
 COLOURED = 5  # of ten draws of slow noise over a minute that are told from a function of motion
 RATE, SECONDS, JOINTS = 200.0, 40.0, 2

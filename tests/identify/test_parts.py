@@ -13,12 +13,12 @@ from synthetic import estimates, fourier, pa10_truth, recording
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.identify import condition_number, identify
 from pa10d.identify.cuts import cuts
-from pa10d.regression.layout import textbook
-from pa10d.regression.triangle import Triangle, left_over
 from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed
 from pa10d.regression.equation import prepare
+from pa10d.regression.layout import textbook
+from pa10d.regression.triangle import Triangle, left_over
 
 RATE = 250.0
 
@@ -275,7 +275,7 @@ def test_condition_number_is_that_of_the_stacked_matrix():
     from pa10d.dynamics import regressor
 
     rigid = regressor(truth.robot, q, dq, ddq, layout.base.kept)
-    rotors = [s.joints[0] for s in layout.slots if s.effect_id == "rotor_inertia"]
+    rotors = [t.joints[0] for t in layout.terms if t.effect.is_rotor]
     blocks = [rigid]
     for values in (ddq, 2 / np.pi * np.arctan(50 * dq), dq):
         block = np.zeros((len(q), 3, 3))

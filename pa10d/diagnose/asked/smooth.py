@@ -28,10 +28,10 @@ from pa10d.diagnose.search.timing import align
 from pa10d.diagnose.search.versions import held_out, snapshot
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
 from pa10d.effects.variables import at_joint, values_of
-from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
 from pa10d.judgement import in_band
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
+from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
 
 Array = NDArray[np.float64]
 

@@ -26,6 +26,8 @@ class Fit:
     to_beta   (p, r): coefficients = to_beta @ basis coordinates
     residual  joint -> (m_j,) weighted residual
     coordinates (r,): the target's in the basis
+    triangle (p, p), target (p,): the whole weighted problem in triangular form, ‖T·β - y‖² but for
+    what no β explains, near-null directions and prior knowledge included
     """
 
     sigma: Array
@@ -35,6 +37,8 @@ class Fit:
     residual: PerJoint
     rank: int
     coordinates: Array
+    triangle: Array
+    target: Array
 
     def rms(self) -> Array:
         """(n,) N·m RMS of the unweighted residual per joint."""
@@ -60,7 +64,19 @@ class Fit:
             residual[j] = self.residual[j] + own @ back
         kept = self.to_beta - (self.to_beta @ lost) @ lost.T
         rest = coordinates - lost @ back
-        return Fit(self.sigma, basis, kept, kept @ coordinates, residual, self.rank, rest)
+        triangle = self.triangle.copy()
+        triangle[:, columns] = 0.0
+        return Fit(
+            sigma=self.sigma,
+            basis=basis,
+            to_beta=kept,
+            beta=kept @ coordinates,
+            residual=residual,
+            rank=self.rank,
+            coordinates=rest,
+            triangle=triangle,
+            target=self.target,
+        )
 
     def covariance(self) -> Array:
         """(p, p) for unit-variance independent errors; the caller knows better about noise."""
@@ -93,7 +109,10 @@ def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | Non
     empty = scale == 0
     scale[empty] = 1.0
     stacked /= scale
-    triangle = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
+    size = stacked.shape[1]
+    both = np.concatenate([stacked, target[:, None]], axis=1)
+    whole = scipy.linalg.qr(both, mode="r", overwrite_a=True, check_finite=False)[0][:size]
+    triangle = whole[:, :size]
     _, values, right = np.linalg.svd(triangle, full_matrices=False)
     strong = values > NEAR_NULL * values[0]
     turn = right[strong].T / values[strong]
@@ -115,6 +134,8 @@ def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | Non
         residual=dict(enumerate(np.split(residual, cuts)[: side.n])),
         rank=int(strong.sum()),
         coordinates=coordinates,
+        triangle=triangle * scale,
+        target=whole[:, size],
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 
@@ -13,7 +12,7 @@ from pa10d.diagnose.regression.fit import Fit, Prior, iterated_fit, predict, wei
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.effects import Effect
-from pa10d.model import Term, TorqueModel
+from pa10d.model import Term, TorqueModel, Unknowns, vector_of
 
 Array = NDArray[np.float64]
 
@@ -57,7 +56,7 @@ class State:
     def knowledge(self) -> Prior | None:
         """What the fit knows of the coefficients besides the data: a frozen model's own
         uncertainty, else how smooth its maps are."""
-        return self.prior or smoothness(len(self.model.h), self.terms)
+        return self.prior or smoothness(self.unknowns)
 
     @property
     def drawn_by_loads(self) -> bool:
@@ -104,11 +103,14 @@ class State:
         copy.refit()
         return copy
 
+    @property
+    def unknowns(self) -> Unknowns:
+        """What stands where in the coefficients of the model at hand."""
+        return Unknowns(self.model.base, tuple(self.terms))
+
     def place(self, index: int) -> slice:
         """Columns of terms[index] in the matrix."""
-        start = len(self.model.h)
-        start += sum(len(t.effect.coefficients) for t in self.terms[:index])
-        return slice(start, start + len(self.terms[index].effect.coefficients))
+        return self.unknowns.places[index]
 
     def refit(self) -> None:
         """Solve for all coefficients and hand them to the terms and the model."""
@@ -140,26 +142,25 @@ class State:
 
     def matrix(self, side: int) -> PerJoint:
         """All columns of one side (0 training, 1 held out), joint -> (m_j, p)."""
-        n, b = self.train.n, len(self.model.h)
-        widths = [len(t.effect.coefficients) for t in self.terms]
-        total = b + sum(widths)
-        out = {}
-        for j in range(n):
-            rows = self.rigid[side][j]
-            block = np.zeros((len(rows), total))
-            block[:, :b] = rows
-            start = b
-            for columns, width in zip(self.blocks, widths, strict=True):
+        unknowns, out = self.unknowns, {}
+        for j, rows in self.rigid[side].items():
+            out[j] = np.zeros((len(rows), unknowns.size))
+            out[j][:, : len(self.model.h)] = rows
+            for columns, place in zip(self.blocks, unknowns.places, strict=True):
                 if j in columns[side]:
-                    block[:, start : start + width] = columns[side][j]
-                start += width
-            out[j] = block
+                    out[j][:, place] = columns[side][j]
         return out
 
     def held_residual(self, fit: Fit | None = None) -> PerJoint:
         """joint -> (m_j,) N·m left over on the held-out side."""
         predicted = predict(self.held_matrix, (fit or self.fit).beta)
         return {j: self.held.tau[j] - predicted[j] for j in predicted}
+
+    def rms_of(self, beta: Array) -> Array:
+        """(n,) N·m that other values of the coefficients leave on the training side."""
+        torque = predict(self.matrix(0), beta)
+        left = [self.train.tau[j] - torque[j] for j in range(self.train.n)]
+        return np.array([float(np.sqrt(np.mean(r**2))) for r in left])
 
     def train_residual(self) -> PerJoint:
         """joint -> (m_j,) N·m left over on the training side."""
@@ -188,14 +189,14 @@ class State:
 
     def with_coefficients(self, beta: Array) -> TorqueModel:
         """The model with its terms and these coefficients."""
-        start, fitted = len(self.model.h), []
-        for term in self.terms:
-            k = len(term.effect.coefficients)
-            fitted.append(replace(term, coefficients=beta[start : start + k].copy()))
-            start += k
-        h, covariance = beta[: len(self.model.h)].copy(), self.fit.covariance()
-        loads = self.loads if self.drawn_by_loads else None
-        return replace(self.model, h=h, terms=tuple(fitted), covariance=covariance, loads=loads)
+        unknowns = self.unknowns
+        return replace(
+            self.model,
+            h=unknowns.rigid(beta),
+            terms=unknowns.fitted(beta),
+            covariance=self.fit.covariance(),
+            loads=self.loads if self.drawn_by_loads else None,
+        )
 
     def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:
         return (
@@ -204,19 +205,15 @@ class State:
         )
 
 
-def smoothness(given: int, terms: Sequence[Term]) -> Prior | None:
-    """Penalties of all terms that have one, for [``given`` coefficients, those of the terms]."""
-    total = given + sum(len(term.effect.coefficients) for term in terms)
-    rows, start = [], given
-    for term in terms:
-        stop = start + len(term.effect.coefficients)
+def smoothness(unknowns: Unknowns) -> Prior | None:
+    """Penalties of all terms that have one."""
+    rows = []
+    for term, place in zip(unknowns.terms, unknowns.places, strict=True):
         penalty = term.effect.penalty(term.shape)
         if penalty is not None:
-            block = np.zeros((len(penalty), total))
-            block[:, start:stop] = penalty
-            rows.append(block)
-        start = stop
-    return Prior(np.zeros(total), np.concatenate(rows)) if rows else None
+            rows.append(np.zeros((len(penalty), unknowns.size)))
+            rows[-1][:, place] = penalty
+    return Prior(np.zeros(unknowns.size), np.concatenate(rows)) if rows else None
 
 
 def own_uncertainty(model: TorqueModel) -> Prior:
@@ -225,7 +222,7 @@ def own_uncertainty(model: TorqueModel) -> Prior:
     Directions that its data never showed have no variance to speak of in the covariance (they
     were truncated) and stay where they are.
     """
-    mean = np.concatenate([model.h, *[t.coefficients for t in model.terms]])
+    mean = vector_of(model.h, model.terms)
     scale = np.sqrt(np.maximum(np.diag(model.covariance), 1e-300))
     scale = np.maximum(scale, 1e-9 * max(float(np.max(scale)), 1e-9))
     values, vectors = np.linalg.eigh(model.covariance / np.outer(scale, scale))

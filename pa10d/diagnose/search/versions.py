@@ -10,7 +10,6 @@ import numpy as np
 from pa10d.diagnose.evidence.errors_of import honest_covariance, term_covariance
 from pa10d.diagnose.regression.state import State
 from pa10d.diagnose.search.delivery import delivery
-from pa10d.diagnose.search.settled import Settled
 from pa10d.diagnose.search.steps import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
@@ -77,10 +76,9 @@ def snapshot(
 
 
 def _with_bodies(model: TorqueModel, part: State) -> TorqueModel:
-    settled = Settled.of(part)
-    solution = settled.solution(part.fit.sigma)
-    bounded = [c for term in model.terms for c in term.effect.coefficients]
-    bodies = nearest_feasible(solution, model.base, model.robot, bounded, settled.rms)
+    bodies = nearest_feasible(
+        part.fit.triangle, part.fit.target, part.unknowns, model.robot, part.rms_of
+    )
     names = model.parameter_names()[len(model.h) :]
     return replace(
         model,
