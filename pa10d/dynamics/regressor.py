@@ -16,6 +16,8 @@ from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]
 
+LANES = 64  # samples that are worked on at once: what they need fits the second-level cache
+
 
 def regressor(
     robot: Robot,
@@ -150,65 +152,153 @@ def _motion(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, 
 
 @numba.njit(cache=True, nogil=True)
 def _fill(q, dq, ddq, parent, order, fixed, offset, axis, prismatic, gravity, place, out):
+    """LANES samples side by side: every statement is a loop over them, which the compiler turns
+    into vector instructions."""
     samples, n = q.shape
-    rot, arm = np.empty((n, 3, 3)), np.empty((n, 3))
-    w, dw, a = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    spin, shift = np.empty((n, n, 3)), np.empty((n, n, 3))  # twist of joint i seen in frame j
-    force, moment, turned = np.empty((3, 3)), np.empty((3, 6)), np.empty(3)
-    for s in range(samples):
-        _motion(
-            q[s], dq[s], ddq[s], parent, order, fixed, offset, axis, prismatic, gravity,
-            rot, arm, w, dw, a,
-        )  # fmt: skip
+    turn, arm = np.zeros((n, 3, 3, LANES)), np.zeros((n, 3, LANES))  # turn[j, k]: column k of rot
+    w, dw, a = np.zeros((n, 3, LANES)), np.zeros((n, 3, LANES)), np.zeros((n, 3, LANES))
+    spin, shift = np.zeros((n, n, 3, LANES)), np.zeros((n, n, 3, LANES))  # joint i's twist in j
+    force, moment = np.zeros((3, 3, LANES)), np.zeros((6, 3, LANES))
+    t1, t2, row = np.zeros((3, LANES)), np.zeros((3, LANES)), np.zeros(LANES)
+    base, zero = np.zeros((3, LANES)), np.zeros((3, LANES))
+    for k in range(3):
+        base[k] = -gravity[k]
+    for j in range(n):
+        for k in range(3):
+            spin[j, j, k] = 0.0 if prismatic[j] else axis[j, k]
+            shift[j, j, k] = axis[j, k] if prismatic[j] else 0.0
+    for start in range(0, samples, LANES):
+        lanes = min(LANES, samples - start)
         for j in order:
-            x, y, z = w[j]
-            # first moments -> force: S(dw) + S(w)S(w)
-            force[0, 0], force[1, 1], force[2, 2] = -y * y - z * z, -x * x - z * z, -x * x - y * y
-            force[0, 1], force[1, 0] = x * y - dw[j, 2], x * y + dw[j, 2]
-            force[0, 2], force[2, 0] = x * z + dw[j, 1], x * z - dw[j, 1]
-            force[1, 2], force[2, 1] = y * z - dw[j, 0], y * z + dw[j, 0]
-            # inertia -> moment: L(dw) + S(w)L(w), columns xx xy yy xz yz zz
-            u, v, r = dw[j]
-            moment[0, 0], moment[1, 0], moment[2, 0] = u, x * z, -x * y
-            moment[0, 1], moment[1, 1], moment[2, 1] = v - x * z, u + y * z, x * x - y * y
-            moment[0, 2], moment[1, 2], moment[2, 2] = -y * z, v, x * y
-            moment[0, 3], moment[1, 3], moment[2, 3] = r + x * y, z * z - x * x, u - y * z
-            moment[0, 4], moment[1, 4], moment[2, 4] = y * y - z * z, r - x * y, v + x * z
-            moment[0, 5], moment[1, 5], moment[2, 5] = y * z, -x * z, r
-            # twists of the joints that carry link j, in its frame
-            p, i = parent[j], parent[j]
-            while i >= 0:
-                _cross(spin[p, i], arm[j], turned)
+            _frames(q[start : start + lanes, j], fixed[j], offset[j], axis[j], prismatic[j],
+                    turn[j], arm[j])  # fmt: skip
+            p = parent[j]
+            _link_motion(
+                dq[start : start + lanes, j], ddq[start : start + lanes, j], axis[j], prismatic[j],
+                turn[j], arm[j], w[p] if p >= 0 else zero, dw[p] if p >= 0 else zero,
+                a[p] if p >= 0 else base, w[j], dw[j], a[j], t1, t2,
+            )  # fmt: skip
+            _body(w[j], dw[j], force, moment)
+            i = p
+            while i >= 0:  # twists of the joints that carry link j, in its frame
+                _cross_lanes(spin[p, i], arm[j], t1)
                 for k in range(3):
-                    turned[k] += shift[p, i, k]
-                _down(rot[j], turned, shift[j, i])
-                _down(rot[j], spin[p, i], spin[j, i])
+                    _add(t1[k], shift[p, i, k], t2[k])
+                for k in range(3):
+                    _dot(turn[j, k], t2, shift[j, i, k])
+                    _dot(turn[j, k], spin[p, i], spin[j, i, k])
                 i = parent[i]
-            for k in range(3):
-                spin[j, j, k] = 0.0 if prismatic[j] else axis[j, k]
-                shift[j, j, k] = axis[j, k] if prismatic[j] else 0.0
             i = j
             while i >= 0:
                 sp, sh = spin[j, i], shift[j, i]
                 c = place[10 * j]
                 if c >= 0:
-                    out[s, i, c] = sh[0] * a[j, 0] + sh[1] * a[j, 1] + sh[2] * a[j, 2]
+                    _dot(sh, a[j], row)
+                    _put(row, lanes, start, out[:, i, c])
                 # first moments also give a moment mc × a: row k of spin·(-S(a))
-                _cross(a[j], sp, turned)
+                _cross_lanes(a[j], sp, t1)
                 for k in range(3):
                     c = place[10 * j + 1 + k]
                     if c >= 0:
-                        out[s, i, c] = (
-                            sh[0] * force[0, k] + sh[1] * force[1, k] + sh[2] * force[2, k]
-                            + turned[k]
-                        )  # fmt: skip
+                        _dot(sh, force[k], row)
+                        _add(row, t1[k], t2[k])
+                        _put(t2[k], lanes, start, out[:, i, c])
                 for k in range(6):
                     c = place[10 * j + 4 + k]
                     if c >= 0:
-                        out[s, i, c] = (
-                            sp[0] * moment[0, k] + sp[1] * moment[1, k] + sp[2] * moment[2, k]
-                        )
+                        _dot(sp, moment[k], row)
+                        _put(row, lanes, start, out[:, i, c])
                 i = parent[i]
+
+
+@numba.njit(cache=True, nogil=True)
+def _frames(q, fixed, offset, axis, prismatic, turn, arm):
+    rot = np.empty((3, 3))
+    for s in range(len(q)):
+        if prismatic:
+            rot[:] = fixed
+        else:
+            _joint_frame(fixed, axis, q[s], rot)
+        for i in range(3):
+            along = fixed[i, 0] * axis[0] + fixed[i, 1] * axis[1] + fixed[i, 2] * axis[2]
+            arm[i, s] = offset[i] + q[s] * along if prismatic else offset[i]
+            for k in range(3):
+                turn[k, i, s] = rot[i, k]
+
+
+@numba.njit(cache=True, nogil=True)
+def _link_motion(dq, ddq, axis, prismatic, turn, arm, wp, dwp, ap, w, dw, a, t1, t2):
+    """Angular rates and origin acceleration of one link from its parent's."""
+    _cross_lanes(wp, arm, t1)
+    _cross_lanes(wp, t1, t2)
+    _cross_lanes(dwp, arm, t1)
+    for k in range(3):
+        for s in range(LANES):
+            t2[k, s] += ap[k, s] + t1[k, s]
+    for k in range(3):
+        _dot(turn[k], t2, a[k])
+        _dot(turn[k], wp, w[k])
+        _dot(turn[k], dwp, dw[k])
+    for s in range(len(dq)):
+        x, y, z = w[0, s], w[1, s], w[2, s]
+        across = (y * axis[2] - z * axis[1], z * axis[0] - x * axis[2], x * axis[1] - y * axis[0])
+        for k in range(3):
+            if prismatic:
+                a[k, s] += 2.0 * across[k] * dq[s] + axis[k] * ddq[s]
+            else:
+                dw[k, s] += across[k] * dq[s] + axis[k] * ddq[s]
+                w[k, s] += axis[k] * dq[s]
+
+
+@numba.njit(cache=True, nogil=True)
+def _body(w, dw, force, moment):
+    """force (3, 3, L): first moment k -> force, S(dw) + S(w)S(w); moment (6, 3, L): inertia xx xy
+    yy xz yz zz -> moment, L(dw) + S(w)L(w)."""
+    for s in range(LANES):
+        x, y, z = w[0, s], w[1, s], w[2, s]
+        u, v, r = dw[0, s], dw[1, s], dw[2, s]
+        force[0, 0, s], force[1, 1, s], force[2, 2, s] = (
+            -y * y - z * z, -x * x - z * z, -x * x - y * y
+        )  # fmt: skip
+        force[1, 0, s], force[0, 1, s] = x * y - r, x * y + r
+        force[2, 0, s], force[0, 2, s] = x * z + v, x * z - v
+        force[2, 1, s], force[1, 2, s] = y * z - u, y * z + u
+        moment[0, 0, s], moment[0, 1, s], moment[0, 2, s] = u, x * z, -x * y
+        moment[1, 0, s], moment[1, 1, s], moment[1, 2, s] = v - x * z, u + y * z, x * x - y * y
+        moment[2, 0, s], moment[2, 1, s], moment[2, 2, s] = -y * z, v, x * y
+        moment[3, 0, s], moment[3, 1, s], moment[3, 2, s] = r + x * y, z * z - x * x, u - y * z
+        moment[4, 0, s], moment[4, 1, s], moment[4, 2, s] = y * y - z * z, r - x * y, v + x * z
+        moment[5, 0, s], moment[5, 1, s], moment[5, 2, s] = y * z, -x * z, r
+
+
+@numba.njit(cache=True, nogil=True)
+def _cross_lanes(a, b, out):
+    """a × b, (3, L) each."""
+    for s in range(LANES):
+        out[0, s] = a[1, s] * b[2, s] - a[2, s] * b[1, s]
+    for s in range(LANES):
+        out[1, s] = a[2, s] * b[0, s] - a[0, s] * b[2, s]
+    for s in range(LANES):
+        out[2, s] = a[0, s] * b[1, s] - a[1, s] * b[0, s]
+
+
+@numba.njit(cache=True, nogil=True)
+def _dot(a, b, out):
+    """(L,): a · b, (3, L) each."""
+    for s in range(LANES):
+        out[s] = a[0, s] * b[0, s] + a[1, s] * b[1, s] + a[2, s] * b[2, s]
+
+
+@numba.njit(cache=True, nogil=True)
+def _add(a, b, out):
+    for s in range(LANES):
+        out[s] = a[s] + b[s]
+
+
+@numba.njit(cache=True, nogil=True)
+def _put(row, lanes, start, out):
+    for s in range(lanes):
+        out[start + s] = row[s]
 
 
 @numba.njit(cache=True, nogil=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,21 +16,34 @@ def smooth_sign(velocity: Array, v0: float) -> Array:
     middle of the one after; without the average a reversal within one sample is lost.
     velocity: (N,) rad/s. Returns (N,) in [-1, 1].
     """
-    middle = 0.5 * (velocity[1:] + velocity[:-1])
-    before = np.concatenate([velocity[:1], middle])
-    after = np.concatenate([middle, velocity[-1:]])
-    out = np.sign(before)
-    # beyond 20·v0 the tangent is ±1 to the last digit: only the neighbourhood of reversals costs
-    near = np.flatnonzero((np.abs(before + after) - np.abs(after - before)) < 40.0 * v0)
-    before, after = before[near], after[near]
-    span = after - before
-    small = np.abs(span) < 1e-3 * v0
-    safe = np.where(small, 1.0, span)
-    mean = v0 * (_log_cosh(after / v0) - _log_cosh(before / v0)) / safe
-    out[near] = np.where(small, np.tanh(velocity[near] / v0), mean)
+    return _mean_tanh(np.ascontiguousarray(velocity, dtype=float), float(v0))
+
+
+@numba.njit(cache=True, nogil=True)
+def _mean_tanh(velocity, v0):
+    samples = len(velocity)
+    out = np.empty(samples)
+    before, at_before, known = velocity[0], 0.0, False  # ln cosh of the interval's left end
+    for k in range(samples):
+        last = k == samples - 1
+        after = velocity[k] if last else 0.5 * (velocity[k + 1] + velocity[k])
+        span = after - before
+        # beyond 20·v0 the tangent is ±1 to the last digit: only around reversals it costs anything
+        if abs(before + after) - abs(span) >= 40.0 * v0:
+            out[k], known = np.sign(before), False
+        elif abs(span) < 1e-3 * v0:
+            out[k], known = np.tanh(velocity[k] / v0), False
+        else:
+            if not known:
+                at_before = _log_cosh(before / v0)
+            at_after = _log_cosh(after / v0)
+            out[k] = v0 * (at_after - at_before) / span
+            at_before, known = at_after, True
+        before = after
     return out
 
 
-def _log_cosh(x: Array) -> Array:
-    a = np.abs(x)
+@numba.njit(cache=True, nogil=True)
+def _log_cosh(x):
+    a = abs(x)
     return a + np.log1p(np.exp(-2.0 * a)) - np.log(2.0)
