@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -66,6 +66,15 @@ class Context:
     def load(self) -> Array:
         """(N, n) N·m: torque that the transmission passes to the links."""
         return self.rigid_torque(self.q, self.dq, self.ddq)
+
+    def with_total(self, total: Array) -> Context:
+        """The same with another torque of the whole model; what follows from motion and bodies
+        alone is not computed again."""
+        found = replace(self, total=total)
+        for name in ("load", "typical_inertia", "_kept"):
+            if name in self.__dict__:
+                found.__dict__[name] = self.__dict__[name]
+        return found
 
     def rigid_torque(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Link-side torque (N, n) of the model's rigid bodies for another motion."""

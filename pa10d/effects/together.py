@@ -66,7 +66,7 @@ def contextualised(
     for term in terms:
         if not term.effect.sensing and not term.effect.rubs:
             total += torque_of(term, loaded)
-    return replace(loaded, total=total)
+    return loaded.with_total(total)
 
 
 def friction(context: Context, terms: Sequence[AtWork]) -> tuple[Array, Array]:

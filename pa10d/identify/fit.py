@@ -90,23 +90,18 @@ def weighted_fit(
         keeps,
         _degrees(moving, outer, wide),
         pieces.rate,
-        lacking(_stretches(pieces, residuals, keeps), pieces.lowpass),
+        lacking(
+            [
+                Stretch.of(piece.equation, residual, keep)
+                for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
+            ],
+            pieces.lowpass,
+        ),
     )
     errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
     return Fit(solution, uncertainty.first(size), rms, torque, errors, plain)
-
-
-def _stretches(
-    pieces: Pieces, residuals: Sequence[Array], keeps: Sequence[NDArray[np.bool_]]
-) -> list[Stretch]:
-    """The residuals beside the motion that they belong to."""
-    out = []
-    for piece, residual, keep in zip(pieces, residuals, keeps, strict=True):
-        c, factor = piece.context, piece.equation.lowpass.factor
-        out.append(Stretch(residual, keep, c.q[::factor], c.dq[::factor]))
-    return out
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:

@@ -20,7 +20,7 @@ from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, triangles_of
 from pa10d.model import Term
 from pa10d.regression.layout import START_V0, Layout, has_sign
-from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.regression.spectrum import colour
 from pa10d.regression.triangle import Triangle, left_over, min_norm
 
 Array = NDArray[np.float64]
@@ -131,9 +131,8 @@ def _unit_of_evidence(
     out = np.empty(len(best))
     for j, k in enumerate(best):
         longest = max(4, min(int(LONGEST * pieces.rate), len(stretches[j][0][0]) // 4))
-        gamma, count = autocovariance(stretches[j], longest)
-        tapered = flat_top(gamma, correlation_length(gamma, count))
-        inflation = 1.0 + 2.0 * float(tapered[1:].sum()) / max(float(gamma[0]), 1e-300)
+        gamma = colour(stretches[j], longest)
+        inflation = 1.0 + 2.0 * float(gamma[1:].sum()) / max(float(gamma[0]), 1e-300)
         torque = float(losses[j].max())
         noise = max(float(losses[j][k]), 1e-20 * torque) / max(fits[j].rows, 1)
         out[j] = max(inflation, 1.0) * max(noise, 1e-300)

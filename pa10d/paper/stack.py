@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.dynamics.observation import model_columns
-from pa10d.effects.base import smooth_sign
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.layout import Layout, textbook
+from pa10d.regression.solution import solve
+from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 
@@ -60,39 +61,48 @@ class Stack:
 def stacked(equations: Sequence[RunEquation], robot: Robot) -> Stack:
     """Observation matrix and torque of runs that are filtered alike; standstill counts too, only
     the ends of runs do not."""
-    columns = model_columns(robot)
+    layout = columns_of(robot)
     parts: list[list[tuple[Array, Array, Array]]] = [[] for _ in range(robot.n)]
     for equation in equations:
-        c, inside = equation.context, equation.inside
-        rigid = equation.rigid_columns(columns.inertial)
-        raw = np.stack(
-            [c.ddq, np.column_stack([smooth_sign(v, SIGN_SPEED) for v in c.dq.T]), c.dq], axis=1
-        )
-        ddq, sign, dq = np.moveaxis(equation.lowpass(raw), 1, 0)
-        b, r = len(columns.inertial), len(columns.rotor)
+        inside = equation.inside
+        rigid = equation.rigid_rows(layout.base.kept, layout.seen)
+        dq = equation.lowpass(equation.context.dq)
         for j in range(robot.n):
-            rows = np.zeros((len(dq), len(columns)))
-            rows[:, :b] = rigid[:, j]
-            rows[:, b : b + r] = np.where(columns.rotor == j, ddq[:, [j]], 0.0)
-            rows[:, b + r + j], rows[:, b + r + robot.n + j] = sign[:, j], dq[:, j]
+            own = [t.rows(equation.context, j) for t in layout.terms if t.touches(j)]
+            rows = np.zeros((len(dq), layout.size))
+            rows[:, layout.of_joint[j]] = np.column_stack(
+                [rigid[j], equation.lowpass(np.column_stack(own))]
+            )
             parts[j].append((rows[inside], equation.tau[inside, j], dq[inside, j]))
     return Stack(
         *([np.concatenate([part[k] for part in joint]) for joint in parts] for k in range(3))
     )
 
 
+def columns_of(robot: Robot) -> Layout:
+    """Those of the textbook, effect by effect, the sign as sharp as sampling allows."""
+    layout = textbook(robot)
+    kinds = dict.fromkeys(term.effect_id for term in layout.terms)
+    ordered = [term for kind in kinds for term in layout.terms if term.effect_id == kind]
+    sharp = {
+        i: {term.effect.smoothed_over: SIGN_SPEED}
+        for i, term in enumerate(ordered)
+        if term.effect.smoothed_over
+    }
+    return replace(layout, terms=tuple(ordered)).with_shapes(sharp)
+
+
 def least_squares(stack: Stack, weighted: bool) -> tuple[Array, Array]:
     """Estimate (p,) by (12a) or (12b) and each joint's residual RMS (n,); weights come from a
     first, unweighted pass."""
-    h = _solve(*stack.whole())
+    size = stack.rows[0].shape[1]
+    factors = [Triangle(size + 1) for _ in stack.rows]
+    for factor, rows, tau in zip(factors, stack.rows, stack.tau, strict=True):
+        factor.add(np.column_stack([rows, tau]))
+    every = [np.arange(size)] * len(factors)
+    h = solve(factors, every, size, np.ones(len(factors))).beta
     sigma = stack.rms(h)
     if weighted:
-        h = _solve(*stack.whole(sigma))
+        h = solve(factors, every, size, sigma).beta
         sigma = stack.rms(h)
     return h, sigma
-
-
-def _solve(rows: Array, tau: Array) -> Array:
-    scale = np.linalg.norm(rows, axis=0)
-    scale = np.where(scale > 0, scale, 1.0)
-    return np.asarray(np.linalg.lstsq(rows / scale, tau, rcond=1e-12)[0] / scale, dtype=float)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot, base_parameters
 from pa10d.dynamics.feasible import definiteness, feasible_fit
-from pa10d.dynamics.observation import model_columns
 from pa10d.paper.penalty import penalty_fit
 from pa10d.paper.stack import Stack, least_squares, stacked
 from pa10d.regression.equation import RunEquation
@@ -35,9 +34,7 @@ def estimation_variants(
     (17) from ols with the paper's m, I > 0, ``penalty_physical`` the same with bodies that can
     exist, ``feasible`` ours.
     """
-    columns, base = model_columns(robot), base_parameters(robot)
-    if list(columns.inertial) != list(base.kept):
-        raise ValueError("columns of the stack and base parameters differ")
+    base = base_parameters(robot)
     everything, other = stacked(train, robot), stacked(verify, robot)
     sets = {"A": everything.chosen(boundary), "B": everything}
     out: dict[str, Any] = {

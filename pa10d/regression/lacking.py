@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.measurement.signals import Lowpass
+from pa10d.regression.equation import RunEquation
 from pa10d.regression.spectrum import autocovariance, spectrum_of
 
 Array = NDArray[np.float64]
@@ -39,6 +40,12 @@ class Stretch:
     keep: NDArray[np.bool_]
     q: Array
     dq: Array
+
+    @classmethod
+    def of(cls, run: RunEquation, residual: Array, keep: NDArray[np.bool_]) -> Stretch:
+        """What a fit leaves of a run, or of a piece of it."""
+        context, factor = run.context, run.lowpass.factor
+        return cls(residual, keep, context.q[::factor], context.dq[::factor])
 
 
 def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:

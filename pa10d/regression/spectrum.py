@@ -50,6 +50,12 @@ def flat_top(gamma: Array, length: int) -> Array:
     return gamma * np.clip(2.0 - lags / max(length, 1), 0.0, 1.0)
 
 
+def colour(stretches: Iterable[tuple[Array, NDArray[np.bool_]]], longest: int) -> Array:
+    """γ (longest+1,) of residuals, tapered beyond the lag from which on it is chance."""
+    gamma, count = autocovariance(stretches, longest)
+    return flat_top(gamma, correlation_length(gamma, count))
+
+
 def spectrum_of(gamma: Array, frequency: Array) -> Array:
     """Two-sided density per sample at ``frequency`` (F,) cycles per sample, γ tapered by a Hann
     window (Blackman and Tukey 1958)."""

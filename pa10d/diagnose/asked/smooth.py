@@ -31,7 +31,7 @@ from pa10d.effects.variables import at_joint, values_of
 from pa10d.judgement import in_band
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.regression.spectrum import autocovariance, correlation_length, flat_top
+from pa10d.regression.spectrum import colour
 
 Array = NDArray[np.float64]
 
@@ -166,8 +166,7 @@ def _alike(side: Side, joint: int, residual: Array) -> float:
     keep = [k[:, joint] for k in side.keep]
     values = [run[:, joint] for run in side.scatter({joint: residual})]
     longest = int(min(LONGEST_MEMORY * side.runs[0].rate, min(map(len, keep)) // 4))
-    gamma, count = autocovariance(zip(values, keep, strict=True), longest)
-    gamma = flat_top(gamma, correlation_length(gamma, count))
+    gamma = colour(zip(values, keep, strict=True), longest)
     return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
 
 

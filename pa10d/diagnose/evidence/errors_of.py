@@ -18,7 +18,7 @@ from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import State
 from pa10d.regression.lacking import Stretch, lacking, weight_of
-from pa10d.regression.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
+from pa10d.regression.spectrum import colour, coloured_gram
 
 Array = NDArray[np.float64]
 
@@ -150,10 +150,10 @@ def _with_lack(state: State, grams: dict[int, Array], columns: PerJoint) -> dict
     """The same Gram matrices, with what the model lacks besides the noise (see ``lacking``)."""
     side, sigma = state.train, state.fit.sigma
     there = side.scatter(state.fit.residual)
-    stretches = []
-    for run, keep, residual in zip(side.runs, side.keep, there, strict=True):
-        c, factor = run.context, run.lowpass.factor
-        stretches.append(Stretch(residual * sigma, keep, c.q[::factor], c.dq[::factor]))
+    stretches = [
+        Stretch.of(run, residual * sigma, keep)
+        for run, keep, residual in zip(side.runs, side.keep, there, strict=True)
+    ]
     samples = np.sum([k.sum(axis=0) for k in side.keep], axis=0).astype(float)
     weight = weight_of(lacking(stretches, side.runs[0].lowpass), samples) / sigma**2
     return {j: g + weight[j] * (columns[j].T @ columns[j]) for j, g in grams.items()}
@@ -172,8 +172,7 @@ def _noise_gram(side: Side, joint: int, residual: Array, columns: Array) -> Arra
 
 def _colour(stretches: list[tuple[Array, NDArray[np.bool_]]], rate: float) -> Array:
     longest = int(min(LONGEST_MEMORY * rate, min(len(k) for _, k in stretches) // 4))
-    gamma, count = autocovariance(stretches, longest)
-    return flat_top(gamma, correlation_length(gamma, count))
+    return colour(stretches, longest)
 
 
 def _coloured(side: Side, joint: int, columns: Array, gamma: Array) -> Array:
