@@ -12,7 +12,6 @@ from two_links import recordings, state_of
 from pa10d.diagnose.unknown.structure import (
     basis_of,
     find_structure,
-    hats,
     knots,
     questions,
     remembered,
@@ -25,7 +24,7 @@ def test_hats_interpolate_linearly(seed):
     grid = np.sort(rng.uniform(-2, 2, 7))
     values, heights = rng.uniform(-3, 3, 50), rng.standard_normal(7)
     np.testing.assert_allclose(
-        hats(values, grid) @ heights, np.interp(values, grid, heights), atol=1e-9
+        basis_of([values], (grid,)) @ heights, np.interp(values, grid, heights), atol=1e-9
     )
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+import scipy.sparse
 from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
@@ -173,19 +174,20 @@ def _fit_map(
     grid = tuple(knots(v, MAP_FINE_KNOTS if len(names) == 1 else MAP_KNOTS) for v in x)
     basis = basis_of(x, grid)
     columns = basis / fit.sigma[joint]
-    seen = MAP_THIN * (fit.basis[joint][::MAP_THIN].T @ columns)
-    gram = MAP_THIN * (columns.T @ columns)
+    across = columns.T.tocsr()
+    seen = MAP_THIN * (across @ fit.basis[joint][::MAP_THIN]).T
+    gram = MAP_THIN * (across @ columns).toarray()
     # pseudo-observations per cell: one that was hardly visited says nothing
     ridge = FEW_VISITS * np.diag(gram).mean() / max(MAP_THIN * len(x[0]) / columns.shape[1], 1.0)
     left = gram - seen.T @ seen + ridge * np.eye(len(gram))
-    rhs = MAP_THIN * (columns.T @ fit.residual[joint][::MAP_THIN])
+    rhs = MAP_THIN * (across @ fit.residual[joint][::MAP_THIN])
     theta = np.linalg.solve(left, rhs)
     gain = float(theta @ rhs)
     effective = float(np.trace(np.linalg.solve(left, gram - seen.T @ seen)))
     shape = tuple(len(g) for g in grid)
     return _Map(
         joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
-        fit.to_beta @ (seen @ theta), MAP_THIN * np.sum(basis**2, axis=0) > FEW_VISITS,
+        fit.to_beta @ (seen @ theta), MAP_THIN * basis.power(2).sum(axis=0) > FEW_VISITS,
     )  # fmt: skip
 
 
@@ -309,20 +311,23 @@ def knots(values: Array, count: int) -> Array:
     return middle + np.arange(count) * 1e-9 * max(high - low, 1e-9)
 
 
-def basis_of(x: list[Array], grid: tuple[Array, ...]) -> Array:
-    """Products of hat functions on the knots, (rows, product of knot counts)."""
-    out = hats(x[0], grid[0])
+def basis_of(x: list[Array], grid: tuple[Array, ...]) -> scipy.sparse.csr_array:
+    """Products of hat functions on the knots, (rows, product of knot counts): four or two of them
+    at a place, the others zero."""
+    where, share = _two_hats(x[0], grid[0])
     for values, g in zip(x[1:], grid[1:], strict=True):
-        out = (out[:, :, None] * hats(values, g)[:, None, :]).reshape(len(values), -1)
-    return out
+        beside, part = _two_hats(values, g)
+        where = (where[:, :, None] * len(g) + beside[:, None, :]).reshape(len(values), -1)
+        share = (share[:, :, None] * part[:, None, :]).reshape(len(values), -1)
+    rows, each = where.shape
+    starts = np.arange(0, rows * each + 1, each)
+    size = int(np.prod([len(g) for g in grid]))
+    return scipy.sparse.csr_array((share.ravel(), where.ravel(), starts), shape=(rows, size))
 
 
-def hats(values: Array, grid: Array) -> Array:
-    """Piecewise linear basis (rows, knots); constant beyond the ends."""
+def _two_hats(values: Array, grid: Array) -> tuple[NDArray[np.int64], Array]:
+    """(rows, 2): the knots beside each value and their share in a piecewise linear function that is
+    constant beyond the ends."""
     place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
     share = np.clip((values - grid[place]) / (grid[place + 1] - grid[place]), 0.0, 1.0)
-    out = np.zeros((len(values), len(grid)))
-    rows = np.arange(len(values))
-    out[rows, place] = 1.0 - share
-    out[rows, place + 1] = share
-    return out
+    return np.column_stack([place, place + 1]), np.column_stack([1.0 - share, share])
