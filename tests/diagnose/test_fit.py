@@ -57,6 +57,26 @@ def test_weighted_fit_is_least_squares(seed, width):
     np.testing.assert_allclose(fit.covariance(), inverse, rtol=1e-6, atol=1e-9 * inverse.max())
 
 
+def test_the_triangular_form_is_the_whole_problem():
+    """What any other coefficients leave, but for what none explains; prior knowledge included."""
+    side, columns = problem(5, 6)
+    prior = Prior(np.arange(3.0), np.diag([1.0, 20.0, 300.0]))
+    fit = weighted_fit(side, columns, SIGMA, prior)
+    rng = np.random.default_rng(6)
+
+    def squares(beta):
+        left = sum(np.sum(((side.tau[j] - columns[j] @ beta) / SIGMA[j]) ** 2) for j in range(3))
+        return left + np.sum((prior.root @ (beta[:3] - prior.mean)) ** 2)
+
+    def by_triangle(beta):
+        return np.sum((fit.triangle @ beta - fit.target) ** 2)
+
+    least = squares(fit.beta) - by_triangle(fit.beta)
+    for _ in range(5):
+        other = fit.beta * rng.uniform(0.5, 1.5, 6)
+        assert by_triangle(other) + least == pytest.approx(squares(other), rel=1e-9)
+
+
 @given(st.integers(0, 10_000), st.integers(2, 10), st.data())
 @settings(max_examples=20, deadline=None)
 def test_without_equals_a_refit_without_the_columns(seed, width, data):

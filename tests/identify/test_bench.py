@@ -7,6 +7,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
@@ -41,6 +42,20 @@ def test_a_kind_is_a_module_with_options(tmp_path, monkeypatch, capsys):
     monkeypatch.delitem(sys.modules, "bench_loop")
     assert bench.main(["excitation"]) == 1
     assert "bench_excitation.py is missing" in capsys.readouterr().err
+
+
+def test_the_bare_reference_of_an_identification_finds_the_same_torque():
+    bench_identify = importlib.import_module("bench_identify")
+    plain_peer = importlib.import_module("plain_peer")
+    robot = bench_identify.arm()
+    beta, errors = plain_peer.identify(robot, bench_identify.data(robot, 1500, seed=1))
+    assert len(beta) == len(errors) == 62
+    assert np.all(errors > 0)
+
+
+def test_a_bare_exchange_of_frames_is_timed():
+    pace = importlib.import_module("ping_pong").ping_pong([1, 2, 3], 50)
+    assert 0 < pace.processor <= pace.wall
 
 
 @pytest.mark.long
