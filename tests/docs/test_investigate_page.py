@@ -1,0 +1,31 @@
+"""Every command of the page is one that the program takes."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from pa10d.cli import families
+from pa10d.cli.commands import Commands, root_parser
+
+PAGE = Path(__file__).parents[2] / "docs" / "investigate.md"
+BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+LINES = [line for block in BLOCKS for line in block.splitlines() if line]
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_it_is_taken(line):
+    parser, subparsers = root_parser()
+    commands = Commands(subparsers)
+    for family in families():
+        family.add_commands(commands)
+    program, *arguments = shlex.split(line)
+    assert program == "pa10d"
+    assert parser.parse_args(arguments).run
+
+
+def test_there_are_some():
+    assert len(LINES) >= 5
