@@ -17,7 +17,7 @@ MAP_LEVEL = 0.01  # of structure that no effect explains: the same promise
 SMOOTH_LEVEL = 0.01  # of a map that a user chose
 TELL_APART = 2.6  # standard errors by which the better of two rivals must lead: 1 %, two-sided
 HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone; both sides make SEARCH_LEVEL
-COMES_AGAIN_LEVEL = 1e-3  # per joint, that an error comes again: 1 % over ten joints
+COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
@@ -82,14 +82,12 @@ WORTH_JUDGING = 0.5  # of the best variant's gain: a wave had imitated a bump on
 KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's
 FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
-CLEAR_REST = 1.5  # times the floor, for what comes again: slow noise alone made up to 1.16
 WIDER = 2.0  # times the usual distance from a standstill, to see what reversals do to estimates
 BLIND = 10.0  # times the variance: too few samples lie far from reversals to tell anything
 
 # -- chosen, and no record says on which data ------------------------------------------------------
 
-MATERIAL_REST = 1.2  # times the noise floor: an error of no more is as good as explained
-STILL_LARGE = 1.5  # times the noise floor: clearly more, whatever the floor's own error
+MATERIAL_REST = 1.2  # times the noise floor: policy; no more is worth no experiment
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse

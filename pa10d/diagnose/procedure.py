@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
-from pa10d.diagnose.constants import MATERIAL_REST, MOST_STEPS
-from pa10d.diagnose.evidence.errors_of import term_covariance
+from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS
+from pa10d.diagnose.evidence.errors_of import moved_by_doubt, term_covariance
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import reason, sentence
@@ -82,10 +82,11 @@ def diagnose(
     left, again = judged(versions[-1].name, seen), repeatable(seen)
     open_joints = _unsaid(left, maps) if only is None else []
     more = [one.unnamed() for one in foretold(state, open_joints)]
+    doubt = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
     unexplained: tuple[Unexplained, ...] = (
         *maps,
         *more,
-        *unnamed(left, again, [*maps, *more]),
+        *unnamed(left, again, [*maps, *more], doubt),
     )
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(

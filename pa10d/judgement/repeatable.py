@@ -1,15 +1,17 @@
 """Does an error come again where the motion does? Noise does not, whatever its colour.
 
-Two passes of one motion have the model's error in common; their difference has noise alone, and
-tells how much two noises of this colour go together by accident (Bartlett 1935). Within one run
-slow noise may remember the earlier pass, but it remembers the moments before and after as well: an
-error that belongs to the motion is alike at the same place only.
+Two passes of one motion have the model's error in common; their difference has noise alone. So the
+difference says how the noise goes on from sample to sample (an autoregression), and both passes
+are whitened by it: of what is left, each sample tells something new, however slow the noise was,
+and what noise remembers of an earlier pass within a run is gone. Then the sum of two passes is as
+strong as their difference where there is noise alone: Fisher's ratio of variances.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -24,8 +26,10 @@ Mask = NDArray[np.bool_]
 
 FEWEST = 30  # pairs of samples of the band below which nothing is said
 WORTH = 4.0  # independent ones
-STANDS_OUT = 2.0  # standard deviations above what it is like elsewhere
-ALIKE_APART = 1.0  # the same between two runs, where no noise can remember
+ORDER = 4  # of the autoregression: what is white, and two memories beside it
+BLOCK = 200  # samples of the band in which level and drift are nobody's, and whitening is one step
+SPECTRUM = 4096  # frequencies at which the autoregression's spectrum is taken
+STEADY = 0.999  # largest partial correlation: an autoregression that does not run away
 ELSEWHERE = (0.125, 0.5)  # of a period: how far off the same place the moments around are taken
 
 
@@ -42,10 +46,11 @@ class Repeatable:
 def repeatable(runs: Sequence[RunResidual]) -> list[Repeatable | None]:
     """Per joint; None where no motion comes again for long enough."""
     found = list(passes(list(runs)))
-    return [_of_joint(found, j) for j in range(runs[0].error.shape[1])]
+    return [of_joint(found, j) for j in range(runs[0].error.shape[1])]
 
 
-def _of_joint(found: Sequence[Pass], joint: int) -> Repeatable | None:
+def of_joint(found: Sequence[Pass], joint: int) -> Repeatable | None:
+    """What these passes say of one joint (0-based); None where they have too little in common."""
     tests, shared, power, pairs = [], 0.0, 0.0, 0
     for pair in found:
         one, other, counts = pair.in_band(joint)
@@ -62,24 +67,66 @@ def _of_joint(found: Sequence[Pass], joint: int) -> Repeatable | None:
 
 def _alike(one: Array, other: Array, counts: Mask, apart: int | None) -> float:
     """p, one-sided. one, other (M,); apart: samples from the one to the other within a run."""
-    x, y = (np.where(counts, v - v[counts].mean(), 0.0) for v in (one, other))
-    number = float(counts.sum())
-    noise = _correlation((x - y) / np.sqrt(2.0), (x - y) / np.sqrt(2.0))[: max(2, len(x) // 4)]
+    difference = np.where(counts, one - other, 0.0)
+    gamma = _going_on(difference - np.where(counts, difference[counts].mean(), 0.0), counts)
+    if gamma is None:
+        return 1.0
+    x, y, known = _whitened(np.column_stack([one, other]), counts, gamma, apart or BLOCK)
+    number = float(known.sum())
+    noise = _correlation(x - y, x - y)[: max(2, len(x) // 4)]
     rho = noise / max(float(noise[0]), 1e-300)
     ends = np.flatnonzero(rho <= 0)
     rho = rho[: ends[0]] if len(ends) else rho
     worth = number / (1.0 + 2.0 * float(np.sum(rho[1:] ** 2)))
-    if worth < WORTH:
+    if worth < max(WORTH, 2.0 * ORDER):
         return 1.0
-    elsewhere = _elsewhere(x, y, counts, len(x) // 2 if apart is None else apart)
     both = float(x @ y)
-    enough = ALIKE_APART if apart is None else STANDS_OUT
-    if both - elsewhere.mean() < enough * elsewhere.std():
-        return 1.0
-    if apart is not None:
-        both -= max(float(elsewhere.mean()), 0.0)
-    z = both / max(float(noise[0]), 1e-300) * np.sqrt(worth)
-    return float(scipy.stats.t.sf(z, worth - 1.0))
+    if apart is not None:  # what slow noise remembers of a pass it remembers of the moments around
+        both -= max(float(_elsewhere(x, y, known, apart).mean()), 0.0)
+    alike = both / max(0.5 * float(x @ x + y @ y), 1e-300)
+    # whitening was fitted to the difference and not to the sum (Akaike's final prediction error)
+    ratio = (1.0 + alike) / max(1.0 - alike, 1e-12) * (number - ORDER) / (number + ORDER)
+    return float(scipy.stats.f.sf(ratio, worth, worth))
+
+
+def _going_on(noise: Array, counts: Mask) -> Array | None:
+    """Autocovariance (SPECTRUM,) of the autoregression that goes on as the noise (M,) does
+    (Levinson and Durbin); None where there is no noise."""
+    there = counts.astype(float)
+    gamma = _correlation(noise, noise)[: ORDER + 1] / np.maximum(
+        _correlation(there, there)[: ORDER + 1], 1.0
+    )
+    if not gamma[0] > 0:
+        return None
+    weights, left = np.empty(0), float(gamma[0])
+    for k in range(1, ORDER + 1):
+        partial = (gamma[k] - weights @ gamma[1:k][::-1]) / left
+        partial = float(np.clip(partial, -STEADY, STEADY))
+        weights = np.append(weights - partial * weights[::-1], partial)
+        left *= 1.0 - partial**2
+    power = 1.0 / np.abs(scipy.fft.rfft(np.append(1.0, -weights), 2 * SPECTRUM)) ** 2
+    return np.asarray(scipy.fft.irfft(power)[:SPECTRUM])
+
+
+def _whitened(series: Array, counts: Mask, gamma: Array, block: int) -> tuple[Array, Array, Mask]:
+    """Two series (M, 2) as innovations of noise with autocovariance gamma, gaps heeded, level and
+    drift of each block taken out; zero where the third says that nothing is known."""
+    out, known = np.zeros_like(series), np.zeros(len(series), dtype=bool)
+    number = max(1, round(len(series) / min(block, BLOCK)))
+    edges = np.linspace(0, len(series), number + 1).astype(int)
+    for start, stop in pairwise(edges):
+        at = start + np.flatnonzero(counts[start:stop])
+        if len(at) < 2 * ORDER:
+            continue
+        noise = gamma[np.abs(at[:, None] - at)] + 1e-9 * gamma[0] * np.eye(len(at))
+        level = np.column_stack([np.ones(len(at)), at - at.mean()])
+        white = scipy.linalg.solve_triangular(
+            np.linalg.cholesky(noise), np.column_stack([level, series[at]]), lower=True
+        )
+        basis = np.linalg.qr(white[:, :2])[0]
+        out[at] = white[:, 2:] - basis @ (basis.T @ white[:, 2:])
+        known[at] = True
+    return out[:, 0], out[:, 1], known
 
 
 def _elsewhere(x: Array, y: Array, counts: Mask, period: int) -> Array:

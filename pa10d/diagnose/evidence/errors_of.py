@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import LONGEST_MEMORY
@@ -97,6 +98,19 @@ def held_noise_gram(state: State, joint: int, noise: Array, heard: NDArray[np.bo
 def doubt_of(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Doubt:
     """How uncertain the model is on the held-out side."""
     return Doubt(state.held_matrix, full_covariance(state, fit, noise))
+
+
+def moved_by_doubt(state: State, level: float) -> Array:
+    """(n,) N·m RMS that the uncertainty of the model's own coefficients leaves on the held-out side
+    of each joint, exceeded by chance in a share ``level`` of cases only: a sum of squares of
+    normal numbers with the variances of the prediction, taken for a χ² (Satterthwaite 1946)."""
+    covariance, out = full_covariance(state), np.zeros(state.held.n)
+    for j, x in state.held_matrix.items():
+        spread = covariance @ (x.T @ x) / max(len(x), 1)
+        mean, square = float(np.trace(spread)), float(np.sum(spread * spread.T))
+        if mean > 0.0 and square > 0.0:
+            out[j] = np.sqrt(square / mean * scipy.stats.chi2.isf(level, mean**2 / square))
+    return out
 
 
 def _covariance(state: State, fit: Fit, grams: dict[int, Array]) -> Array:

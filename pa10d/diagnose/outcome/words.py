@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import listed, percent, times
-from pa10d.diagnose.constants import STILL_LARGE
+from pa10d.diagnose.constants import MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Confusion
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
@@ -43,7 +43,7 @@ def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
     """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
     floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
     ratio = np.asarray(rms) / np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
-    large = np.flatnonzero(ratio > STILL_LARGE)
+    large = np.flatnonzero(ratio > MATERIAL_REST)
     first = "Nothing has changed" if frozen else "Nothing is missing"
     if not len(large) and not np.all(np.isfinite(ratio)):
         return (

@@ -7,19 +7,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.jsonable import plain
 from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.constants import (
     AT_RANDOM,
     CLAIMED_SHARE,
-    CLEAR_REST,
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
 )
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement
 from pa10d.judgement.repeatable import Repeatable
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -76,25 +78,30 @@ class Remaining:
 
 
 def unnamed(
-    judged: Judgement, again: Sequence[Repeatable | None], known: Sequence[Unexplained]
+    judged: Judgement,
+    again: Sequence[Repeatable | None],
+    known: Sequence[Unexplained],
+    doubt: Array,
 ) -> list[Unnamed]:
     """Joints whose error comes again, significantly and materially above the floor, and for which
-    no map was found."""
+    no map was found. doubt (n,) N·m: what the uncertainty of the model's own coefficients may
+    leave; that comes again, too, and is nothing missing."""
+    expected = np.hypot(MATERIAL_REST * judged.floor.values, doubt)
     named = {s.joint for s in known}
     out = []
     for j, seen in enumerate(again):
-        if seen is None or j in named or not comes_again(seen):
+        if seen is None or j in named or not comes_again(seen, len(again)):
             continue
-        if not judged.ratio[j] > CLEAR_REST:
+        if not judged.rms[j] > expected[j]:
             continue
         size = float(judged.rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
         out.append(Unnamed(j, seen.share, size, seen.p_value, True))
     return out
 
 
-def comes_again(seen: Repeatable) -> bool:
-    """Is it no accident that two passes of a motion leave alike errors?"""
-    return seen.p_value < COMES_AGAIN_LEVEL and seen.share > CLAIMED_SHARE
+def comes_again(seen: Repeatable, joints: int) -> bool:
+    """Is it no accident, among so many joints, that two passes of a motion leave alike errors?"""
+    return seen.p_value * joints < COMES_AGAIN_LEVEL and seen.share > CLAIMED_SHARE
 
 
 def remaining(
@@ -110,7 +117,7 @@ def remaining(
         left = of_joint.get(j)
         floor, ratio = float(judged.floor.values[j]), float(judged.ratio[j])
         material = bool(ratio > MATERIAL_REST) if np.isfinite(ratio) else None
-        repeats = _repeats(seen)
+        repeats = _repeats(seen, len(again))
         significant = left is not None
         line = Remaining(
             joint=j,
@@ -127,10 +134,10 @@ def remaining(
     return tuple(out)
 
 
-def _repeats(seen: Repeatable | None) -> bool | None:
+def _repeats(seen: Repeatable | None, joints: int) -> bool | None:
     if seen is None:
         return None
-    if comes_again(seen):
+    if comes_again(seen, joints):
         return True
     return False if seen.p_value > AT_RANDOM or seen.share < CLAIMED_SHARE else None
 
@@ -149,7 +156,13 @@ def _with_sentence(
             f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
             "two quantities do: more than two take part, or what was before"
         )
-    elif seen is not None and line.repeatable is not False and line.material and left is None:
+    elif seen is not None and line.repeatable and line.material and left is None:
+        text = (
+            f"{size}; {percent(min(seen.share, 1.0))} of its squared error comes again with the "
+            "motion, no more than the uncertainty of the model's own coefficients may leave. Fit "
+            "to more data"
+        )
+    elif seen is not None and line.repeatable is None and line.material and left is None:
         text = (
             f"{size}; {percent(min(seen.share, 1.0))} of its squared error is alike in both passes "
             "of the motion: too little, or too slow, to tell it from slow noise. Record it "

@@ -1,0 +1,62 @@
+"""What is left on a joint, numbers in: what is claimed, and what is said where nothing is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.diagnose.unknown.remaining import remaining, unnamed
+from pa10d.judgement import Judgement, NoiseFloor, Repeatable
+
+SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
+
+
+def judged(*ratios: float, source: str | None = "repeated motion") -> Judgement:
+    """Of a model that leaves so many times a floor of 0.1 N·m."""
+    floor = np.full(len(ratios), 0.1 if source else np.nan)
+    known = NoiseFloor(floor, (source,) * len(ratios), 0.01 * floor)
+    return Judgement("m", ("run",), 10.0, 0.1 * np.array(ratios), known)
+
+
+def claims(left: Judgement, again, doubt=0.0):
+    return unnamed(left, again, [], np.full(len(left.rms), doubt))
+
+
+def line(ratio: float, seen, source: str | None = "repeated motion"):
+    left = judged(ratio, source=source)
+    return remaining(left, [seen], claims(left, [seen]), ["N·m"])[0]
+
+
+@pytest.mark.parametrize("ratio", [1.25, 1.4, 3.0])
+def test_what_comes_again_is_claimed_from_where_it_matters(ratio):
+    (said,) = claims(judged(ratio), [SURE])
+    assert said.joint == 0
+    assert line(ratio, SURE).significant
+
+
+def test_what_does_not_come_again_or_does_not_matter_is_no_claim():
+    assert claims(judged(1.15, 3.0), [SURE, CHANCE]) == []
+
+
+def test_many_joints_make_an_accident_likelier():
+    near = Repeatable(5e-4, 0.35, 500)
+    assert claims(judged(1.4), [near])
+    assert not claims(judged(1.4, 1.0, 1.0), [near, CHANCE, CHANCE])
+
+
+def test_what_the_coefficients_own_uncertainty_makes_is_nothing_missing():
+    """It comes again as well: the same wrong coefficients meet the same motion."""
+    left = judged(1.4)
+    assert claims(left, [SURE], doubt=0.05)
+    assert not claims(left, [SURE], doubt=0.1)
+
+
+@pytest.mark.parametrize("source", ["repeated motion", "high frequencies", "standstill"])
+@pytest.mark.parametrize("seen", [None, CHANCE])
+def test_no_large_ratio_is_called_noise_without_a_witness(source, seen):
+    """Nor the floor's own way of being seen passed over: fast wavering is no proof of slow."""
+    said = line(5.0, seen, source)
+    assert not said.significant
+    assert said.material
+    assert "noise or what" in said.sentence or "this data cannot" in said.sentence
+    assert "explained" not in said.sentence
