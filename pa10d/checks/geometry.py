@@ -115,18 +115,21 @@ def _left(part: Recording, robot: Robot, scale: Array | None) -> tuple[Array, Ar
 
 
 def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
-    """The slope of each torque over what the URDF's bodies ask for there."""
+    """The slope of each torque over the weight of the URDF's bodies, beside friction and whatever
+    goes with accelerations."""
     run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
     factor = run.lowpass.factor
     c = run.context
-    weight = run.lowpass(inverse_dynamics(robot, robot.parameters, c.q, c.dq, c.ddq))
+    still = np.zeros_like(c.q)
+    weight = run.lowpass(inverse_dynamics(robot, robot.parameters, c.q, still, still))
     dq, ddq = c.dq[::factor], c.ddq[::factor]
     blocks = blocks_of(run)
     for j in range(robot.n):
         keep = run.keep[:, j]
         if keep.sum() < 50 or np.ptp(weight[keep, j]) < 1e-3 * np.abs(weight).max() + 1e-9:
             continue
-        others = np.stack([np.ones(keep.sum()), np.sign(dq[keep, j]), dq[keep, j], ddq[keep, j]], 1)
+        rubbing = [np.ones(keep.sum()), np.sign(dq[keep, j]), dq[keep, j]]
+        others = np.hstack([np.stack(rubbing, axis=1), ddq[keep]])
         x, y = _without(others, weight[keep, j]), _without(others, run.tau[keep, j])
         power = float(x @ x)
         slope = float(x @ y) / power
@@ -138,8 +141,8 @@ def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
         yield Finding(
             "warning",
             "torque_scale",
-            f"{joint_label(j, robot.joint_names)}: tau is {abs(slope):.2g} times what the URDF's "
-            "bodies ask for: motor-side, in another unit, or bodies that are placeholders?",
+            f"{joint_label(j, robot.joint_names)}: tau is {abs(slope):.2g} times the weight of the "
+            "URDF's bodies: motor-side, in another unit, or bodies that are placeholders?",
             f"--map 'tau{j + 1}[{1 / abs(slope):.3g}]=tau{j + 1}', better with the gear ratio",
             j + 1,
         )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,47 +14,69 @@ from pa10d.common.errors import UserError
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
 
+Progress = Callable[[float], None]
+EVERY = 100_000  # messages between two words of progress
 STATES = "sensor_msgs/msg/JointState"
-CONTROLLERS = (
-    "control_msgs/msg/JointTrajectoryControllerState",
-    "control_msgs/msg/JointControllerState",
-)
 FIELDS = {"position": "q", "velocity": "dq", "effort": "tau"}
-Rows = dict[str, list[tuple[float, float]]]
+TRAJECTORY = "control_msgs/msg/JointTrajectoryControllerState"
+DYNAMIC = "control_msgs/msg/DynamicJointState"
+SINGLE = "control_msgs/msg/JointControllerState"
+DEGREES_OF_FREEDOM = "control_msgs/msg/MultiDOFStateStamped"
+Found = dict[str, tuple[Sequence[str], Sequence[float]]]
+"""position, velocity, effort -> names of joints and their values."""
 
 
-def read_bag(path: Path, joints: Sequence[str]) -> Table:
+class Block:
+    """Messages that name the same quantities: one flat row of numbers each, stamps in ns."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self.names = names
+        self.stamps, self.numbers = array("q"), array("d")
+
+    def table(self) -> Array:
+        """(N, k), without a copy."""
+        return np.frombuffer(self.numbers, dtype=np.float64).reshape(-1, len(self.names))
+
+
+Topic = dict[tuple[str, ...], Block]
+
+
+def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda share: None) -> Table:
     """The topic with the most samples of the robot's joints; each joint by its name.
 
     Where a message has only some of the joints (one topic, several senders) the others are taken
-    at its stamps by straight lines.
+    at its stamps by straight lines. progress: called with the share of messages that is read.
     """
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
-    seen: dict[str, Rows] = {}
+    seen: dict[str, Topic] = {}
     try:
         store = get_typestore(Stores.ROS2_HUMBLE)
         with AnyReader([_opened(path)], default_typestore=store) as reader:
-            wanted = [c for c in reader.connections if c.msgtype in (STATES, *CONTROLLERS)]
+            wanted = [c for c in reader.connections if c.msgtype in TAKES]
             if not wanted:
                 there = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
                 raise UserError(f"{path}: no {STATES}; found {there}")
-            for connection, stamp, raw in reader.messages(connections=wanted):
+            count = max(sum(c.msgcount for c in wanted), 1)
+            for k, (connection, stamp, raw) in enumerate(reader.messages(connections=wanted)):
                 message = reader.deserialize(raw, connection.msgtype)
-                rows = seen.setdefault(connection.topic, defaultdict(list))
-                _take(message, connection.msgtype == STATES, stamp, rows)
+                _keep(seen.setdefault(connection.topic, {}), message, connection.msgtype, stamp)
+                if k % EVERY == EVERY - 1:
+                    progress(k / count)
     except UserError:
         raise
     except Exception as error:  # whatever a damaged bag makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a ROS 2 bag") from error
     topic = max(seen, key=lambda name: _worth(seen[name], joints), default=None)
-    if topic is None:
+    if topic is None or not any(block.names for block in seen[topic].values()):
         raise UserError(f"{path}: no message on its joint states; expected a recorded motion")
-    table = Table(_columns(path, topic, seen[topic], joints))
-    if len(seen) > 1:
-        others = ", ".join(sorted(set(seen) - {topic}))
+    others = ", ".join(sorted(set(seen) - {topic}))
+    kept = seen.pop(topic)
+    seen.clear()
+    table = Table(_columns(path, topic, kept, joints))
+    if others:
         table.remarks.append(f"taken from topic {topic}; left out: {others}")
     return table
 
@@ -70,36 +93,98 @@ def _opened(path: Path) -> Path:
     return path
 
 
-def _take(message: Any, states: bool, stamp: int, rows: Rows) -> None:
+def _keep(topic: Topic, message: Any, msgtype: str, stamp: int) -> None:
     header = message.header.stamp
-    t = header.sec + 1e-9 * header.nanosec
-    if t <= 0:
-        t = stamp * 1e-9
-    if states:
-        names, found = message.name, {k: getattr(message, k) for k in FIELDS}
-    else:
-        point = getattr(message, "feedback", None) or message.actual
-        names = message.joint_names
-        found = {
-            "position": point.positions, "velocity": point.velocities, "effort": point.effort,
-        }  # fmt: skip
-    for kind, values in found.items():
-        if len(values) == len(names):
-            for name, value in zip(names, values, strict=True):
-                rows[f"{name}.{kind}"].append((t, float(value)))
+    own = header.sec * 1_000_000_000 + header.nanosec
+    names: list[str] = []
+    numbers: list[float] = []
+    for kind, (joints, values) in TAKES[msgtype](message).items():
+        if len(values) == len(joints):
+            names += [f"{joint}.{kind}" for joint in joints]
+            numbers += map(float, values)
+    key = tuple(names)
+    block = topic.get(key)
+    if block is None:
+        block = topic[key] = Block(key)
+    block.stamps.append(own if own > 0 else stamp)
+    block.numbers.extend(numbers)
 
 
-def _worth(rows: Rows, joints: Sequence[str]) -> tuple[int, int]:
-    mine = [len(rows.get(f"{joint}.effort", ())) for joint in joints]
-    return sum(count > 0 for count in mine), sum(map(len, rows.values()))
+def _joint_state(message: Any) -> Found:
+    return {kind: (message.name, getattr(message, kind)) for kind in FIELDS}
 
 
-def _columns(path: Path, topic: str, rows: Rows, joints: Sequence[str]) -> dict[str, Array]:
-    series = {name: np.array(found) for name, found in rows.items()}
-    lead = max(series.values(), key=len)
-    order = np.argsort(lead[:, 0], kind="stable")
-    t = lead[order, 0]
-    have = {name.rpartition(".")[0] for name in series}
+def _trajectory_state(message: Any) -> Found:
+    """``actual`` until Humble, ``feedback`` since; what the controller asked for is left alone."""
+    point = getattr(message, "feedback", None) or message.actual
+    names = message.joint_names
+    return {
+        "position": (names, point.positions),
+        "velocity": (names, point.velocities),
+        "effort": (names, point.effort),
+    }
+
+
+def _dynamic_state(message: Any) -> Found:
+    """Each joint has interfaces of its own, by name."""
+    found: dict[str, tuple[list[str], list[float]]] = {kind: ([], []) for kind in FIELDS}
+    for joint, state in zip(message.joint_names, message.interface_values, strict=True):
+        for interface, value in zip(state.interface_names, state.values, strict=True):
+            if interface in found:
+                found[interface][0].append(joint)
+                found[interface][1].append(float(value))
+    return dict(found)
+
+
+def _single_state(message: Any) -> Found:
+    """One joint without a name; what it was told to do is its command."""
+    name = [message.header.frame_id or "joint"]
+    return {
+        "position": (name, [message.process_value]),
+        "velocity": (name, [message.process_value_dot]),
+    }
+
+
+def _degrees_of_freedom(message: Any) -> Found:
+    """Feedback of each degree of freedom; its output is a command, not a measurement."""
+    states = message.dof_states
+    names = [state.name for state in states]
+    return {
+        "position": (names, [state.feedback for state in states]),
+        "velocity": (names, [state.feedback_dot for state in states]),
+    }
+
+
+TAKES: dict[str, Callable[[Any], Found]] = {
+    STATES: _joint_state,
+    TRAJECTORY: _trajectory_state,
+    DYNAMIC: _dynamic_state,
+    SINGLE: _single_state,
+    DEGREES_OF_FREEDOM: _degrees_of_freedom,
+}
+
+
+def _worth(topic: Topic, joints: Sequence[str]) -> tuple[int, int]:
+    there = {name for block in topic.values() for name in block.names}
+    mine = sum(f"{joint}.effort" in there for joint in joints)
+    return mine, sum(len(block.numbers) for block in topic.values())
+
+
+def _columns(
+    path: Path, topic: str, topic_blocks: Topic, joints: Sequence[str]
+) -> dict[str, Array]:
+    blocks = [block for block in topic_blocks.values() if block.names]
+    lead = max(blocks, key=lambda block: len(block.stamps))
+    stamps = np.frombuffer(lead.stamps, dtype=np.int64)
+    order = None if (np.diff(stamps) >= 0).all() else np.argsort(stamps, kind="stable")
+    stamps = stamps if order is None else stamps[order]
+    zero = stamps[0] // 1_000_000_000 * 1_000_000_000
+    t = (stamps - zero) * 1e-9
+    pieces: dict[str, list[tuple[Block, int]]] = defaultdict(list)
+    for block in blocks:
+        for k, name in enumerate(block.names):
+            pieces[name].append((block, k))
+    have = {name.rpartition(".")[0] for name in pieces}
     known = [joint for joint in joints if joint in have]
     if known and len(known) < len(joints):
         missing = ", ".join(joint for joint in joints if joint not in have)
@@ -107,13 +192,23 @@ def _columns(path: Path, topic: str, rows: Rows, joints: Sequence[str]) -> dict[
             f"{path}: {topic} has no joint {missing}; found {', '.join(sorted(have))}; expected "
             "the names of the robot's URDF, or --map 'NAME.position=q1' …"
         )
-    out: dict[str, Array] = {"time": t - np.floor(t[0])}
-    for name, found in series.items():
+    out: dict[str, Array] = {"time": t}
+    for name, found in pieces.items():
         joint, _, kind = name.rpartition(".")
         column = f"{FIELDS[kind]}{joints.index(joint) + 1}" if joint in known else name
-        if np.isnan(found[:, 1]).all():
-            continue
-        same = len(found) == len(t) and np.array_equal(found[:, 0], lead[:, 0])
-        at = np.argsort(found[:, 0], kind="stable")
-        out[column] = found[order, 1] if same else np.interp(t, found[at, 0], found[at, 1])
+        if len(found) == 1 and found[0][0] is lead:
+            values = lead.table()[:, found[0][1]]
+            values = values if order is None else values[order]
+        else:
+            values = _at(t, found, zero)
+        if not np.isnan(values).all():
+            out[column] = values
     return out
+
+
+def _at(t: Array, found: Sequence[tuple[Block, int]], zero: int) -> Array:
+    """Other senders' values at the stamps t (N,), s."""
+    stamps = np.concatenate([np.frombuffer(b.stamps, dtype=np.int64) for b, _ in found])
+    values = np.concatenate([b.table()[:, k] for b, k in found])
+    at = np.argsort(stamps, kind="stable")
+    return np.interp(t, (stamps[at] - zero) * 1e-9, values[at])

@@ -9,6 +9,7 @@ import csv
 import gzip
 import io
 import re
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -84,7 +85,7 @@ def _decoded(path: Path) -> str:
     try:
         with unpacked(path) as file:
             raw = file.read(most + 1)
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise UserError(f"{path}: the packed data are damaged; expected a whole file") from error
     if len(raw) > most:
         raise UserError(f"{path}: becomes more than {most} bytes of text; expected a recording")

@@ -377,7 +377,7 @@ def test_what_is_broken_is_one_line(kind, tmp_path, robot):
     [
         ("q1", "expected COLUMN=FIELD"),
         ("joint_{n}=time", "expected COLUMN=FIELD"),
-        ("time[fortnight]=time", "unit 'fortnight', expected one of"),
+        ("time[fortnight]=time", "unit 'fortnight', expected a factor"),
         ("nobody=q1", "no column 'nobody'"),
         ("nobody_{n}=q", "no column 'nobody_1'"),
     ],
