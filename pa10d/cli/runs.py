@@ -74,6 +74,7 @@ def add_commands(commands: Commands) -> None:
 
 def import_(options: argparse.Namespace) -> Answer:
     """``run import``."""
+    from pa10d.cli.progress import progress_line
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import import_run
 
@@ -82,6 +83,7 @@ def import_(options: argparse.Namespace) -> Answer:
     result = import_run(
         store, options.file, profile, robot, name=options.name, mapping=options.map,
         replace=options.replace, check=options.check, force=options.force,
+        progress=progress_line(),
     )  # fmt: skip
     for warning in result.header_warnings if options.check else result.info.warnings:
         note(f"warning: {warning}")

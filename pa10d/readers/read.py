@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pa10d.common.errors import UserError
@@ -16,17 +16,23 @@ from pa10d.store.csv_locate import is_gzip
 from pa10d.store.run_info import BAG
 from pa10d.store.run_reader import read_run
 
+Progress = Callable[[float], None]
 CAN_LOGS = (".blf", ".asc", ".trc")
 PLAIN = (".csv", ".gz", "")
 
 
 def read_recording(
-    path: Path, profile: Profile, robot: Robot, mapping: Sequence[str] = ()
+    path: Path,
+    profile: Profile,
+    robot: Robot,
+    mapping: Sequence[str] = (),
+    progress: Progress = lambda share: None,
 ) -> CsvRecording:
     """Samples at equal steps; UserError names file, place and what was expected.
 
     mapping: ``COLUMN=FIELD`` options, see ``pa10d.store.column_mapping``; the profile's own stand
-    behind them, as far as the file has their columns.
+    behind them, as far as the file has their columns. progress: told the share that is read, of
+    formats that take their time.
     """
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
@@ -34,10 +40,11 @@ def read_recording(
     rules = read_mapping(mapping, kept)
     if _is_plain_csv(path):
         return read_csv(path, robot.n, robot.name, constants, mapping, kept)
-    return recording_of(path, _table(path, profile, robot), robot.n, robot.name, constants, rules)
+    table = _table(path, profile, robot, progress)
+    return recording_of(path, table, robot.n, robot.name, constants, rules)
 
 
-def _table(path: Path, profile: Profile, robot: Robot) -> Table:
+def _table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
     from pa10d.readers import arrays, bags, can_logs, text
 
     kind = path.suffix.lower()
@@ -45,13 +52,13 @@ def _table(path: Path, profile: Profile, robot: Robot) -> Table:
         if (path / "meta" / "info.json").is_file():
             return _lerobot(path)
         if (path / BAG).is_file():
-            return _own(path / BAG) or bags.read_bag(path, robot.joint_names)
-        return bags.read_bag(path, robot.joint_names)
+            return _own(path / BAG) or bags.read_bag(path, robot.joint_names, progress)
+        return bags.read_bag(path, robot.joint_names, progress)
     head = text.first_bytes(path, 16)
     if kind == ".mcap" or head.startswith(b"\x89MCAP"):
-        return _own(path) or bags.read_bag(path, robot.joint_names)
+        return _own(path) or bags.read_bag(path, robot.joint_names, progress)
     if kind == ".db3" or head.startswith(b"SQLite format 3"):
-        return bags.read_bag(path, robot.joint_names)
+        return bags.read_bag(path, robot.joint_names, progress)
     if head.startswith((b"PAR1", b"ARROW1")):
         return arrays.read_arrow(path)
     if kind == ".mat" or head.startswith(b"MATLAB"):

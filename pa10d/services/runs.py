@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -49,12 +49,13 @@ def import_run(
     replace: bool = False,
     check: bool = False,
     force: bool = False,
+    progress: Callable[[float, str], None] = lambda share, words: None,
 ) -> Imported:
     """Store a recording as a run; nothing is stored where the file is broken.
 
     check: look at all that can go wrong in a recording, and store none that a fit must not use
     (Unsound), unless forced. What the checks say stays with the run."""
-    found = read_recording(file, profile, robot, mapping)
+    found = read_recording(file, profile, robot, mapping, lambda s: progress(0.8 * s, "reading"))
     recording = _recording(found, name or file.name)
     checked = check_recording(recording, found.timing, robot, delay=check)
     findings = [*_demanded(found.called), *(_in_words_of(f, found.called) for f in checked)]
