@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum, StrEnum
 
 
-class State(StrEnum):
+class DriveState(StrEnum):
     """States of the drive's power state machine."""
 
     NOT_READY = "not ready to switch on"
@@ -19,15 +19,15 @@ class State(StrEnum):
 
 
 # state -> (mask, bits) of the statusword 0x6041
-STATUS_BITS: dict[State, tuple[int, int]] = {
-    State.NOT_READY: (0x4F, 0x00),
-    State.DISABLED: (0x4F, 0x40),
-    State.READY: (0x6F, 0x21),
-    State.SWITCHED_ON: (0x6F, 0x23),
-    State.ENABLED: (0x6F, 0x27),
-    State.QUICK_STOP: (0x6F, 0x07),
-    State.REACTING: (0x4F, 0x0F),
-    State.FAULT: (0x4F, 0x08),
+STATUS_BITS: dict[DriveState, tuple[int, int]] = {
+    DriveState.NOT_READY: (0x4F, 0x00),
+    DriveState.DISABLED: (0x4F, 0x40),
+    DriveState.READY: (0x6F, 0x21),
+    DriveState.SWITCHED_ON: (0x6F, 0x23),
+    DriveState.ENABLED: (0x6F, 0x27),
+    DriveState.QUICK_STOP: (0x6F, 0x07),
+    DriveState.REACTING: (0x4F, 0x0F),
+    DriveState.FAULT: (0x4F, 0x08),
 }
 STATUS_MASK = 0x6F
 STATUS_VOLTAGE, STATUS_WARNING, STATUS_REMOTE = 0x0010, 0x0080, 0x0200
@@ -41,7 +41,7 @@ _BY_BITS = {
 }
 
 
-def state_of(statusword: int) -> State | None:
+def state_of(statusword: int) -> DriveState | None:
     """The state a statusword tells, or None where the standard knows no such word."""
     return _BY_BITS.get(statusword & STATUS_MASK)
 
@@ -54,7 +54,7 @@ def remarks(statusword: int) -> list[str]:
             "its drive warns (bit 7 of the statusword): look at its temperature, supply and error "
             "history 0x1003 before it becomes a fault"
         )
-    if statusword & STATUS_LIMIT and state_of(statusword) is State.ENABLED:
+    if statusword & STATUS_LIMIT and state_of(statusword) is DriveState.ENABLED:
         said.append(
             "its drive limits torque or speed by itself (bit 11 of the statusword): look at "
             "0x6072, 0x6080, 0x607D and its current limit"
@@ -74,27 +74,27 @@ class Control(IntEnum):
 
 
 # the controlword that leads one step nearer to ENABLED; None: wait
-TOWARDS_ENABLED: dict[State, Control | None] = {
-    State.NOT_READY: None,
-    State.DISABLED: Control.SHUTDOWN,
-    State.READY: Control.SWITCH_ON,
-    State.SWITCHED_ON: Control.ENABLE,
-    State.ENABLED: Control.ENABLE,
-    State.QUICK_STOP: Control.DISABLE_VOLTAGE,
-    State.REACTING: None,
-    State.FAULT: None,
+TOWARDS_ENABLED: dict[DriveState, Control | None] = {
+    DriveState.NOT_READY: None,
+    DriveState.DISABLED: Control.SHUTDOWN,
+    DriveState.READY: Control.SWITCH_ON,
+    DriveState.SWITCHED_ON: Control.ENABLE,
+    DriveState.ENABLED: Control.ENABLE,
+    DriveState.QUICK_STOP: Control.DISABLE_VOLTAGE,
+    DriveState.REACTING: None,
+    DriveState.FAULT: None,
 }
 
 # and one step nearer to DISABLED, with the brake applied while the drive still holds the load
-TOWARDS_DISABLED: dict[State, Control | None] = {
-    State.NOT_READY: None,
-    State.DISABLED: Control.DISABLE_VOLTAGE,
-    State.READY: Control.DISABLE_VOLTAGE,
-    State.SWITCHED_ON: Control.SHUTDOWN,
-    State.ENABLED: Control.SWITCH_ON,
-    State.QUICK_STOP: Control.DISABLE_VOLTAGE,
-    State.REACTING: None,
-    State.FAULT: None,
+TOWARDS_DISABLED: dict[DriveState, Control | None] = {
+    DriveState.NOT_READY: None,
+    DriveState.DISABLED: Control.DISABLE_VOLTAGE,
+    DriveState.READY: Control.DISABLE_VOLTAGE,
+    DriveState.SWITCHED_ON: Control.SHUTDOWN,
+    DriveState.ENABLED: Control.SWITCH_ON,
+    DriveState.QUICK_STOP: Control.DISABLE_VOLTAGE,
+    DriveState.REACTING: None,
+    DriveState.FAULT: None,
 }
 
 MODE_CST = 10

@@ -13,7 +13,7 @@ from pa10d.common.parallel import process_map
 from pa10d.dynamics import Robot, robot_from_urdf
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.excitation.optimise import excitation_problem, exciting_trajectory
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.excitation.search import Progress
 
 RANDOM = 60  # random motions that a search is compared with
@@ -63,7 +63,9 @@ def run(
     }
 
 
-def _measured(problem: Problem, seconds: float, seed: int, workers: int) -> dict[str, Any]:
+def _measured(
+    problem: ExcitationProblem, seconds: float, seed: int, workers: int
+) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     chance = min(problem.condition_number(problem.random(rng)) for _ in range(RANDOM))
     reached: list[tuple[float, float]] = []

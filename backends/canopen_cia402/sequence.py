@@ -9,18 +9,18 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.cia402 import TOWARDS_DISABLED, TOWARDS_ENABLED, Control, State, state_of
+from backends.cia402 import TOWARDS_DISABLED, TOWARDS_ENABLED, Control, DriveState, state_of
 from backends.faults import fault
 from backends.protocol import Array, Feedback
 
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
-OFF = (State.DISABLED, State.FAULT)
+OFF = (DriveState.DISABLED, DriveState.FAULT)
 PATIENCE = 5.0  # s, on the backend's clock, for any step of these sequences
 
 # faults after which the drive still has our configuration; after all others it is set up anew
 STILL_CONFIGURED = ("drive_fault", "left_enabled", "encoder_jump", "repeated_pdo", "timeout")
 
-States = list[State | None]
+States = list[DriveState | None]
 
 
 class Axes(Protocol):
@@ -85,25 +85,25 @@ class Sequence(ABC):
 class Enable(Sequence):
     """Every axis to SWITCHED ON, then all brakes in the same cycle."""
 
-    _goal = State.SWITCHED_ON
+    _goal = DriveState.SWITCHED_ON
 
     @property
     def complaint(self) -> str:  # type: ignore[override]
         return f"does not reach '{self._goal}'"
 
     def reached(self, states: States) -> list[bool]:
-        return [s in (self._goal, State.ENABLED) for s in states]
+        return [s in (self._goal, DriveState.ENABLED) for s in states]
 
     def words(self, feedback: Feedback, states: States) -> list[Control]:
         words = [TOWARDS_ENABLED.get(s) if s else None for s in states]
-        if self._goal is not State.ENABLED:
+        if self._goal is not DriveState.ENABLED:
             words = [Control.SWITCH_ON if w is Control.ENABLE else w for w in words]
         return [w if w is not None else Control.DISABLE_VOLTAGE for w in words]
 
     def next_stage(self) -> bool:
-        if self._goal is State.ENABLED:
+        if self._goal is DriveState.ENABLED:
             return False
-        self._goal, self._started = State.ENABLED, None
+        self._goal, self._started = DriveState.ENABLED, None
         self.arm.set_words([Control.ENABLE] * self.arm.n)
         return True
 
@@ -127,7 +127,7 @@ class Disable(Sequence):
         stands = self._standing.after(feedback.q)
         words = [TOWARDS_DISABLED.get(s) if s else None for s in states]
         for axis, state in enumerate(states):
-            if state is State.QUICK_STOP and not stands[axis]:
+            if state is DriveState.QUICK_STOP and not stands[axis]:
                 words[axis] = Control.QUICK_STOP
         return [Control.DISABLE_VOLTAGE if w is None else w for w in words]
 
@@ -157,13 +157,13 @@ class Acknowledge(Sequence):
         self._raised = [False] * arm.n
 
     def reached(self, states: States) -> list[bool]:
-        return [s is State.DISABLED for s in states]
+        return [s is DriveState.DISABLED for s in states]
 
     def words(self, feedback: Feedback, states: States) -> list[Control]:
         words = []
         for axis, state in enumerate(states):
             # the reset is a rising edge: now high, now low, until the drive takes it
-            self._raised[axis] = state is State.FAULT and not self._raised[axis]
+            self._raised[axis] = state is DriveState.FAULT and not self._raised[axis]
             towards = TOWARDS_DISABLED.get(state) if state else None
             words.append(Control.FAULT_RESET if self._raised[axis] else towards or Control(0))
         return words

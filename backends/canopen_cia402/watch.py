@@ -167,7 +167,10 @@ class Watch:
             self._followed[axis], self._unfollowed[axis] = True, 0
         elif seen.status & 0x6F == 0x27:
             self._check_following(axis, enabled)
-        elif (state := cia402.state_of(seen.status)) in (cia402.State.FAULT, cia402.State.REACTING):
+        elif (state := cia402.state_of(seen.status)) in (
+            cia402.DriveState.FAULT,
+            cia402.DriveState.REACTING,
+        ):
             self._drive_fault(axis)
         elif enabled:
             name = state.value if state else f"statusword 0x{seen.status:04X}"

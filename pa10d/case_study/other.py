@@ -10,7 +10,7 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.optimise import excitation_problem
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.kinds.excitation import Array, Excitation
 
 FUNDAMENTAL = 0.05  # Hz
@@ -19,7 +19,7 @@ ODD = (1, 3, 5)  # a triangle wave of position, cut off: speed stays near its to
 TRIES = 60
 
 
-def other_motion(problem: Problem, periods: int, seed: int) -> Excitation:
+def other_motion(problem: ExcitationProblem, periods: int, seed: int) -> Excitation:
     """As large as limits, bodies and floor allow."""
     asked = excitation_problem(
         problem.robot, fundamental=FUNDAMENTAL, harmonics=max(RATES) * max(ODD),
@@ -36,7 +36,7 @@ def other_motion(problem: Problem, periods: int, seed: int) -> Excitation:
     )
 
 
-def _to_and_fro(problem: Problem, rng: np.random.Generator) -> Array:
+def _to_and_fro(problem: ExcitationProblem, rng: np.random.Generator) -> Array:
     joints, h = len(problem.joints), problem.harmonics
     x = np.zeros((1 + 2 * h, joints))
     x[0] = problem.room.middle + problem.room.half * rng.uniform(-0.6, 0.6, joints)

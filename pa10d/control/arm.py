@@ -23,7 +23,7 @@ from pa10d.control.limits import ArmLimits
 from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Progress, Stop
 from pa10d.control.torque_path import TorquePath
@@ -54,7 +54,7 @@ class Arm:
         self.path = TorquePath(limits, backend.period, make_servo)
         self.state = State.OFFLINE
         self.fault: Fault | None = None
-        self.motion: Motion | None = None
+        self.motion: MotionUnderWay | None = None
         self.starved: Callable[[], Starved | None] = lambda: None  # who paces the loop knows
         self._gravity = gravity
         self._stop: Stop | None = None
@@ -154,7 +154,7 @@ class Arm:
             self.path.controller = before
             raise Refused("controller", self.state, (self.state,), wrong)
 
-    def run(self, motion: Motion) -> None:
+    def run(self, motion: MotionUnderWay) -> None:
         """holding → running."""
         require("run", self.state, State.HOLDING)
         path = self.path

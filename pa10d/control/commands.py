@@ -14,7 +14,7 @@ from pa10d.control.computed_torque import ComputedTorque
 from pa10d.control.gains import PidGains
 from pa10d.control.live_model import LiveModel
 from pa10d.control.pid import Controller, Pid
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import POWERED, ArmState, Refused
 from pa10d.dynamics import Robot
 
@@ -88,7 +88,7 @@ class Commands:
         return ComputedTorque(self._robot, model, servo)
 
 
-def load_motion(message: dict[str, Any]) -> Motion:
+def load_motion(message: dict[str, Any]) -> MotionUnderWay:
     """The motion whose rows lie in a file of memory; they are paged in as they are followed."""
     rows = np.load(Path(message["rows"]), mmap_mode="r")
-    return Motion(int(message["number"]), rows, int(message["first"]), int(message["last"]))
+    return MotionUnderWay(int(message["number"]), rows, int(message["first"]), int(message["last"]))

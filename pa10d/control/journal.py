@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.faults import Fault
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.control.torque_path import TorquePath
@@ -42,7 +42,7 @@ class Journal:
         row[self._late], row[self._busy], row[self._missed] = late, busy, missed
 
     def publish(
-        self, path: TorquePath, state: ArmState, motion: Motion | None, *, faulty: bool
+        self, path: TorquePath, state: ArmState, motion: MotionUnderWay | None, *, faulty: bool
     ) -> None:
         """One record of the arm as it stands."""
         row = self._row

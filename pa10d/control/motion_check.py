@@ -34,7 +34,7 @@ _SAYS = {
 def wrong_with_rows(
     rows: Array, first: int, last: int, held: Array, limits: ArmLimits, period: float
 ) -> str | None:
-    """rows (N, 4n) as ``Motion`` has them, to begin at held (n,) rad → one line, or None.
+    """rows (N, 4n) as ``MotionUnderWay`` has them, to begin at held (n,) rad → one line, or None.
 
     The line names joint, second, what was found and what is allowed.
     """

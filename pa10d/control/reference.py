@@ -22,7 +22,7 @@ class Reference:
         self.extra[:] = 0.0
 
 
-class Motion:
+class MotionUnderWay:
     """A sampled motion: rows (N, 4n) of q, dq, ddq, extra at the loop's rate.
 
     Rows ``first`` … ``last``-1 are what a run of it records; before them lies the way to its start.

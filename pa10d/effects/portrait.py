@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from pa10d.dynamics import Robot
 from pa10d.effects.base import Effect, smooth_sign
 from pa10d.effects.context import Context
-from pa10d.effects.motions import Motion, motion
+from pa10d.effects.motions import ShownMotion, motion
 
 Array = NDArray[np.float64]
 
 VISIBLE = 0.1  # share of the drawn joint's torque from which another joint is shown, too
-Quantity = Callable[[Context, Motion, int, int], Array]
+Quantity = Callable[[Context, ShownMotion, int, int], Array]
 
 
 @dataclass(frozen=True)
@@ -100,13 +100,13 @@ QUANTITIES: dict[str, tuple[str, Quantity]] = {
 }
 
 
-def _of(path: Motion) -> Array:
+def _of(path: ShownMotion) -> Array:
     if path.frequency is None:
         raise ValueError("this motion has no frequency; draw the effect on 'chirp'")
     return path.frequency
 
 
-def _context(robot: Robot, path: Motion) -> Context:
+def _context(robot: Robot, path: ShownMotion) -> Context:
     """The motion with the URDF's rigid bodies and friction of a likely size."""
     bare = Context(robot, path.t, path.q, path.dq, path.ddq, robot.parameters, path.q * 0.0)
     level = 0.04 * np.where(np.isfinite(robot.effort), robot.effort, 100.0)

@@ -13,11 +13,11 @@ from pa10d.figures.memory import memory
 from pa10d.figures.overview import overview
 from pa10d.figures.plotly import Figure
 from pa10d.figures.spectra import spectra
-from pa10d.figures.staircase import Step, staircase
+from pa10d.figures.staircase import Stair, staircase
 from pa10d.figures.time import torque_over_time
 
 
-def comparison_figures(comparison: Comparison, steps: Sequence[Step] = ()) -> dict[str, Any]:
+def comparison_figures(comparison: Comparison, steps: Sequence[Stair] = ()) -> dict[str, Any]:
     """``overview``, ``staircase`` (null for a single version) and per joint ``joints``: see
     joint_figures. ``steps``: earlier versions and this one on the same runs."""
     joints, pooled = comparison.model.robot.joint_names, comparison.pooled

@@ -14,7 +14,7 @@ from pa10d.figures.errors import binned
 from pa10d.figures.evidence import before_after, evidence
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.plotly import MODEL, Figure, axis, dots, layout, line, packed
-from pa10d.figures.staircase import Step, staircase
+from pa10d.figures.staircase import Stair, staircase
 from pa10d.figures.structure_map import structure_map
 from pa10d.figures.traces import over_frequency, over_order, over_time
 from pa10d.figures.views import Quantity, direction, near, quantity_of
@@ -51,12 +51,12 @@ def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def steps_of(found: Diagnosis) -> list[Step]:
+def steps_of(found: Diagnosis) -> list[Stair]:
     """The versions with their errors on the same held-out data; short names for an axis."""
     words = ["as given" if found.frozen else "as given, refitted"]
     words += [f"+ {finding.term.label}" for finding in found.findings]
     return [
-        Step(f"step {k}" if k else "start", word, version.held_out["held out"])
+        Stair(f"step {k}" if k else "start", word, version.held_out["held out"])
         for k, (word, version) in enumerate(zip(words, found.versions, strict=True))
     ]
 

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Step:
+class Stair:
     """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs; the noise
     floor (n,) N·m that is seen through this version, where it was asked for."""
 
@@ -24,7 +24,7 @@ class Step:
     floor: Array | None = None
 
 
-def least_floor(steps: Sequence[Step], floor: Array | None = None) -> Array | None:
+def least_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | None:
     """(n,) N·m, or None where there is none. Noise is the same through every version; what else
     the error of a poorer one has that never comes again only adds to its own floor."""
     known = [step.floor for step in steps if step.floor is not None]
@@ -32,7 +32,7 @@ def least_floor(steps: Sequence[Step], floor: Array | None = None) -> Array | No
     return np.fmin.reduce(known) if known and np.any(np.isfinite(known)) else None
 
 
-def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None = None) -> Figure:
+def staircase(steps: Sequence[Stair], joints: Sequence[str], floor: Array | None = None) -> Figure:
     """One line per joint from version to version; with a noise floor (n,) N·m as multiples of
     it, so that all joints share one scale whose bottom is 1."""
     floor = least_floor(steps, floor)
@@ -68,6 +68,6 @@ def staircase(steps: Sequence[Step], joints: Sequence[str], floor: Array | None 
     return {"data": traces, "layout": figure}
 
 
-def _tick(step: Step) -> str:
+def _tick(step: Stair) -> str:
     change, *note = step.change.split(" (", 1)
     return "<br>".join([step.name, f"<i>{change}</i>", *(f"<i>({text}</i>" for text in note)])

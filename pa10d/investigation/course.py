@@ -12,7 +12,7 @@ from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
-from pa10d.investigation.state import Investigation, Motion, Step
+from pa10d.investigation.state import ArmMotion, Investigation, Step
 from pa10d.services.doubts import new_plan
 
 MOST = 2  # experiments to settle doubts; what is then still in doubt stays so
@@ -21,7 +21,7 @@ FIRST = ("joints", "fit", "judge")
 
 
 def first_steps(
-    motions: Sequence[tuple[Motion, str]], question: str, minutes: float | None
+    motions: Sequence[tuple[ArmMotion, str]], question: str, minutes: float | None
 ) -> list[Step]:
     """The steps as they are known before anything was measured. motions: each with what keeps it
     from being run, or "". Those beyond the budget are left out, and say so."""
@@ -51,7 +51,7 @@ def first_steps(
     ]
 
 
-def within(motions: Sequence[Motion], minutes: float | None) -> list[Motion]:
+def within(motions: Sequence[ArmMotion], minutes: float | None) -> list[ArmMotion]:
     """Those that fit: what no answer can do without first, then the others in their order.
 
     UserError where not even the former fit.
@@ -155,7 +155,7 @@ def _settling(state: Investigation, finding: Mapping[str, Any], number: int) -> 
     """The experiment and another search; where the budget does not reach, one that is left out."""
     plan = finding["next_experiment"]
     seconds, why = float(finding["settling"]["seconds"]), str(finding["settling"]["says"])
-    motion = Motion(
+    motion = ArmMotion(
         purpose="settle", kind=plan["kind"], parameters=dict(plan.get("parameters") or {}),
         seconds=seconds, why=why,
     )  # fmt: skip
@@ -167,14 +167,14 @@ def _settling(state: Investigation, finding: Mapping[str, Any], number: int) -> 
     return [step, again]
 
 
-def _least(motions: Sequence[Motion]) -> list[Motion]:
-    found: list[Motion] = []
+def _least(motions: Sequence[ArmMotion]) -> list[ArmMotion]:
+    found: list[ArmMotion] = []
     for purpose in FIRST:
         found += [motion for motion in motions if motion.purpose == purpose][:1]
     return found
 
 
-def _title(motion: Motion) -> str:
+def _title(motion: ArmMotion) -> str:
     words = motion.kind.replace("_", " ").capitalize()
     ends = {
         "joints": "measures each joint",
@@ -190,7 +190,7 @@ def _judged_by(given: bool) -> str:
     return "Judge all versions on the runs to judge by" if given else "Judge it on fresh motion"
 
 
-def _beyond(motion: Motion, minutes: float | None) -> str:
+def _beyond(motion: ArmMotion, minutes: float | None) -> str:
     return (
         f"{motion.kind} takes {motion.seconds:.0f} s, which the budget of {minutes:g} minutes does "
         "not hold."

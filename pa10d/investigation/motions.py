@@ -15,7 +15,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
 from pa10d.experiments.motion import whole_motion
-from pa10d.investigation.state import Motion
+from pa10d.investigation.state import ArmMotion
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
 from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET
@@ -64,7 +64,7 @@ class Course(BaseModel):
     dq_max: float
 
 
-class Shown(Motion):
+class Shown(ArmMotion):
     """A preview as JSON. time: (N) s; q: (N, n) rad."""
 
     problems: list[str]
@@ -81,7 +81,7 @@ class Preview:
     """A motion as it would be run from the rest pose. problems: what would keep it from running;
     q: (N, n) rad at ``t`` (N,) s."""
 
-    motion: Motion
+    motion: ArmMotion
     t: Array
     q: Array
     dq: Array
@@ -129,10 +129,10 @@ def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> Preview:
         plan, around = planned(robot, entry)
         whole = whole_motion(plan, around.limits.rest_pose(), robot, LOOK)
     except UserError as error:
-        motion = Motion(seconds=0.0, **given)
+        motion = ArmMotion(seconds=0.0, **given)
         return Preview(motion, np.zeros(1), none, none, (str(error),))
     t, q, dq, _ = whole.samples
-    motion = Motion(seconds=float(t[-1]), **given)
+    motion = ArmMotion(seconds=float(t[-1]), **given)
     problems = tuple(dict.fromkeys(violation.sentence for violation in whole.violations))
     return Preview(motion, t, q, dq, problems)
 
@@ -161,7 +161,7 @@ def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]
     return read_request(request).build(around), around
 
 
-def possible(found: Sequence[Preview]) -> list[Motion]:
+def possible(found: Sequence[Preview]) -> list[ArmMotion]:
     """Those that can be planned."""
     return [one.motion for one in found if not one.problems]
 

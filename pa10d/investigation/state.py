@@ -28,7 +28,7 @@ class _Kept(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, validate_assignment=True)
 
 
-class Motion(_Kept):
+class ArmMotion(_Kept):
     """One motion of the arm. seconds: s of the arm's clock that it is expected to take."""
 
     purpose: Purpose
@@ -45,7 +45,7 @@ class Step(_Kept):
     kind: StepKind
     title: Sentence
     status: StepStatus = "waiting"
-    motion: Motion | None = None
+    motion: ArmMotion | None = None
     runs: Few = []
     models: Few = []
     moved: Seconds = 0.0

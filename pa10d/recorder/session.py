@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.control.record import RecordLayout
 from pa10d.store import RunInfo
-from pa10d.store.channels import Channels, Motion, Samples
+from pa10d.store.channels import Channels, CommandedMotion, Samples
 from pa10d.store.run_info import Status
 from pa10d.store.run_writer import RunWriter
 
@@ -86,7 +86,7 @@ class Session:
             stamps=stamps,
             q=get(rows, "q"),
             tau=get(rows, "tau"),
-            commands=Motion(get(rows, "q_ref"), get(rows, "dq_ref"), get(rows, "torque")),
+            commands=CommandedMotion(get(rows, "q_ref"), get(rows, "dq_ref"), get(rows, "torque")),
             temperature=get(rows, "temperature") if self._channels.temperature else None,
         )
 

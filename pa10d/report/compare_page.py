@@ -12,7 +12,7 @@ from pa10d.common.version import __version__
 from pa10d.common.words import times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 from pa10d.judgement import MASK
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
@@ -24,7 +24,7 @@ OPEN = 3  # joints, worst first, whose sections are open at the start
 WHITE = 0.01  # p below which what is left is not white
 
 
-def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
+def compare_page(comparison: Comparison, steps: Sequence[Stair] = ()) -> str:
     """One HTML file; steps: earlier versions and this one, judged on the same runs."""
     model, pooled = comparison.model, comparison.pooled
     runs = ", ".join(run.name for run in comparison.runs)
@@ -43,12 +43,12 @@ def compare_page(comparison: Comparison, steps: Sequence[Step] = ()) -> str:
     )
 
 
-def summary_sections(comparison: Comparison, steps: Sequence[Step] = ()) -> list[Section]:
+def summary_sections(comparison: Comparison, steps: Sequence[Stair] = ()) -> list[Section]:
     """What is said of all joints together, but for the list of places."""
     return [_summary(comparison), *figures_sections(comparison, steps)]
 
 
-def figures_sections(comparison: Comparison, steps: Sequence[Step] = ()) -> list[Section]:
+def figures_sections(comparison: Comparison, steps: Sequence[Stair] = ()) -> list[Section]:
     """The history, where there is one, and the table."""
     history = [_history(comparison, steps)] if len(steps) > 1 else []
     return [*history, _figures(comparison)]
@@ -130,7 +130,7 @@ def _failures(comparison: Comparison) -> Section:
     return Section("Where it fails", [ranked])
 
 
-def _history(comparison: Comparison, steps: Sequence[Step]) -> Section:
+def _history(comparison: Comparison, steps: Sequence[Stair]) -> Section:
     joints = comparison.model.robot.joint_names
     figure = figures.staircase(steps, joints, comparison.pooled.noise_floor)
     plot = Plot("Every version on these runs", figure, figures.TEXTS["staircase"])

@@ -12,7 +12,7 @@ from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.compare import Comparison
 from pa10d.dynamics import Robot
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 from pa10d.identify import summary
 from pa10d.judgement import MASK
 from pa10d.model import TorqueModel
@@ -54,7 +54,7 @@ class Dossier:
     runs: Sequence[RunFigures]
     versions: Sequence[tuple[str, str, str, str]]
     comparison: Comparison | None
-    steps: Sequence[Step]
+    steps: Sequence[Stair]
     seen: str
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pa10d.compare import Comparison
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.held_out import HeldOut
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 from pa10d.figures.texts import Reading
 from pa10d.report.blocks import Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.compare_page import joint_section, summary_sections
@@ -24,7 +24,7 @@ KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, Verd
 BLOCKS: dict[str, Any] = {block.__name__.lower(): block for block in KINDS}
 
 
-def comparison_sheet(comparison: Comparison, steps: Sequence[Step] = ()) -> dict[str, Sheet]:
+def comparison_sheet(comparison: Comparison, steps: Sequence[Stair] = ()) -> dict[str, Sheet]:
     """``summary``, and ``joint-1`` … ``joint-n`` apart, so that a page loads what it shows."""
     summary = [_plain(section) for section in summary_sections(comparison, steps)]
     out: dict[str, Sheet] = {"summary": {"sections": summary}}

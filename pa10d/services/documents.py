@@ -228,7 +228,7 @@ class Investigate(Document):
     report: str | None
 
 
-class Run(Document):
+class RunDocument(Document):
     """A recording in the store."""
 
     id: str
@@ -245,7 +245,7 @@ class NewProfile(Document):
     warnings: list[str]
 
 
-class Problem(Document):
+class Failure(Document):
     """Why a command could not be done."""
 
     error: str
@@ -259,8 +259,8 @@ SCHEMAS: dict[str, type[Document]] = {
     "demo": Demo,
     "profile-new": NewProfile,
     "investigate": Investigate,
-    "run-import": Run,
-    "run-show": Run,
-    "error": Problem,
+    "run-import": RunDocument,
+    "run-show": RunDocument,
+    "error": Failure,
 }
 """Kinds of documents whose fields are written down; others hold what their command says."""

@@ -14,7 +14,7 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.compare import Comparison, compare, document
 from pa10d.dynamics.robot import Robot
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 from pa10d.judgement import Judgement, judge, judge_alike
 from pa10d.measurement.recording import Recording
 from pa10d.model import Parameters, TorqueModel
@@ -51,7 +51,7 @@ class Compared:
     info: ModelInfo
     runs: tuple[RunInfo, ...]
     comparison: Comparison
-    staircase: tuple[Step, ...]
+    staircase: tuple[Stair, ...]
 
     def document(self) -> dict[str, Any]:
         """As JSON."""
@@ -137,7 +137,7 @@ def compare_runs(
     infos, recordings = read_runs(library, runs, loaded.robot, force=force)
     band = line_band(library, info.id) if cutoff is None else cutoff
     comparison = compare(loaded, recordings, progress, band)
-    steps = [Step(info.name, info.change, comparison.pooled.scores.rms)]
+    steps = [Stair(info.name, info.change, comparison.pooled.scores.rms)]
     if ancestors:
         progress(0.9, "earlier versions")
         steps = [*_earlier(library, info, recordings, band), *steps]
@@ -214,12 +214,12 @@ def write_file(path: Path, text: str) -> Path:
 
 def _earlier(
     library: Library, info: ModelInfo, recordings: Sequence[Recording], band: float
-) -> list[Step]:
+) -> list[Stair]:
     older = library.models.history(info)[:-1]
     if not older:
         return []
     found = judge_alike([library.models.load(one) for one in older], recordings, band)
     return [
-        Step(one.name, one.change, judged.rms, judged.floor.values)
+        Stair(one.name, one.change, judged.rms, judged.floor.values)
         for one, judged in zip(older, found, strict=True)
     ]

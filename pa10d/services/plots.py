@@ -19,7 +19,7 @@ from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
 from pa10d.figures.plotly import Figure
 from pa10d.figures.recorded import recorded
-from pa10d.figures.staircase import Step, least_floor, staircase
+from pa10d.figures.staircase import Stair, least_floor, staircase
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
 from pa10d.judgement import Judgement, RunResidual, common_band, in_band, judged, run_residual
@@ -81,7 +81,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     band = common_band(model_of(data, info.id) for info in line)
     found = [_judged(data, info.id, ids, band) for info in line]
     steps = [
-        Step(info.name, info.change, one.rms, one.floor.values)
+        Stair(info.name, info.change, one.rms, one.floor.values)
         for info, one in zip(line, found, strict=True)
     ]
     floor = least_floor(steps)

@@ -69,7 +69,7 @@ def message_index(number: int, stamps: Stamps, offset: int, stride: int) -> byte
 
 
 @dataclass(frozen=True)
-class Block:
+class MessageBlock:
     """Messages of one channel: stamps (k,) ns and field -> (k,) or (k, n)."""
 
     channel: Channel
@@ -110,7 +110,7 @@ class BagWriter:
         self.index.add_metadata(name, self._at, len(data))
         self._write(data)
 
-    def write_chunk(self, blocks: Sequence[Block]) -> None:
+    def write_chunk(self, blocks: Sequence[MessageBlock]) -> None:
         """Write these blocks as one chunk with its message indexes, in one go."""
         blocks = [block for block in blocks if len(block.stamps)]
         if not blocks:

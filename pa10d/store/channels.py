@@ -64,7 +64,7 @@ def extra_topics(columns: tuple[str, ...]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Motion:
+class CommandedMotion:
     """Commanded motion: (k, n) rad, rad/s, and the torque that was sent, N·m."""
 
     q: Array
@@ -80,7 +80,7 @@ class Samples:
     q: Array
     tau: Array
     dq: Array | None = None
-    commands: Motion | None = None
+    commands: CommandedMotion | None = None
     temperature: Array | None = None
     current: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)

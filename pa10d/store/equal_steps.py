@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.measurement.sampling import Resampler, Timing, analyse, merge_duplicates, merged
-from pa10d.store.channels import Array, Motion, Samples
+from pa10d.store.channels import Array, CommandedMotion, Samples
 
 GAP = "gap"  # the extra channel that is 1 where nothing was measured
 
@@ -51,7 +51,7 @@ def _each(samples: Samples, change: Callable[[Array, bool], Array]) -> Samples:
         tau=change(samples.tau, True),
         dq=maybe(samples.dq, True),
         commands=sent
-        and Motion(change(sent.q, True), change(sent.dq, True), change(sent.tau, True)),
+        and CommandedMotion(change(sent.q, True), change(sent.dq, True), change(sent.tau, True)),
         temperature=maybe(samples.temperature, False),
         current=maybe(samples.current, False),
         extra={name: change(values, False) for name, values in samples.extra.items()},

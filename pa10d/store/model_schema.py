@@ -68,7 +68,7 @@ class RobotEntry(_Strict):
     tool: list[Number] | None = None  # standard parameters added to the last link by the profile
 
 
-class Fit(_Strict):
+class FitEntry(_Strict):
     """How the model came about."""
 
     runs: list[str]
@@ -96,7 +96,7 @@ class ModelFile(_Strict):
     parent: str | None = None
     parent_name: str | None = None
     change: str
-    fit: Fit
+    fit: FitEntry
     noise_floor: list[NotNegative] | None = None
     held_out: dict[str, list[NotNegative]] = {}
     robot: RobotEntry

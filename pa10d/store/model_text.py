@@ -16,7 +16,7 @@ from pa10d.effects import Value
 from pa10d.model import TorqueModel
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_schema import FORMAT
-from pa10d.store.yaml_style import Block, Dumper, Flow, Row, row, simple
+from pa10d.store.yaml_style import BlockText, Dumper, Flow, Row, row, simple
 
 Array = NDArray[np.float64]
 
@@ -56,8 +56,8 @@ def model_text(model: TorqueModel, info: ModelInfo) -> str:
         "effects": _effects(model),
         "standard_parameters": _standard(model),
         "notes": simple({k: v for k, v in model.notes.items() if k != "noise_floor"}),
-        "covariance": {"encoding": ENCODING, "data": Block(_triangle(model.covariance))},
-        "urdf": Block(tidy(model.robot.urdf)),
+        "covariance": {"encoding": ENCODING, "data": BlockText(_triangle(model.covariance))},
+        "urdf": BlockText(tidy(model.robot.urdf)),
     }
     body = yaml.dump(document, Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
     return HEAD + str(body)

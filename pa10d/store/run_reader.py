@@ -21,7 +21,7 @@ from pa10d.store.channels import (
     STATES,
     TEMPERATURE,
     Array,
-    Motion,
+    CommandedMotion,
     Samples,
 )
 from pa10d.store.entries import explained
@@ -135,7 +135,7 @@ def _aligned(topic: Topic | None, stamps: NDArray[np.int64], field: str = "data"
     return np.stack([np.interp(at, known, column) for column in values.T], axis=1)
 
 
-def _commands(bag: Bag, stamps: NDArray[np.int64]) -> Motion | None:
+def _commands(bag: Bag, stamps: NDArray[np.int64]) -> CommandedMotion | None:
     topic = bag.topics.get(COMMANDS)
     q, dq, tau = (_aligned(topic, stamps, f) for f in ("position", "velocity", "effort"))
-    return None if q is None or dq is None or tau is None else Motion(q, dq, tau)
+    return None if q is None or dq is None or tau is None else CommandedMotion(q, dq, tau)

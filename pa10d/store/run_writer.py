@@ -14,7 +14,7 @@ from pa10d.common.version import __version__
 from pa10d.profile import Profile
 from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import END
-from pa10d.store.bag_writer import BagWriter, Block, Stamps
+from pa10d.store.bag_writer import BagWriter, MessageBlock, Stamps
 from pa10d.store.channels import Array, Channels, Samples
 from pa10d.store.folders import hold
 from pa10d.store.room import give_back, reserve
@@ -88,7 +88,7 @@ class RunWriter:
             return
         stamps = np.concatenate([part for part, _ in self._waiting])
         blocks = [
-            Block(
+            MessageBlock(
                 channel,
                 stamps,
                 {

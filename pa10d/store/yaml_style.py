@@ -18,7 +18,7 @@ class Row(list[Any]):
     """A list on one line."""
 
 
-class Block(str):
+class BlockText(str):
     """Text that keeps its lines."""
 
     __slots__ = ()
@@ -40,7 +40,7 @@ Dumper.add_representer(
     Row, lambda d, x: d.represent_sequence("tag:yaml.org,2002:seq", x, flow_style=True)
 )
 Dumper.add_representer(
-    Block, lambda d, x: d.represent_scalar("tag:yaml.org,2002:str", str(x), style="|")
+    BlockText, lambda d, x: d.represent_scalar("tag:yaml.org,2002:str", str(x), style="|")
 )
 
 

@@ -33,7 +33,7 @@ from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.exchange import AxisInput
 from backends.canopen_cia402.watch import Watch
-from backends.cia402 import State, state_of
+from backends.cia402 import DriveState, state_of
 from backends.faults import REMEDIES, fault
 from backends.frames import frame
 from backends.ports import Port, VirtualBusPort
@@ -43,7 +43,7 @@ from backends.virtualbus import VirtualBus
 from pa10d.control.faults import REMEDIES as OUR_REMEDIES
 from pa10d.profile import Profile
 
-MOVING = (State.ENABLED, State.QUICK_STOP, State.REACTING)
+MOVING = (DriveState.ENABLED, DriveState.QUICK_STOP, DriveState.REACTING)
 
 
 @pytest.fixture
@@ -161,7 +161,7 @@ def test_a_rebooted_drive_is_configured_anew_by_reset(profile: Profile) -> None:
         assert_stops(arm, driver)
         by_hand.reset(arm)
         by_hand.enable(arm, driver.hold)
-        assert {state_of(int(s)) for s in driver.run(0.3).status} == {State.ENABLED}
+        assert {state_of(int(s)) for s in driver.run(0.3).status} == {DriveState.ENABLED}
 
 
 def test_a_reboot_explains_a_silence() -> None:

@@ -13,14 +13,14 @@ from canopen.profiles.p402 import BaseNode402
 
 from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
-from backends.cia402 import State, state_of
+from backends.cia402 import DriveState, state_of
 from backends.eds import OWN_EDS
 from backends.protocol import BackendFault, Feedback
 from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 
 
-def states(words: object) -> set[State | None]:
+def states(words: object) -> set[DriveState | None]:
     return {state_of(int(word)) for word in words}  # type: ignore[attr-defined]
 
 
@@ -42,9 +42,9 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
             assert arm.warnings == [], "our own drive lacks nothing"
             assert [r.node for r in arm.reports] == list(range(10, 17))
             driver = Driver(arm)
-            assert states(arm.read().status) == {State.DISABLED}
+            assert states(arm.read().status) == {DriveState.DISABLED}
             by_hand.enable(arm, driver.hold)
-            assert states(driver.run(0.2).status) == {State.ENABLED}
+            assert states(driver.run(0.2).status) == {DriveState.ENABLED}
             most = 0.0
             for _ in range(100):
                 feedback = driver.step()
@@ -56,7 +56,7 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
             assert most > 5.0, "torques are measured on every axis"
 
             arm.quick_stop()
-            driver.until(lambda f: states(f.status) == {State.DISABLED})
+            driver.until(lambda f: states(f.status) == {DriveState.DISABLED})
             rest = arm.read().q.copy()
             for _ in range(20):
                 arm.read()
@@ -71,14 +71,14 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
             with pytest.raises(BackendFault, match="overcurrent"):
                 by_hand.enable(arm)  # a fault stays until it is reset
             by_hand.disable(arm)
-            assert states(arm.statuses()[:3]) == {State.DISABLED}
+            assert states(arm.statuses()[:3]) == {DriveState.DISABLED}
             by_hand.reset(arm)
-            assert states(arm.read().status) == {State.DISABLED}
+            assert states(arm.read().status) == {DriveState.DISABLED}
 
             by_hand.enable(arm, driver.hold)
             driver.run(0.2)
             by_hand.disable(arm)
-            assert states(arm.statuses()) == {State.DISABLED}
+            assert states(arm.statuses()) == {DriveState.DISABLED}
         finally:
             arm.close()
 
@@ -202,12 +202,12 @@ def test_all_brakes_open_in_the_same_cycle_and_meet_the_load(tmp_path: Path) -> 
             seen: list[list[bool]] = []
 
             def hold(feedback: Feedback) -> np.ndarray:
-                seen.append([state_of(int(s)) is State.ENABLED for s in feedback.status])
+                seen.append([state_of(int(s)) is DriveState.ENABLED for s in feedback.status])
                 return 60.0 * np.sin(feedback.q) - 200.0 * feedback.q
 
             by_hand.enable(arm, hold)
             enabled = [sum(row) for row in seen] + [
-                sum(state_of(s) is State.ENABLED for s in arm.statuses())
+                sum(state_of(s) is DriveState.ENABLED for s in arm.statuses())
             ]
             assert sorted(set(enabled)) == [0, 7]
             assert len(seen) * arm.period < 0.2, "seven brakes take no longer than one"

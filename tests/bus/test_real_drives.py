@@ -15,7 +15,7 @@ from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.configure import configure
 from backends.canopen_cia402.remote import SetupError
-from backends.cia402 import State, state_of
+from backends.cia402 import DriveState, state_of
 from backends.protocol import BackendFault
 
 
@@ -112,10 +112,10 @@ def test_a_virtual_drive_with_a_real_dictionary_lives(
             assert any(line.startswith("joint 2: no ") for line in arm.warnings)
             driver = Driver(arm, amplitude=0.1)
             by_hand.enable(arm, driver.hold)
-            assert {state_of(int(s)) for s in driver.run(0.5).status} == {State.ENABLED}
+            assert {state_of(int(s)) for s in driver.run(0.5).status} == {DriveState.ENABLED}
             assert driver.reach > 0.01
             by_hand.disable(arm)
-            assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
+            assert {state_of(s) for s in arm.statuses()} == {DriveState.DISABLED}
         finally:
             arm.close()
 

@@ -15,7 +15,7 @@ from bus_helpers import Driver, inject_by_canopen, make_profile, patient_eds, vi
 
 from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
-from backends.cia402 import State, state_of
+from backends.cia402 import DriveState, state_of
 from backends.protocol import BackendFault
 from backends.virtual.drives.injection import Injection
 from pa10d.profile import Profile
@@ -59,11 +59,11 @@ def test_the_whole_life(arm: CanopenBackend, profile: Profile) -> None:
     driver = Driver(arm, frequency=0.2)
     by_hand.enable(arm, driver.hold)
     feedback = driver.run(4.0)
-    assert {state_of(int(s)) for s in feedback.status} == {State.ENABLED}
+    assert {state_of(int(s)) for s in feedback.status} == {DriveState.ENABLED}
     assert np.ptp(feedback.q) < 0.05, "seven equal axes move alike"
     assert driver.reach > 0.05, "it swings; where it is at the end depends on the clock"
     arm.quick_stop()
-    driver.until(lambda f: {state_of(int(s)) for s in f.status} == {State.DISABLED})
+    driver.until(lambda f: {state_of(int(s)) for s in f.status} == {DriveState.DISABLED})
     by_hand.enable(arm, driver.hold)
     inject_by_canopen(profile, 3, Injection.FAULT, 0x2310)
     with pytest.raises(BackendFault, match=r"joint 4.*overcurrent"):
@@ -73,7 +73,7 @@ def test_the_whole_life(arm: CanopenBackend, profile: Profile) -> None:
     by_hand.enable(arm, driver.hold)
     driver.run(0.5)
     by_hand.disable(arm)
-    assert {state_of(s) for s in arm.statuses()} == {State.DISABLED}
+    assert {state_of(s) for s in arm.statuses()} == {DriveState.DISABLED}
 
 
 def ip(*arguments: str) -> None:
@@ -100,7 +100,7 @@ def test_the_interface_goes_away_in_mid_cycle_and_comes_back(arm: CanopenBackend
         reset(arm)
     driver = Driver(arm, frequency=0.2)
     by_hand.enable(arm, driver.hold)
-    assert {state_of(int(s)) for s in driver.run(0.5).status} == {State.ENABLED}
+    assert {state_of(int(s)) for s in driver.run(0.5).status} == {DriveState.ENABLED}
 
 
 def reset(arm: CanopenBackend) -> None:

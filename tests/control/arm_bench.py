@@ -11,7 +11,7 @@ from pa10d.control.build import build_arm
 from pa10d.control.gains import PidGains, first_gains, fitted_gains
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics import robot_from_profile
@@ -91,7 +91,7 @@ class ArmBench:
         if ahead is not None:
             rows[:, -self.robot.n :] += measured_torque(plan, whole, self.robot, ahead, self.rate)
         began = self.ring.written
-        self.arm.run(Motion(1, rows, whole.first, whole.last))
+        self.arm.run(MotionUnderWay(1, rows, whole.first, whole.last))
         while self.arm.state in (ArmState.RUNNING, ArmState.STOPPING):
             self.arm.cycle()
         self.arm.cycle()

@@ -10,7 +10,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.pid import Pid
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 
@@ -65,7 +65,7 @@ def until(arm: Arm, *states: ArmState, seconds: float = 10.0) -> None:
     raise AssertionError(f"still {arm.state.label} after {seconds} s")
 
 
-def swing(start: np.ndarray, amplitude: float = 0.8, seconds: float = 3.0) -> Motion:
+def swing(start: np.ndarray, amplitude: float = 0.8, seconds: float = 3.0) -> MotionUnderWay:
     """All joints out and back, at rest at both ends."""
     t = np.arange(int(seconds / PERIOD)) * PERIOD
     w = 2 * np.pi / seconds
@@ -73,4 +73,4 @@ def swing(start: np.ndarray, amplitude: float = 0.8, seconds: float = 3.0) -> Mo
     q = start + amplitude * one * ((1 - np.cos(w * t)) / 2)[:, None]
     dq = amplitude * one * (w * np.sin(w * t) / 2)[:, None]
     ddq = amplitude * one * (w * w * np.cos(w * t) / 2)[:, None]
-    return Motion(1, np.hstack([q, dq, ddq, 0 * q]))
+    return MotionUnderWay(1, np.hstack([q, dq, ddq, 0 * q]))

@@ -12,7 +12,7 @@ from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
 from pa10d.control.live_model import LiveModel, Part, kinematics_of
 from pa10d.control.motion_check import wrong_with_rows
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState, Refused
 from pa10d.dynamics import robot_from_profile
@@ -172,7 +172,7 @@ def test_a_bad_row_is_named_and_nothing_moves(case):
     rows = good.rows.copy()
     spoil(rows)
     with pytest.raises(Refused, match=says):
-        arm.run(Motion(1, rows))
+        arm.run(MotionUnderWay(1, rows))
     assert arm.state == ArmState.HOLDING
     arm.run(good)
 

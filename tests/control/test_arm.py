@@ -7,7 +7,7 @@ import pytest
 from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, swing, until
 
 from backends.protocol import BackendFault
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import ArmState, Refused
 from pa10d.control.torque_exit import TorqueExit
 
@@ -43,7 +43,7 @@ def test_motion_is_followed_and_ends_held():
 def test_only_the_recorded_part_is_marked():
     arm, _ = holding_arm()
     whole = swing(arm.path.reference.q)
-    arm.run(Motion(5, whole.rows, first=100, last=400))
+    arm.run(MotionUnderWay(5, whole.rows, first=100, last=400))
     until(arm, HOLDING)
     marked = tail(arm, "row")[tail(arm, "recording") == 1]
     assert marked[0] == 101

@@ -19,7 +19,7 @@ from pa10d.control.joint_figures import ROTOR
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import LiveModel, Part, kinematics_of, live_model, remainder
 from pa10d.control.pid import Pid
-from pa10d.control.reference import Braking, Motion, Reference
+from pa10d.control.reference import Braking, MotionUnderWay, Reference
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics import base_parameters, inverse_dynamics, robot_from_profile
@@ -295,7 +295,7 @@ def sine(start, seconds=4.0):
     one = np.ones((1, len(start)))
     q = start + a * one * (1 - np.cos(w * t))[:, None]
     dq, ddq = a * w * one * np.sin(w * t)[:, None], a * w * w * one * np.cos(w * t)[:, None]
-    return Motion(1, np.hstack([q, dq, ddq, 0 * q]))
+    return MotionUnderWay(1, np.hstack([q, dq, ddq, 0 * q]))
 
 
 def test_simulated_time_gives_the_same_numbers_every_time(profile, robot):

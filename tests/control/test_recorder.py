@@ -11,7 +11,7 @@ from arms import cycles, holding_arm, swing, until
 
 from backends.protocol import BackendFault
 from pa10d.common.errors import UserError
-from pa10d.control.reference import Motion
+from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import ArmState
 from pa10d.profile import load_profile
 from pa10d.recorder.recorder import Recorder
@@ -39,7 +39,7 @@ def follow(arm, recorder, count=10_000):
 
 def start(arm, recorder, first=0, last=None, **more):
     whole = swing(arm.path.reference.q)
-    motion = Motion(3, whole.rows, first, last)
+    motion = MotionUnderWay(3, whole.rows, first, last)
     info = recorder.announce(3, motion.last, **more)
     arm.run(motion)
     return info, motion
@@ -133,7 +133,7 @@ def test_overwritten_samples_are_confessed(parts):
     arm, _, _, recorder = parts
     whole = swing(arm.path.reference.q, seconds=12.0)  # the ring holds 8 s
     recorder.announce(3, len(whole.rows))
-    arm.run(Motion(3, whole.rows))
+    arm.run(MotionUnderWay(3, whole.rows))
     cycles(arm, 100)
     recorder.drain()
     cycles(arm, 5000)

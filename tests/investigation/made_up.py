@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pa10d.investigation import course
-from pa10d.investigation.state import Investigation, Motion
+from pa10d.investigation.state import ArmMotion, Investigation
 
 NONE = {
     "verdict": "none", "rms": [0.1], "noise_floor": [0.1], "cutoff_hz": 10.0, "mask": "all",
@@ -11,8 +11,8 @@ NONE = {
 }  # fmt: skip
 
 
-def motion(purpose: str, seconds: float, kind: str = "excitation", seed: int = 1) -> Motion:
-    return Motion(purpose=purpose, kind=kind, parameters={"seed": seed}, seconds=seconds)
+def motion(purpose: str, seconds: float, kind: str = "excitation", seed: int = 1) -> ArmMotion:
+    return ArmMotion(purpose=purpose, kind=kind, parameters={"seed": seed}, seconds=seconds)
 
 
 SET = [

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pa10d.compare import compare
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 from pa10d.report import compare_page
 
 EVIL = "</script><b onmouseover=alert(1)>&amp;\"'"
@@ -35,7 +35,7 @@ def comparison():
 @pytest.fixture(scope="module")
 def text(comparison):
     rms = comparison.pooled.scores.rms
-    return compare_page(comparison, [Step("m0", "textbook", 2 * rms), Step("m1", EVIL, rms)])
+    return compare_page(comparison, [Stair("m0", "textbook", 2 * rms), Stair("m1", EVIL, rms)])
 
 
 def test_nothing_is_loaded_from_elsewhere(text):

@@ -9,7 +9,7 @@ import pytest
 
 from pa10d import figures
 from pa10d.figures.decimate import extremes, peaks, thinned
-from pa10d.figures.staircase import Step
+from pa10d.figures.staircase import Stair
 
 
 def strict(figure):
@@ -82,7 +82,10 @@ def test_first_plots_of_a_long_run_come_within_a_second():
 
 
 def test_staircase_in_units_of_the_noise():
-    steps = [Step("m0", "textbook", np.array([2.0, 1.0])), Step("m1", "+ x", np.array([0.5, 1.0]))]
+    steps = [
+        Stair("m0", "textbook", np.array([2.0, 1.0])),
+        Stair("m1", "+ x", np.array([0.5, 1.0])),
+    ]
     figure = strict(figures.staircase(steps, ["a", "b"], np.array([0.5, 0.25])))
     assert [trace["y"] for trace in figure["data"]] == [[4.0, 1.0], [4.0, 4.0]]
     assert figure["data"][0]["customdata"][1] == [0.5, "+ x"]
@@ -93,8 +96,8 @@ def test_staircase_in_units_of_the_noise():
 def test_staircase_measures_with_the_least_noise_that_any_version_sees():
     """Error that never comes again looks like noise through a poor version."""
     steps = [
-        Step("m0", "textbook", np.array([2.0, 1.0]), np.array([0.9, 0.25])),
-        Step("m1", "+ x", np.array([0.5, 1.0]), np.array([0.5, 0.3])),
+        Stair("m0", "textbook", np.array([2.0, 1.0]), np.array([0.9, 0.25])),
+        Stair("m1", "+ x", np.array([0.5, 1.0]), np.array([0.5, 0.3])),
     ]
     figure = strict(figures.staircase(steps, ["a", "b"], np.array([0.8, 0.8])))
     assert [trace["y"] for trace in figure["data"]] == [[4.0, 1.0], [4.0, 4.0]]

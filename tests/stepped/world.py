@@ -23,7 +23,6 @@ import numpy as np
 import yaml
 
 from backends.canopen_cia402.backend import CanopenBackend
-from backends.cia402 import State
 from backends.virtual.drives.node import OPERATIONAL
 from backends.virtual.machine import VirtualArm
 from pa10d.control.build import build_arm, servo_factory
@@ -352,4 +351,4 @@ def profile_in(folder: Path, **changes: object) -> Profile:
     return load_profile(path)
 
 
-__all__ = ["State", "World", "profile_in"]
+__all__ = ["World", "profile_in"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pa10d.store import Channels, Motion, Samples
+from pa10d.store import Channels, CommandedMotion, Samples
 
 NAMES = ("S1", "S2", "E1")
 
@@ -25,7 +25,7 @@ def samples(count=500, n=3, rate=500.0, seed=0, start_ns=1_700_000_000_000_000_0
         block(),
         block(),
         dq=block() if have.get("dq") else None,
-        commands=Motion(block(), block(), block()) if have.get("commands") else None,
+        commands=CommandedMotion(block(), block(), block()) if have.get("commands") else None,
         temperature=block() if have.get("temperature") else None,
         current=block() if have.get("current") else None,
         extra={name: rng.normal(size=count) for name in have.get("extra", ())},

@@ -32,7 +32,7 @@ def stored(tmp_path):
 def _part(whole, cut):
     from dataclasses import replace
 
-    from pa10d.store import Motion
+    from pa10d.store import CommandedMotion
 
     sent = whole.commands
     return replace(
@@ -41,7 +41,7 @@ def _part(whole, cut):
         q=whole.q[cut],
         tau=whole.tau[cut],
         dq=whole.dq[cut],
-        commands=Motion(sent.q[cut], sent.dq[cut], sent.tau[cut]),
+        commands=CommandedMotion(sent.q[cut], sent.dq[cut], sent.tau[cut]),
         temperature=whole.temperature[cut],
         current=whole.current[cut],
         extra={name: values[cut] for name, values in whole.extra.items()},

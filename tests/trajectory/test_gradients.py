@@ -9,7 +9,7 @@ from pa10d.dynamics import regressor
 from pa10d.dynamics.adjoint import regressor_gradient
 from pa10d.dynamics.base import random_motion
 from pa10d.trajectory.excitation.criterion import Criterion
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 from tests.trajectory.sample_arms import pa10, random_tree
 
 
@@ -49,7 +49,7 @@ def test_gradient_of_the_regressor_on_random_trees(seed):
     ids=["cond", "one base", "even", "scaled and weighed", "boundary", "both", "determinant"],
 )
 def test_gradient_of_the_cost(criterion):
-    problem = Problem.of(pa10(), (0, 1, 2, 3), criterion=criterion)
+    problem = ExcitationProblem.of(pa10(), (0, 1, 2, 3), criterion=criterion)
     rng = np.random.default_rng(2)
     x = problem.random(rng) * 1.2  # beyond its limits, so that penalties act
     x[0] += 0.3
@@ -63,7 +63,7 @@ def test_gradient_of_the_cost(criterion):
 
 
 def test_a_sharp_cost_is_the_condition_number_itself():
-    problem = Problem.of(pa10(), (0, 1, 2, 3), criterion=Criterion(second=0.0))
+    problem = ExcitationProblem.of(pa10(), (0, 1, 2, 3), criterion=Criterion(second=0.0))
     x = problem.random(np.random.default_rng(1))
     cost = problem.cost(x, 2000.0, 0.0)[0]
     values = np.linalg.svd(problem.observation(x), compute_uv=False)
@@ -71,7 +71,7 @@ def test_a_sharp_cost_is_the_condition_number_itself():
 
 
 def test_lambda_weighs_condition_and_smallest_singular_value():
-    problem = Problem.of(pa10(), (0, 1, 2, 3), criterion=Criterion(2.0, 5.0, second=0.0))
+    problem = ExcitationProblem.of(pa10(), (0, 1, 2, 3), criterion=Criterion(2.0, 5.0, second=0.0))
     x = problem.random(np.random.default_rng(1))
     values = np.linalg.svd(problem.observation(x), compute_uv=False)
     wanted = 2.0 * values[0] / values[-1] + 5.0 / values[-1]

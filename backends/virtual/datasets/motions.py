@@ -35,7 +35,7 @@ class Reach:
         return 0.5 * (self.upper - self.lower)
 
 
-class Motion(Protocol):
+class Course(Protocol):
     """Anything that can be sampled."""
 
     def sample(self, t: Array) -> Sampled:

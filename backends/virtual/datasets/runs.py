@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.virtual.datasets.motions import Motion, Reach, random_fourier, random_sines
+from backends.virtual.datasets.motions import Course, Reach, random_fourier, random_sines
 from backends.virtual.datasets.stretches import random_points, random_sweeps
 from backends.virtual.plant.plant import Plant
 from backends.virtual.plant.records import Array
@@ -17,7 +17,7 @@ KINDS = ("train_a", "train_b", "valid_a", "valid_b")
 LEAD_IN = 1.0  # s in which the motion gathers speed, before the recording begins
 
 
-def motion_of(kind: str, rng: np.random.Generator, reach: Reach, seconds: float) -> Motion:
+def motion_of(kind: str, rng: np.random.Generator, reach: Reach, seconds: float) -> Course:
     """train_a, ref_a: Fourier of 10 s; valid_a: of 8 s; train_b, ref_b: slow sines; valid_b: point
     to point; sweep: constant speeds."""
     if kind in ("train_a", "ref_a"):
@@ -36,7 +36,7 @@ def motion_of(kind: str, rng: np.random.Generator, reach: Reach, seconds: float)
 def run_motion(
     plant: Plant,
     profile: Profile,
-    motion: Motion,
+    motion: Course,
     seconds: float,
     rate: float = 500.0,
     centred: bool = False,
@@ -67,7 +67,7 @@ def run_motion(
     return run, log.true_q[:steps]
 
 
-def gathering(motion: Motion, t: Array) -> tuple[Array, Array, Array]:
+def gathering(motion: Course, t: Array) -> tuple[Array, Array, Array]:
     """The motion, entered from rest at its own t = -LEAD_IN/2 by a smooth clock."""
     x = np.clip(1.0 + t / LEAD_IN, 0.0, 1.0)
     clock = np.where(t < 0, LEAD_IN * (x**3 - 0.5 * x**4 - 0.5), t)

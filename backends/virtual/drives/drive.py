@@ -125,7 +125,7 @@ class VirtualDrive:
 
     @property
     def in_fault(self) -> bool:
-        return self.machine.state in (cia402.State.FAULT, cia402.State.REACTING)
+        return self.machine.state in (cia402.DriveState.FAULT, cia402.DriveState.REACTING)
 
     def received(self, keys: list[int]) -> None:
         for key in keys:
@@ -187,9 +187,9 @@ class VirtualDrive:
                 dictionary.set(index, encoder.denominator, 2)
 
     def _command(self) -> None:
-        was_fault = self.machine.state is cia402.State.FAULT
+        was_fault = self.machine.state is cia402.DriveState.FAULT
         self.machine.command(int(self.values[CONTROLWORD]))
-        if was_fault and self.machine.state is not cia402.State.FAULT:
+        if was_fault and self.machine.state is not cia402.DriveState.FAULT:
             self.node.errors.over()
 
     def _take_mode(self) -> None:
@@ -224,7 +224,7 @@ class VirtualDrive:
     def _watch_position(self) -> None:
         low, high = self._position_limits
         was_inside, self._inside = self._inside, low <= int(self.values[POSITION]) <= high
-        if was_inside and not self._inside and self.machine.state is cia402.State.ENABLED:
+        if was_inside and not self._inside and self.machine.state is cia402.DriveState.ENABLED:
             self.fault(POSITION_LIMIT)
 
     def _watch_sync(self) -> None:
@@ -235,7 +235,7 @@ class VirtualDrive:
     def _status(self) -> None:
         machine = self.machine
         word = machine.status_bits | cia402.STATUS_VOLTAGE | cia402.STATUS_REMOTE
-        if machine.state is cia402.State.ENABLED and not machine.stopping:
+        if machine.state is cia402.DriveState.ENABLED and not machine.stopping:
             if self.values[MODE_DISPLAY] == cia402.MODE_CST:
                 word |= cia402.STATUS_FOLLOWS
             if self._limited or self.racing:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from backends.cia402 import STATUS_BITS, Control, FaultReaction, QuickStop, State
+from backends.cia402 import STATUS_BITS, Control, DriveState, FaultReaction, QuickStop
 
 REST_TIME = 0.02  # s below the standstill speed before the brake may close
 STANDSTILL_LIMIT = 2.0  # s after which a ramp is taken as done, standstill or not
@@ -49,11 +49,11 @@ class StateMachine:
 
     def __init__(self, timing: Timing, options: Options) -> None:
         self.timing, self.options = timing, options
-        self.state = State.DISABLED
+        self.state = DriveState.DISABLED
         self.powered = False  # the power stage drives the motor
         self.brake_closed = True
         self.stopping = False  # the drive itself brings the axis to rest
-        self._pending: State | None = None  # where the running sequence ends
+        self._pending: DriveState | None = None  # where the running sequence ends
         self._wait = 0.0  # s left of its present step
         self._ramp = 0.0  # s since the drive began to stop
         self._rest = 0.0  # s that the axis has stood since
@@ -71,48 +71,48 @@ class StateMachine:
 
     def command(self, controlword: int) -> None:
         """Take in a controlword; the same one again changes nothing."""
-        if self.state is State.ENABLED and controlword == Control.ENABLE and not self._pending:
+        if self.state is DriveState.ENABLED and controlword == Control.ENABLE and not self._pending:
             self._reset_bit = False
             return  # the usual case, every cycle
         self._word = controlword
         reset = bool(controlword & Control.FAULT_RESET)
-        if reset and not self._reset_bit and self.state is State.FAULT:
-            self._off(State.DISABLED)
+        if reset and not self._reset_bit and self.state is DriveState.FAULT:
+            self._off(DriveState.DISABLED)
         self._reset_bit = reset
         wanted = command_of(controlword)
         match self.state:
-            case State.DISABLED if wanted is Control.SHUTDOWN:
-                self.state = State.READY
-            case State.READY:
+            case DriveState.DISABLED if wanted is Control.SHUTDOWN:
+                self.state = DriveState.READY
+            case DriveState.READY:
                 self._from_ready(wanted)
-            case State.SWITCHED_ON:
+            case DriveState.SWITCHED_ON:
                 self._from_switched_on(wanted)
-            case State.ENABLED:
+            case DriveState.ENABLED:
                 self._from_enabled(wanted)
-            case State.QUICK_STOP:
+            case DriveState.QUICK_STOP:
                 self._from_quick_stop(wanted)
 
     def fault(self) -> None:
         """A fault was found: react as 0x605E says, then stay in FAULT until it is reset."""
-        if self.state in (State.FAULT, State.REACTING):
+        if self.state in (DriveState.FAULT, DriveState.REACTING):
             return
         if not self.powered or self.options.fault_reaction == FaultReaction.DISABLE:
-            self._off(State.FAULT)
+            self._off(DriveState.FAULT)
         else:
-            self.state = State.REACTING
-            self._stop(State.FAULT)
+            self.state = DriveState.REACTING
+            self._stop(DriveState.FAULT)
 
     def disable_voltage(self) -> None:
         """Power off at once, the brake falls in."""
-        if self.state not in (State.FAULT, State.REACTING):
-            self._off(State.DISABLED)
+        if self.state not in (DriveState.FAULT, DriveState.REACTING):
+            self._off(DriveState.DISABLED)
 
     def quick_stop(self) -> None:
         """As if a quick stop had been commanded."""
-        if self.state is State.ENABLED:
+        if self.state is DriveState.ENABLED:
             self._from_enabled(Control.QUICK_STOP)
-        elif self.state in (State.READY, State.SWITCHED_ON):
-            self._off(State.DISABLED)
+        elif self.state in (DriveState.READY, DriveState.SWITCHED_ON):
+            self._off(DriveState.DISABLED)
 
     def advance(self, dt: float, at_rest: bool) -> None:
         """Let ``dt`` seconds pass; ``at_rest`` tells whether the axis stands."""
@@ -128,10 +128,10 @@ class StateMachine:
         if self._wait > 1e-9:
             return
         pending, self._pending = self._pending, None
-        if pending is State.ENABLED:
-            self.state, self.brake_closed = State.ENABLED, False
-        elif pending is State.SWITCHED_ON and self.state is State.READY:
-            self.state = State.SWITCHED_ON
+        if pending is DriveState.ENABLED:
+            self.state, self.brake_closed = DriveState.ENABLED, False
+        elif pending is DriveState.SWITCHED_ON and self.state is DriveState.READY:
+            self.state = DriveState.SWITCHED_ON
             self.command(self._word)  # ENABLE asked for in READY leads through
         else:
             self._off(pending)
@@ -139,35 +139,35 @@ class StateMachine:
     def _from_ready(self, wanted: Control) -> None:
         if wanted in (Control.SWITCH_ON, Control.ENABLE):
             if self._pending is None:
-                self._pending, self._wait = State.SWITCHED_ON, self.timing.switch_on
+                self._pending, self._wait = DriveState.SWITCHED_ON, self.timing.switch_on
         elif wanted is Control.SHUTDOWN:
             self._pending = None
         else:
-            self._off(State.DISABLED)
+            self._off(DriveState.DISABLED)
 
     def _from_switched_on(self, wanted: Control) -> None:
         if wanted is Control.ENABLE:
             if self._pending is None:
-                self._pending, self._wait = State.ENABLED, self.timing.brake_open
+                self._pending, self._wait = DriveState.ENABLED, self.timing.brake_open
                 self.powered = True
         elif wanted is Control.SWITCH_ON:
             self._pending, self.powered = None, False
         else:
-            self._off(State.READY if wanted is Control.SHUTDOWN else State.DISABLED)
+            self._off(DriveState.READY if wanted is Control.SHUTDOWN else DriveState.DISABLED)
 
     def _from_enabled(self, wanted: Control) -> None:
         if wanted is Control.ENABLE:
             self._pending, self.stopping = None, False
         elif wanted is Control.DISABLE_VOLTAGE:
-            self._off(State.DISABLED)
+            self._off(DriveState.DISABLED)
         elif wanted is Control.QUICK_STOP:
             if self.options.quick_stop == QuickStop.DISABLE:
-                self._off(State.DISABLED)
+                self._off(DriveState.DISABLED)
             else:
-                self.state = State.QUICK_STOP
-                self._stop(State.DISABLED)
+                self.state = DriveState.QUICK_STOP
+                self._stop(DriveState.DISABLED)
         else:
-            target = State.SWITCHED_ON if wanted is Control.SWITCH_ON else State.READY
+            target = DriveState.SWITCHED_ON if wanted is Control.SWITCH_ON else DriveState.READY
             option = self.options.disable_operation
             if wanted is Control.SHUTDOWN:
                 option = self.options.shutdown
@@ -178,24 +178,24 @@ class StateMachine:
 
     def _from_quick_stop(self, wanted: Control) -> None:
         if wanted is Control.DISABLE_VOLTAGE:
-            self._off(State.DISABLED)
+            self._off(DriveState.DISABLED)
         elif wanted is Control.ENABLE and self._stays_in_quick_stop():
-            self.state, self.stopping, self._pending = State.ENABLED, False, None
+            self.state, self.stopping, self._pending = DriveState.ENABLED, False, None
 
     def _stays_in_quick_stop(self) -> bool:
         return self.options.quick_stop in (QuickStop.STAY_SLOW_DOWN, QuickStop.STAY_QUICK_STOP)
 
-    def _stop(self, end: State) -> None:
+    def _stop(self, end: DriveState) -> None:
         self._pending, self._ramp, self._rest = end, 0.0, 0.0
         self.stopping = True
 
     def _at_standstill(self) -> None:
-        if self.state is State.QUICK_STOP and self._stays_in_quick_stop():
+        if self.state is DriveState.QUICK_STOP and self._stays_in_quick_stop():
             return  # held at rest under power until told otherwise
         self.brake_closed = True
         self._wait = self.timing.brake_close
 
-    def _off(self, state: State) -> None:
+    def _off(self, state: DriveState) -> None:
         self.state = state
         self.powered = self.stopping = False
         self.brake_closed = True

@@ -9,7 +9,7 @@ import numpy as np
 from backends.virtual.plant.compiled import entry, inner
 from backends.virtual.plant.records import Array
 from backends.virtual.plant.sensing import Reading, deliver, sense
-from backends.virtual.plant.state import Figures, Scratch, State
+from backends.virtual.plant.state import Figures, PlantState, Scratch
 from backends.virtual.plant.step import substep
 
 
@@ -47,7 +47,7 @@ def new_log(steps: int, n: int) -> Log:
 @inner
 def _hold(
     arm: Figures,
-    state: State,
+    state: PlantState,
     work: Scratch,
     reading: Reading,
     command: Array,
@@ -64,7 +64,7 @@ def _hold(
 @entry
 def advance(
     arm: Figures,
-    state: State,
+    state: PlantState,
     work: Scratch,
     reading: Reading,
     command: Array,
@@ -77,7 +77,7 @@ def advance(
 
 
 @entry
-def look(arm: Figures, state: State, reading: Reading, noise: Array) -> None:
+def look(arm: Figures, state: PlantState, reading: Reading, noise: Array) -> None:
     """Latch a reading without moving."""
     sense(arm.joints, reading, state.q, noise)
 
@@ -85,7 +85,7 @@ def look(arm: Figures, state: State, reading: Reading, noise: Array) -> None:
 @entry
 def follow(
     arm: Figures,
-    state: State,
+    state: PlantState,
     work: Scratch,
     reading: Reading,
     servo: Servo,

@@ -54,7 +54,7 @@ class Bodies(NamedTuple):
     inertia: Array
 
 
-class State(NamedTuple):
+class PlantState(NamedTuple):
     """q, v, acc (N,): coordinates and their rates; impulse (n + m,) N·m·s of dry friction;
 
     bent (n, ELEMENTS) bristles; warm (n,); stretch (m,) rad of forgetting springs; load, rubbing
@@ -99,7 +99,7 @@ def bodies_of(arm: Arm) -> Table:
     return table(Bodies(*(getattr(arm, name) for name in Bodies._fields)))
 
 
-def new_state(physics: Physics, q0: Array) -> State:
+def new_state(physics: Physics, q0: Array) -> PlantState:
     """At rest in pose q0 (n,), cold, bristles straight."""
     n, m, size = len(q0), len(physics.extras), physics.size
     q = np.zeros(size)
@@ -107,7 +107,9 @@ def new_state(physics: Physics, q0: Array) -> State:
     q[physics.transmission.rotor] = q0
     still, bent = np.zeros(size), np.zeros((n, ELEMENTS))
     warm, impulse = physics.warmth.start.copy(), np.zeros(n + m)
-    return State(q, still, still.copy(), impulse, bent, warm, np.zeros(m), np.zeros(n), np.zeros(n))
+    return PlantState(
+        q, still, still.copy(), impulse, bent, warm, np.zeros(m), np.zeros(n), np.zeros(n)
+    )
 
 
 def new_scratch(physics: Physics) -> Scratch:

@@ -15,14 +15,14 @@ from backends.virtual.plant.inertia import mass_matrix
 from backends.virtual.plant.linear import invert
 from backends.virtual.plant.records import Array
 from backends.virtual.plant.rigid import bias, place
-from backends.virtual.plant.state import Figures, Scratch, State
+from backends.virtual.plant.state import Figures, PlantState, Scratch
 from backends.virtual.plant.stiction import rub, transmitted_load
 from backends.virtual.plant.transmission import transmitted
 from backends.virtual.plant.warmth import remaining, warm_up
 
 
 @inner
-def substep(arm: Figures, state: State, work: Scratch, motor: Array, h: float) -> None:
+def substep(arm: Figures, state: PlantState, work: Scratch, motor: Array, h: float) -> None:
     """Advance by h seconds under the motor torques (n,), N·m at the joint side."""
     n, size = arm.joints.shape[0], state.q.shape[0]
     for i in range(size):
@@ -57,7 +57,7 @@ def substep(arm: Figures, state: State, work: Scratch, motor: Array, h: float) -
 
 
 @inner
-def _rotors(arm: Figures, state: State, work: Scratch, motor: Array, h: float) -> None:
+def _rotors(arm: Figures, state: PlantState, work: Scratch, motor: Array, h: float) -> None:
     """Motor torque, ripple and friction of the rotors; bounds of their dry friction."""
     n = arm.joints.shape[0]
     for j in range(n):
@@ -88,7 +88,7 @@ def _rotors(arm: Figures, state: State, work: Scratch, motor: Array, h: float) -
 
 
 @inner
-def _links(arm: Figures, state: State, work: Scratch) -> None:
+def _links(arm: Figures, state: PlantState, work: Scratch) -> None:
     """Transmissions, gravity and velocity torques, and what acts on the links."""
     for j in range(arm.joints.shape[0]):
         work.force[j] -= work.bias[j]
@@ -106,7 +106,7 @@ def _links(arm: Figures, state: State, work: Scratch) -> None:
 
 
 @inner
-def _inner_states(arm: Figures, state: State, work: Scratch, h: float) -> None:
+def _inner_states(arm: Figures, state: PlantState, work: Scratch, h: float) -> None:
     """Load, friction, warmth, bristles and creep over the substep just solved."""
     for j in range(arm.joints.shape[0]):
         joint, own = arm.joints[j], work.joints[j]

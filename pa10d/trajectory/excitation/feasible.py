@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.trajectory.excitation.problem import CLEAR, Problem
+from pa10d.trajectory.excitation.problem import CLEAR, ExcitationProblem
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ UNEVEN = 8.0  # times the usual joint's standard error that is worth a warning
 HOPELESS = 1e4  # condition number from which some parameter is as good as not excited
 
 
-def refuse_hopeless(problem: Problem) -> None:
+def refuse_hopeless(problem: ExcitationProblem) -> None:
     """Raise UserError, one line per reason, where no search can succeed."""
     reasons = [*_counts(problem), *_rooms(problem)]
     if not reasons:
@@ -29,7 +29,7 @@ def refuse_hopeless(problem: Problem) -> None:
         raise UserError("\n".join(reasons))
 
 
-def _counts(problem: Problem) -> list[str]:
+def _counts(problem: ExcitationProblem) -> list[str]:
     moving, h = len(problem.joints), problem.harmonics
     columns = len(problem.columns)
     rows = problem.samples * moving
@@ -45,7 +45,7 @@ def _counts(problem: Problem) -> list[str]:
     return found
 
 
-def _rooms(problem: Problem) -> list[str]:
+def _rooms(problem: ExcitationProblem) -> list[str]:
     room, found = problem.room, []
     omega = 2 * np.pi * problem.fundamental
     for k, j in enumerate(problem.joints):
@@ -71,7 +71,7 @@ def _rooms(problem: Problem) -> list[str]:
     return found
 
 
-def _bodies(problem: Problem) -> list[str]:
+def _bodies(problem: ExcitationProblem) -> list[str]:
     """Is there a region of poses in which gravity can be held and nothing touches?"""
     rng = np.random.default_rng(0)
     room = problem.room
@@ -101,7 +101,7 @@ def _bodies(problem: Problem) -> list[str]:
     return []
 
 
-def refuse_unfit(problem: Problem, x: Array) -> None:
+def refuse_unfit(problem: ExcitationProblem, x: Array) -> None:
     """After the search: raise UserError where even the best motion breaks a limit."""
     if problem.excess(x) <= 0:
         return
@@ -123,7 +123,7 @@ def refuse_unfit(problem: Problem, x: Array) -> None:
     raise UserError("\n".join(lines))
 
 
-def refuse_unexcited(problem: Problem, x: Array) -> None:
+def refuse_unexcited(problem: ExcitationProblem, x: Array) -> None:
     """After the search: raise UserError where a parameter is as good as invisible, and say which
     joint's limits are to blame."""
     matrix = problem.observation(x)
@@ -142,7 +142,7 @@ def refuse_unexcited(problem: Problem, x: Array) -> None:
     )
 
 
-def advice(problem: Problem, x: Array, figures: dict[str, Any]) -> list[str]:
+def advice(problem: ExcitationProblem, x: Array, figures: dict[str, Any]) -> list[str]:
     """What is not forbidden but should be known: joints that are excited far less than others."""
     errors = np.array(figures["standard_error"])
     usual = float(np.median(errors))
@@ -164,7 +164,7 @@ def advice(problem: Problem, x: Array, figures: dict[str, Any]) -> list[str]:
     ]
 
 
-def _tightest(problem: Problem, x: Array, joint: int) -> str:
+def _tightest(problem: ExcitationProblem, x: Array, joint: int) -> str:
     """The limit that a joint uses up most: of position, the whole range."""
     q, dq, ddq = (basis @ x for basis in problem.fine)
     use = {

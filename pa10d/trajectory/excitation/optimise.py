@@ -19,7 +19,7 @@ from pa10d.trajectory.excitation.feasible import (
     refuse_unfit,
 )
 from pa10d.trajectory.excitation.mapping import as_mapper
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.excitation.result import figures
 from pa10d.trajectory.excitation.search import Found, Progress, search
 from pa10d.trajectory.kinds.excitation import Excitation
@@ -38,7 +38,7 @@ class ExcitingTrajectory:
     plan: Plan
     figures: dict[str, Any]
     found: Found
-    problem: Problem
+    problem: ExcitationProblem
 
     def document(self) -> dict[str, Any]:
         """For a YAML or JSON file: the request as it can be run, and what is known about it."""
@@ -60,7 +60,7 @@ class ExcitingTrajectory:
 
 
 def exciting_trajectory(
-    problem: Problem,
+    problem: ExcitationProblem,
     cycles: int = 3,
     generations: int = GENERATIONS,
     seed: int = 1,
@@ -99,7 +99,7 @@ def excitation_problem(
     boundary: list[float] | None = None,
     noise: list[float] | None = None,
     **weights: Any,
-) -> Problem:
+) -> ExcitationProblem:
     """A problem from what a person says: joints from 1, boundary velocity and noise per chosen
     joint; weights: ``condition, smallest, evenness, determinant, above, scaled, second`` of
     Criterion."""
@@ -113,7 +113,7 @@ def excitation_problem(
                 f"{key}: found {len(values)} values, expected {len(chosen)}, one per chosen joint"
             )
     given: dict[str, Any] = {k: np.array(v) for k, v in rows.items() if v is not None}
-    return Problem(
+    return ExcitationProblem(
         robot, tuple(chosen), tuple(base.home(around)), around.limits, fundamental, harmonics,
         samples, Criterion(**given, **weights),
     )  # fmt: skip

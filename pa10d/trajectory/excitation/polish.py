@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 
 Array = NDArray[np.float64]
 
@@ -20,14 +20,16 @@ EXACT = 1000.0  # sharpness at which a p-norm is the maximum
 
 @dataclass(frozen=True)
 class Candidate:
-    """A motion within its limits: coefficients as Problem.shape, and its log cost."""
+    """A motion within its limits: coefficients as ExcitationProblem.shape, and its log cost."""
 
     x: Array
     score: float
     evaluations: int
 
 
-def polish(task: tuple[Problem, Array, tuple[tuple[float, float, int], ...]]) -> Candidate:
+def polish(
+    task: tuple[ExcitationProblem, Array, tuple[tuple[float, float, int], ...]],
+) -> Candidate:
     """Improve one motion; the argument is one tuple so that any ``map`` can carry it."""
     problem, x, stages = task
     scale, evaluations = problem.scale, 0
@@ -51,7 +53,7 @@ def polish(task: tuple[Problem, Array, tuple[tuple[float, float, int], ...]]) ->
     return judged(problem, x, evaluations)
 
 
-def judged(problem: Problem, x: Array, evaluations: int) -> Candidate:
+def judged(problem: ExcitationProblem, x: Array, evaluations: int) -> Candidate:
     """A motion brought within its limits, and what it is worth."""
     x = problem.repaired(x)
     score = problem.cost(x, EXACT, 0.0)[0] + UNFIT * problem.excess(x)

@@ -24,7 +24,7 @@ CLEAR, CLEAR_RESERVE = 0.03, 0.005  # m to keep between bodies, and what the sea
 
 
 @dataclass(frozen=True)
-class Problem:
+class ExcitationProblem:
     """Which joints of which arm to excite, how long, within what.
 
     robot     the whole arm; joints (m,) 0-based, the others are held at pose (n,)
@@ -42,7 +42,9 @@ class Problem:
     criterion: Criterion = field(default_factory=Criterion)
 
     @classmethod
-    def of(cls, robot: Robot, joints: tuple[int, ...] | None = None, **options: object) -> Problem:
+    def of(
+        cls, robot: Robot, joints: tuple[int, ...] | None = None, **options: object
+    ) -> ExcitationProblem:
         """A problem with the usual margins, other joints at rest."""
         limits = limits_of(robot)
         given: dict = {"pose": tuple(limits.rest_pose()), "limits": limits.planned(), **options}

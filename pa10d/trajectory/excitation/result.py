@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.trajectory.excitation.criterion import joint_errors
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 
 Array = NDArray[np.float64]
 
 
-def figures(problem: Problem, x: Array) -> dict[str, Any]:
+def figures(problem: ExcitationProblem, x: Array) -> dict[str, Any]:
     """Everything by which a motion can be judged; joints in the order of ``problem.joints``.
 
     condition_number is INTERFACES' one; ``_model_base``: in the columns of estimated models,
@@ -55,7 +55,7 @@ def _cond(matrix: Array) -> float:
     return float(np.linalg.cond(matrix)) if len(matrix) >= matrix.shape[1] else float("inf")
 
 
-def _use(problem: Problem, x: Array) -> dict[str, Any]:
+def _use(problem: ExcitationProblem, x: Array) -> dict[str, Any]:
     """How much of each limit the motion takes, per joint; the limits are those of planning."""
     q, dq, ddq = (basis @ x for basis in problem.fine)
     tau = problem.arm_torque(q, dq, ddq)

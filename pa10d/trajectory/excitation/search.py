@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.trajectory.excitation.polish import QUICK, THOROUGH, Candidate, judged, polish
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 
 Array = NDArray[np.float64]
 Mapper = Callable[[Callable[[Any], Candidate], Iterable[Any]], Iterable[Candidate]]
@@ -54,7 +54,7 @@ class Found:
 
 
 def search(
-    problem: Problem,
+    problem: ExcitationProblem,
     generations: int = 25,
     seed: int = 1,
     mapper: Mapper = map,
@@ -106,13 +106,13 @@ def _score(candidate: Candidate) -> float:
     return candidate.score
 
 
-def _warm(problem: Problem) -> None:
+def _warm(problem: ExcitationProblem) -> None:
     """Let what is derived once be derived here, so that it travels with every task."""
     _ = (problem.bases, problem.capsules, problem.coarse, problem.scale, problem.room)
 
 
 def _polished(
-    problem: Problem, motions: list[Array], stages: tuple, mapper: Mapper
+    problem: ExcitationProblem, motions: list[Array], stages: tuple, mapper: Mapper
 ) -> Iterator[Candidate]:
     return iter(mapper(polish, [(problem, x, stages) for x in motions]))
 
@@ -126,7 +126,7 @@ def _with(people: list[Candidate], child: Candidate) -> list[Candidate]:
     return sorted([*people[:-1], child], key=_score)
 
 
-def _child(problem: Problem, people: list[Candidate], rng: np.random.Generator) -> Array:
+def _child(problem: ExcitationProblem, people: list[Candidate], rng: np.random.Generator) -> Array:
     """A good parent, changed in one of four ways."""
     one = people[min(int(rng.geometric(FAVOUR)) - 1, len(people) - 1)].x.copy()
     two, three = (people[int(k)].x for k in rng.integers(len(people), size=2))
@@ -145,7 +145,7 @@ def _child(problem: Problem, people: list[Candidate], rng: np.random.Generator) 
     return one + STRIDE * (two - three)
 
 
-def _aligned(problem: Problem, candidate: Candidate) -> Candidate:
+def _aligned(problem: ExcitationProblem, candidate: Candidate) -> Candidate:
     """The same motion begun at another time: the first harmonic of the second joint starts as a
     sine. Only motions in step can be crossed; the cost hardly changes."""
     harmonics, joint = problem.harmonics, min(1, problem.shape[1] - 1)

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.polish import QUICK, polish
-from pa10d.trajectory.excitation.problem import Problem
+from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Positive
 from pa10d.trajectory.motions import Fourier
 from pa10d.trajectory.plan import Plan, Segment, joined
@@ -48,7 +48,7 @@ class Excitation(Kind):
         return joined(self.kind, joints, [Segment(series.gentle(limits), label)], around)
 
     @classmethod
-    def of(cls, problem: Problem, x: Array, cycles: int) -> Excitation:
+    def of(cls, problem: ExcitationProblem, x: Array, cycles: int) -> Excitation:
         """The request for a motion that was found: coefficients of the moving joints, others 0."""
         h, moving = problem.harmonics, list(problem.joints)
         centre = np.array(problem.pose)
@@ -85,7 +85,7 @@ class Excitation(Kind):
         return self._series(np.array(self.centre), np.array(self.a), np.array(self.b))
 
     def _random(self, around: Surroundings, joints: list[int]) -> Fourier:
-        problem = Problem(
+        problem = ExcitationProblem(
             around.robot, tuple(joints), tuple(self.home(around)), around.limits,
             self.fundamental, self.harmonics,
         )  # fmt: skip
