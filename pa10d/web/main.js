@@ -2,7 +2,7 @@
 import { el, fill } from "./base/dom.js";
 import { keepCondition } from "./base/condition.js";
 import { followEvents } from "./base/live.js";
-import { change, loadAnalyses, loadEverything, loadModels, loadRobot, loadRuns, state } from "./base/store.js";
+import { change, loadAnalyses, loadEverything, loadInvestigations, loadModels, loadRobot, loadRuns, state } from "./base/store.js";
 import { failed } from "./base/notices.js";
 import { header, SECTIONS } from "./parts/header.js";
 import { askForToken } from "./parts/token.js";
@@ -42,6 +42,7 @@ function happened(event) {
     if (["compare", "diagnose"].includes(event.data.kind)) loadAnalyses().catch(() => {});
     if (["identify", "add", "improve", "improvement", "investigation", "analysis"].includes(event.data.kind)) loadModels().catch(() => {});
   }
+  if (event.kind === "investigation" || (event.data?.kind === "preparation" && event.data.finished)) loadInvestigations().catch(() => {});
   if (event.kind === "run") loadRuns().catch(() => {});
   if (event.kind === "robot" || event.kind === "lease") loadRobot().catch(() => {});
 }

@@ -3,7 +3,7 @@ import { get } from "./api.js";
 
 export const state = {
   connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
-  jobs: new Map(), comparisons: [], diagnoses: [], ready: false,
+  jobs: new Map(), comparisons: [], diagnoses: [], investigations: [], ready: false,
   heard: null, // when the daemon last told of the arm, by performance.now()
   pose: null, // the newest positions, rad (m)
   ticked: 0, // when the loop's clock was last seen to go on
@@ -50,6 +50,7 @@ export const loadAnalyses = async () => change({
   comparisons: (await get("comparisons", { limit: 100 })).items,
   diagnoses: (await get("diagnoses", { limit: 100 })).items,
 });
+export const loadInvestigations = async () => change({ investigations: (await get("investigations", { limit: 50 })).items });
 const loadKinds = async () => {
   const found = await get("experiments");
   change({ kinds: found.items, startingSet: found.starting_set });
@@ -61,7 +62,7 @@ const loadJobs = async () => {
 
 /** All of it: at the start, and after the connection was lost. */
 export async function loadEverything() {
-  await Promise.all([loadRobot(), loadRuns(), loadModels(), loadAnalyses(), loadKinds(), loadJobs()]);
+  await Promise.all([loadRobot(), loadRuns(), loadModels(), loadAnalyses(), loadInvestigations(), loadKinds(), loadJobs()]);
   change({ ready: true });
 }
 

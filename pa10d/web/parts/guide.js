@@ -56,12 +56,25 @@ function searchBehind(model) {
 
 const parentOf = (model) => state.models.find((one) => one.id === model.parent);
 
+/** What the newest investigation asks for: to be gone on with, or to be read; nothing once a newer model was made. */
+function lastInvestigation(newest) {
+  const [last] = state.investigations;
+  if (!last) return null;
+  const step = { go: "investigate", at: last.id };
+  if (last.status === "running") return { ...step, text: `${last.name} is under way.`, label: "Watch" };
+  if (["paused", "stopped", "failed"].includes(last.status)) return { ...step, text: `${last.name} is ${last.status}; what is done stays done. Go on with it.`, label: "Go on" };
+  return last.status === "done" && newest?.name.startsWith(`${last.name}-m`)
+    ? { ...step, text: `${last.name} is done. Read its report; its last model is ${newest.name}.`, label: "Read" } : null;
+}
+
 function nextStep() {
   if (state.condition.next) return state.condition.next;
   const fit = tagged("fit"), judge = tagged("judge"), models = current();
   if (running("identify", "compare", "diagnose", "add", "improve").length) {
     return { text: "Wait: the daemon is computing. The bar at the bottom shows how far it is." };
   }
+  const investigated = lastInvestigation(models[0]);
+  if (investigated) return investigated;
   if (!state.runs.length) {
     return canMove()
       ? { go: "investigate", text: "Nothing is recorded yet. Investigate: all of it by one button. Or step by step: Record the starting set, motions to fit a model to and others to judge it by.", label: "Investigate",
@@ -145,7 +158,7 @@ export function heading(section, title, here = {}) {
     other = step.also && step.also.go !== section ? el("a", { class: "button small", href: `#/${step.also.go}` }, step.also.label) : null;
     if (other) line.append(other);
   };
-  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "ready"], refresh);
+  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "investigations", "ready"], refresh);
   const report = reportButton(() => current()[0].name, () => tagged("judge").map((run) => run.id));
   watch(["models"], () => {
     report.hidden = !current().length || section === "models"; // there it is of the model that is shown
