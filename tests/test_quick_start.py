@@ -16,7 +16,6 @@ SLOW = (
     "scipy.signal",
     "scipy.optimize",
     "scipy.interpolate",
-    "plotly",
     "matplotlib",
 )
 

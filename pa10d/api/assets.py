@@ -16,7 +16,7 @@ from pathlib import Path
 WEB = Path(__file__).resolve().parent.parent / "web"
 PAGE = "index.html"
 PACKAGED = {
-    "plotly.js": ("plotly", "package_data/plotly.min.js"),
+    "plotly.js": ("pa10d.figures", "vendor/plotly.js"),
     "plots.js": ("pa10d.figures", "plots.js"),
 }
 PACKED = ".gz"  # of files that lie there compressed
