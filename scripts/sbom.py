@@ -3,7 +3,8 @@
     python scripts/sbom.py ENVIRONMENT.json >docs/sbom.json
 
 ENVIRONMENT.json: what ``cyclonedx-py environment`` says of an environment that holds nothing but
-the packages of scripts/locked.txt. Added here: the JavaScript that lies in ``vendor`` folders.
+the packages of scripts/locked.txt, or the bill as it was. Added here: the JavaScript that lies in
+``vendor`` folders.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def bill(environment: dict[str, Any]) -> dict[str, Any]:
         {key: component[key] for key in ("type", "name", "version", "purl", "bom-ref", "licenses")
          if key in component}
         for component in environment["components"]
-        if component["name"] not in TOOLS
+        if component["name"] not in TOOLS and not component["purl"].startswith("pkg:npm/")
     ]  # fmt: skip
     return {
         "bomFormat": "CycloneDX",
