@@ -41,7 +41,7 @@ def text(comparison):
 def test_nothing_is_loaded_from_elsewhere(text):
     found = reader.Report(text)
     assert all(link.startswith("#") for link in found.links)
-    assert sum("plotly.js v" in script[:200] for script in found.scripts) == 1
+    assert sum("plotly.js (cartesian" in script[:200] for script in found.scripts) == 1
     assert "@import" not in text
     assert "url(http" not in text
 
