@@ -124,7 +124,7 @@ def serve(options: argparse.Namespace) -> Answer:
     from pa10d.api.server import Settings
     from pa10d.api.server import serve as run
     from pa10d.daemon.processes.simulator import is_simulated
-    from pa10d.daemon.timekeeping import kept_time
+    from pa10d.daemon.timekeeping import kept_time, slower
     from pa10d.services.robots import load_robot
     from pa10d.store.location import data_folder
 
@@ -141,10 +141,11 @@ def serve(options: argparse.Namespace) -> Answer:
         attached=options.attached,
     )
     profile = _on_bus(profile, options)
+    slow = None
     if not options.clock and not options.no_sim and not is_simulated(profile):
         profile, slow = kept_time(profile)
-        if slow is not None:
-            note(slow)
+    if (said := slow or slower(profile)) is not None:
+        note(said)
     profile, secret = _with_secret(profile, options)
     run(profile, robot, replace(settings, secret=secret))
     return Answer(None)

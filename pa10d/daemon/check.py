@@ -28,6 +28,7 @@ from pa10d.control.ring import Ring
 from pa10d.control.states import Refused
 from pa10d.daemon.presence import present
 from pa10d.daemon.processes.simulator import simulated_bus
+from pa10d.daemon.timekeeping import rate_to_write
 from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check
 from pa10d.profile import Profile
@@ -210,9 +211,7 @@ def _judged(what: str, found: tuple[np.ndarray, int], profile: Profile) -> Check
         f"{1e6 * rare:.0f} µs once in a hundred cycles, {missed} of {len(late)} not done in time"
     )
     if rare > LATE / profile.control.rate or missed > len(late) // 200:
-        return Check(
-            "warning", "timing", f"{text}; expected less load, a real-time kernel or a lower rate"
-        )
+        return Check("warning", "timing", f"{text}; {rate_to_write(profile, 2 * float(rare))}")
     return Check("ok", "timing", text)
 
 

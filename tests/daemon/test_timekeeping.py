@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pa10d.daemon.timekeeping import _bare_loop, kept_time
+from pa10d.daemon.timekeeping import _bare_loop, kept_time, slower
 from pa10d.profile import load_profile
 
 
@@ -37,6 +37,36 @@ def test_a_virtual_arm_on_a_real_bus_keeps_its_clock():
     can = profile.can.model_copy(update={"interface": "socketcan", "channel": "vcan0"})
     profile = profile.model_copy(update={"can": can})
     assert kept_time(profile, lambda *_: np.full(10, 1.0)) == (profile, None)
+
+
+def slow_by(periods):
+    return lambda period, _: np.full(200, periods * period)
+
+
+def test_a_real_arm_keeps_its_rate_and_a_person_is_told_which_one_to_write():
+    real = load_profile("pa10-7c")
+    assert slower(real, slow_by(0.1)) is None
+    said = slower(real, slow_by(1.0))
+    assert "does not keep 500 Hz" in said
+    assert "2.0 ms late" in said
+    assert "write control.rate: 250, or end" in said
+    assert "\n" not in said
+    assert "nor 50 Hz" in slower(real, slow_by(20.0))
+
+
+def test_what_depends_on_the_rate_is_named_with_it():
+    real = load_profile("pa10-7c")
+    gains = real.control.gains.model_copy(update={"kp": [100.0] * 7})
+    control = real.control.model_copy(update={"gains": gains, "bandwidth_hz": 4.0})
+    said = slower(real.model_copy(update={"control": control}), slow_by(2.0))
+    assert "write control.rate: 125, control.gains anew (they were set at 500 Hz)" in said
+    assert "control.bandwidth_hz: 1.25 at most" in said
+
+
+def test_simulated_time_and_data_alone_need_no_rate():
+    simulated = in_real_time().simulation.model_copy(update={"clock": "simulated"})
+    assert slower(in_real_time().model_copy(update={"simulation": simulated}), slow_by(9)) is None
+    assert slower(in_real_time().model_copy(update={"drives": None}), slow_by(9)) is None
 
 
 def test_the_bare_loop_measures():
