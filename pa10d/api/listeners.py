@@ -64,6 +64,12 @@ def listeners() -> type[asyncio.Protocol]:
             else:
                 self._leave()
 
+        def shutdown(self) -> None:
+            """Who takes nothing any more (a page in a sleeping tab) is not waited for."""
+            super().shutdown()
+            if not self.writable.is_set():
+                self.transport.abort()
+
         def _come(self, data: bytes) -> None:
             if comers.take(1.0):
                 super().data_received(data)

@@ -22,10 +22,11 @@ class Door:
     def __init__(self) -> None:
         self.heard, self.left = 0, 0
         self._socket = socket.create_server(("127.0.0.1", 0))
-        self.url = f"ws://127.0.0.1:{self._socket.getsockname()[1]}"
+        self.port = self._socket.getsockname()[1]
+        self.url = f"ws://127.0.0.1:{self.port}"
         config = uvicorn.Config(
             self._app, ws=listeners(), ws_max_size=LARGEST, ws_per_message_deflate=False,
-            lifespan="off", log_level="error", interface="asgi3",
+            lifespan="off", log_level="error", interface="asgi3", timeout_graceful_shutdown=4,
         )  # fmt: skip
         self._server = uvicorn.Server(config)
         run = self._server.serve([self._socket])
@@ -38,18 +39,23 @@ class Door:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.end()
+
+    def end(self) -> None:
         self._server.should_exit = True
         self._thread.join(10)
 
     async def _app(self, scope, receive, send):
         await receive()
         await send({"type": "websocket.accept"})
+        for _ in range(100 if scope["path"] == "/much" else 0):
+            await send({"type": "websocket.send", "bytes": bytes(1 << 20)})
         while (await receive())["type"] != "websocket.disconnect":
             self.heard += 1
         self.left += 1
 
-    def listen(self):
-        return connect(self.url, proxy=None, max_size=None, ping_interval=None)
+    def listen(self, path=""):
+        return connect(self.url + path, proxy=None, max_size=None, ping_interval=None)
 
 
 @pytest.fixture
@@ -102,6 +108,21 @@ def test_who_answers_pings_stays(door):
         one.send("hello")
         assert one.ping().wait(10)
     assert door.heard == 1
+
+
+def test_the_end_does_not_wait_for_who_reads_nothing(caplog):
+    with Door() as door, socket.create_connection(("127.0.0.1", door.port)) as sleeper:
+        sleeper.sendall(
+            b"GET /much HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+            b"Upgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+        )
+        assert b"101" in sleeper.recv(100)
+        time.sleep(0.3)
+        began = time.monotonic()
+        door.end()
+        assert time.monotonic() - began < 3.0
+    assert not [record for record in caplog.records if record.exc_info]
 
 
 def turned_away(door, stack):
