@@ -5,7 +5,7 @@ friction sign's sharpness and for a timing shift, weighted least squares, errors
 autocorrelation, feasible standard parameters and warnings. Interpreter start and compilation are
 shown apart. Beside it, in the same run on one thread, what a textbook does with Pinocchio and NumPy
 (``plain_peer``), and FIGAROH where it is installed (``figaroh_peer``), position, velocity and
-acceleration given to them. Ratios are of processor time: a busy machine leaves them alone.
+acceleration given to them. Ratios are of processor time, which other work disturbs less.
 """
 
 from __future__ import annotations
