@@ -50,8 +50,8 @@ def model_of(
     beta = fit.solution.beta
     terms = []
     for term in layout.fitted(beta):
-        name = term.effect.smoothed_over
-        errors = {name: float(fit.v0_errors[term.joints[0]])} if name else {}
+        speed = term.effect.smoothed_over
+        errors = {speed: float(fit.v0_errors[term.joints[0]])} if speed else {}
         terms.append(replace(term, shape_errors=errors))
     return TorqueModel(
         name=name,
