@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
 from pa10d.measurement.recording import Recording
@@ -12,27 +10,18 @@ from pa10d.paper.single_joint import Gravity, single_joint
 from pa10d.paper.spans import steady_parts
 from pa10d.trajectory.plan import Plan
 
-FREE = "joint {}: gravity does not act"
-
 
 def boundaries(
     recording: Recording, plan: Plan, robot: Robot
 ) -> tuple[list[BoundaryVelocity], list[str]]:
     """The answer of every joint that was moved, and why there is none for others."""
     begin = float(recording.t[0]) - 1.0 / recording.rate  # the run begins with the plan's 1st tick
-    parts = steady_parts(recording, plan, begin)
     found, missing = [], []
     for number in plan.joints:
-        mine = [part for label, part in parts.items() if _joint_of(label) == number]
-        free = any(note.startswith(FREE.format(number)) for note in plan.notes)
-        gravity: Gravity = "none" if free else "fitted"
+        mine = list(steady_parts(recording, plan, begin, number).values())
+        gravity: Gravity = "none" if number in plan.weightless else "fitted"
         try:
             found.append(boundary_velocity(single_joint(mine, robot, number - 1, gravity=gravity)))
         except UserError as error:
             missing.append(str(error))
     return found, missing
-
-
-def _joint_of(label: str) -> int | None:
-    match = re.match(r"joint (\d+)", label)
-    return int(match.group(1)) if match else None

@@ -23,10 +23,12 @@ NEAR = 1e-9  # rad
 
 @dataclass(frozen=True)
 class Segment:
-    """A motion and what it is for; ``label`` is empty for a move that only leads to the next."""
+    """A motion and what it is for; ``label`` is empty for a move that only leads to the next.
+    joint: the one that it is about, 1-based; 0: more than one."""
 
     motion: Motion
     label: str = ""
+    joint: int = 0
 
 
 @dataclass(frozen=True)
@@ -36,17 +38,19 @@ class Span:
     label: str
     begin: float
     end: float
+    joint: int = 0
 
 
 @dataclass(frozen=True)
 class Plan:
     """kind: the experiment's; joints: those that it is about, 1-based; notes: what was decided on
-    the way, in words."""
+    the way, in words; weightless: those of the joints on which gravity does not act meanwhile."""
 
     kind: str
     joints: tuple[int, ...]
     segments: tuple[Segment, ...]
     notes: tuple[str, ...] = ()
+    weightless: tuple[int, ...] = ()
 
     @property
     def n(self) -> int:
@@ -70,7 +74,7 @@ class Plan:
         for segment in self.segments:
             first, last = segment.motion.steady
             if segment.label:
-                found.append(Span(segment.label, begin + first, begin + last))
+                found.append(Span(segment.label, begin + first, begin + last, segment.joint))
             begin += segment.motion.duration
         return tuple(found)
 
@@ -90,7 +94,7 @@ class Plan:
     def slowed(self, factor: float) -> Plan:
         """The same way at a slower pace."""
         segments = tuple(
-            Segment(Slowed(factor, s.motion.to_dict()), s.label) for s in self.segments
+            Segment(Slowed(factor, s.motion.to_dict()), s.label, s.joint) for s in self.segments
         )
         return replace(self, segments=segments)
 
@@ -105,7 +109,10 @@ class Plan:
             "kind": self.kind,
             "joints": list(self.joints),
             "notes": list(self.notes),
-            "segments": [{"label": s.label, **s.motion.to_dict()} for s in self.segments],
+            "weightless": list(self.weightless),
+            "segments": [
+                {"label": s.label, "joint": s.joint, **s.motion.to_dict()} for s in self.segments
+            ],
         }
 
     @classmethod
@@ -113,15 +120,16 @@ class Plan:
         """The reverse of ``to_dict``."""
         try:
             segments = [dict(entry) for entry in data["segments"]]
-            labels = [str(entry.pop("label", "")) for entry in segments]
+            about = [(str(e.pop("label", "")), int(e.pop("joint", 0))) for e in segments]
+            weightless = tuple(int(j) for j in data.get("weightless", ()))
             motions = [motion_from_dict(entry) for entry in segments]
             head = (str(data["kind"]), tuple(int(j) for j in data["joints"]))
         except (KeyError, TypeError, ValueError) as error:
             raise UserError(
                 f"plan: {error}; expected kind, joints and a list of segments"
             ) from error
-        parts = tuple(Segment(m, label) for m, label in zip(motions, labels, strict=True))
-        return cls(*head, parts, tuple(str(note) for note in data.get("notes", ())))
+        parts = tuple(Segment(m, *told) for m, told in zip(motions, about, strict=True))
+        return cls(*head, parts, tuple(str(note) for note in data.get("notes", ())), weightless)
 
 
 def joined(

@@ -135,6 +135,10 @@ def test_boundary_velocity_is_swung_where_gravity_does_not_act():
     around = around_pa10()
     plan = planned("boundary_velocity", joints=[4])
     assert plan.notes == ("joint 4: gravity does not act in this pose",)
+    assert plan.weightless == (4,)
+    again = type(plan).from_dict(plan.to_dict())
+    assert again.weightless == (4,)
+    assert [span.joint for span in again.spans] == [4, 4]
     fast, slow = plan.spans
     for span in (fast, slow):
         q = plan.at(np.linspace(span.begin, span.end, 100))[0]

@@ -8,6 +8,7 @@ the sine, see docs/excitation.md.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -45,8 +46,10 @@ class BoundaryVelocity(Kind):
         joints = self.chosen(around)
         segments: list[Segment] = []
         notes: list[str] = []
+        weightless: list[int] = []
         for j in joints:
-            pose = self._pose(around, j, notes)
+            pose, free = self._pose(around, j, notes)
+            weightless += [j + 1] if free else []
             peak, period, centre = self._size(around, pose, j)
             pose = pose.copy()
             pose[j] = centre
@@ -55,24 +58,27 @@ class BoundaryVelocity(Kind):
                 ("slow", self.slow, self.slow_cycles),
             ):
                 sine = self._sine(pose, j, share * peak, period / share, cycles)
-                segments.append(Segment(sine.gentle(around.limits), f"joint {j + 1}, {word}"))
-        return joined(self.kind, joints, segments, around, notes)
+                label = f"joint {j + 1}, {word}"
+                segments.append(Segment(sine.gentle(around.limits), label, j + 1))
+        plan = joined(self.kind, joints, segments, around, notes)
+        return replace(plan, weightless=tuple(weightless))
 
-    def _pose(self, around: Surroundings, j: int, notes: list[str]) -> Array:
+    def _pose(self, around: Surroundings, j: int, notes: list[str]) -> tuple[Array, bool]:
+        """Where the others stand, and whether gravity then leaves the joint alone."""
         if self.pose is not None:
             notes.append(f"joint {j + 1}: pose as given; gravity is what the pose makes it")
-            return self.home(around)
+            return self.home(around), False
         wanted = self.speed * around.limits.velocity[j] * self.period / (2 * np.pi)
         travel = min(wanted, TRAVEL * around.limits.half[j])
         found = gravity_free_pose(around, j, travel, self.seed)
         if found.free:
             notes.append(f"joint {j + 1}: gravity does not act in this pose")
-            return found.pose
+            return found.pose, True
         notes.append(
             f"joint {j + 1}: gravity acts in every pose ({100 * found.share:.0f} % of its worst is "
             "left in the best one) and must be fitted along or subtracted"
         )
-        return self.home(around)
+        return self.home(around), False
 
     def _size(self, around: Surroundings, pose: Array, j: int) -> tuple[float, float, float]:
         """Peak speed, period, centre."""
