@@ -11,11 +11,12 @@ import * as robot from "./sections/robot.js";
 import * as investigate from "./sections/investigate.js";
 import * as experiments from "./sections/experiments.js";
 import * as runs from "./sections/runs.js";
+import * as explore from "./sections/explore.js";
 import * as compare from "./sections/compare.js";
 import * as diagnose from "./sections/diagnose.js";
 import * as models from "./sections/models.js";
 
-const rooms = { robot, investigate, experiments, runs, compare, diagnose, models };
+const rooms = { robot, investigate, experiments, runs, explore, compare, diagnose, models };
 const LOOK_EVERY = 1000; // ms between looks at the arm's state
 const content = document.getElementById("content");
 const made = new Map();

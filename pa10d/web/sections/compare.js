@@ -110,6 +110,7 @@ async function open(id, joint, started = null) {
 }
 
 const nameOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.name ?? model;
+const idOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.id ?? model;
 /** Error over noise; NaN where the noise is not known from these runs. */
 const ratios = () => view.result.pooled.rms.map((rms, j) => rms / (view.result.pooled.noise_floor[j] ?? NaN));
 const worst = () => ratios().reduce((best, ratio, j, all) => (ratio > (all[best] || 0) ? j : best), 0) + 1;
@@ -140,7 +141,7 @@ function frame() {
   const raw = el("input", { type: "checkbox", checked: view.raw, onchange: () => { view.raw = raw.checked; drawTime(parts.zoom.span); } });
   parts.reading = el("div", {});
   fill(parts.time, card("Measured, modelled, and what is between them",
-    el("span", { class: "row" }, el("label", {}, raw, " every sample, unfiltered"), run),
+    el("span", { class: "row" }, el("a", { class: "button small", href: `#/explore/run:${view.run}/${idOfModel(view.model)}` }, "Explore"), el("label", {}, raw, " every sample, unfiltered"), run),
     el("div", {}, parts.zoom.box, parts.reading), null));
 }
 

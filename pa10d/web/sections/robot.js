@@ -13,13 +13,14 @@ export function mount(box) {
   const word = el("strong", { class: "state-word" }), meaning = el("p", {}), age = el("p", { class: "warn", hidden: true });
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
   const commands = buttons();
+  const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
   const axes = el("tbody", {});
   const table = el("div", { class: "panel grow" }, age, el("div", { class: "scroll bare", tabIndex: 0, role: "region", "aria-label": "joints, now" }, el("table", { class: "axes" },
     el("thead", {}, el("tr", {}, ["joint", "position rad", "target rad", "velocity rad/s", "torque N·m", "°C", "drive"]
       .map((head) => el("th", { scope: "col" }, head)))), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
-      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, controllerChoice(), notes), table),
+      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, last, controllerChoice(), notes), table),
     el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
@@ -31,6 +32,7 @@ export function mount(box) {
     notes.hidden = !robot.notes.length;
     fill(notes.lastChild, robot.notes.map((note) => el("li", {}, note)));
     commands.refresh();
+    last.hidden = condition.kind !== "fault";
     showAxes(axes, robot.axes);
     const lost = condition.kind === "lost";
     table.classList.toggle("old", lost || Boolean(condition.frozen));

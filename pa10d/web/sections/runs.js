@@ -1,10 +1,11 @@
 // Recordings: bring in, look, mark what they are for, take out.
 import { el, fill } from "../base/dom.js";
-import { download, get, patch, remove, upload } from "../base/api.js";
+import { download, get, patch, remove } from "../base/api.js";
 import { loadRuns, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { number, seconds, titled, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
+import { dropZone } from "../parts/drop.js";
 import { card, empty, Zoomable } from "../parts/figure.js";
 import { replay } from "../parts/replay.js";
 import { heading } from "../parts/guide.js";
@@ -36,7 +37,7 @@ export function mount(box) {
     const run = state.runs.find((one) => one.id === id || one.name === id);
     if (run && run.id !== selected) select(run);
   };
-  fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone(), search, table, none, detail);
+  fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone("files"), search, table, none, detail);
   watch(["runs", "ready"], () => {
     refresh();
     if (selected && !state.runs.some((run) => run.id === selected)) { selected = null; fill(detail); }
@@ -118,45 +119,9 @@ function details(run) {
     await remove(`runs/${run.id}`);
     await loadRuns();
   }) }, "Delete");
-  return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, tags, retag, el("span", { class: "grow" }), "Export", exports, gone),
+  return el("div", { class: "panel" }, el("div", { class: "row" }, name, rename, tags, retag, el("span", { class: "grow" }), el("a", { class: "button small", href: `#/explore/run:${run.id}` }, "Explore"), "Export", exports, gone),
     el("p", { class: "muted" }, `${run.samples} samples, ${number(run.rate, 4)} Hz, from ${run.source || run.profile}. ${run.reason ?? ""}`),
     known(run),
     el("div", { class: "beside" }, arm.box, card("Positions and measured torques", null, plot.box, null)),
     el("p", { class: "muted" }, "Drag to zoom: the whole detail is loaded. Double-click to return. Click a joint in the legend to hide it. Point at the plot: the arm stands as it did then."));
-}
-
-async function bring(file, force = false) {
-  const run = await upload(file, force);
-  const said = (run.findings ?? []).map((one) => one.sentence);
-  notice(`Imported ${run.name}.`, { detail: said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "" });
-  return run;
-}
-
-/** Errors of the checks can be overruled; nothing else can. */
-function refused(file, error) {
-  if (!error.document?.findings) return failed(`${file.name} was not imported.`, error);
-  const said = error.document.findings.map((one) => `${one.sentence}${one.advice ? ` (${one.advice})` : ""}`).join("; ");
-  notice(`${file.name} was not imported: a fit to it would be wrong.`, { kind: "error", detail: said, action: { label: "Import it all the same", do: guarded("It was not imported.", async () => {
-    await bring(file, true);
-    await loadRuns();
-  }) } });
-}
-
-function dropZone() {
-  const input = el("input", { type: "file", accept: ".csv,.gz,.bz2,.zst,.txt,.tsv,.mcap,.db3,.parquet,.feather,.arrow,.mat,.npz,.blf,.asc,.trc,.log", multiple: true, id: "files", class: "hidden", onchange: () => { take([...input.files]); input.value = ""; } });
-  const text = el("span", {}, "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ");
-  const zone = el("div", { class: "drop" }, text, el("label", { htmlFor: "files", class: "button small" }, "choose files"), input);
-  const take = async (files) => {
-    for (const file of files) {
-      text.textContent = `Reading ${file.name} … `;
-      await bring(file).catch((error) => refused(file, error));
-    }
-    text.textContent = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
-    await loadRuns().catch(() => {});
-  };
-  const over = (on) => (event) => { event.preventDefault(); zone.classList.toggle("over", on); };
-  zone.addEventListener("dragover", over(true));
-  zone.addEventListener("dragleave", over(false));
-  zone.addEventListener("drop", (event) => { over(false)(event); take([...event.dataTransfer.files]); });
-  return zone;
 }

@@ -1,0 +1,26 @@
+// Stretches of a run that no fit and no judgement uses: chosen by zooming, kept with the run.
+import { el, fill } from "../base/dom.js";
+import { patch } from "../base/api.js";
+import { loadRuns, state } from "../base/store.js";
+import { guarded, notice } from "../base/notices.js";
+
+/** span(): what is zoomed to; runs(): ids of those that are seen; then `changed()`. */
+export function leftOut(span, runs, changed) {
+  const box = el("div", { class: "row" });
+  const of = (id) => state.runs.find((run) => run.id === id);
+  const keep = async (id, excluded) => {
+    await patch(`runs/${id}`, { excluded });
+    await loadRuns();
+    changed();
+  };
+  const refresh = () => {
+    const seen = runs().map(of).filter(Boolean), stretch = span();
+    const leave = el("button", { type: "button", class: "small", disabled: !stretch || !seen.length, title: stretch ? "" : "zoom to the stretch first", onclick: guarded("It could not be left out.", async () => {
+      for (const run of seen) await keep(run.id, [...run.excluded, [Math.max(0, stretch[0]), Math.min(run.duration, stretch[1])]]);
+      notice("Left out of every fit and judgement from now on.", { detail: "Models that were fitted before stay as they are." });
+    }) }, "Leave this stretch out of fits");
+    fill(box, leave, seen.flatMap((run) => run.excluded.map(([begin, end], k) => el("span", { class: "tag" }, `${run.name}: ${begin.toFixed(2)} to ${end.toFixed(2)} s left out `,
+      el("button", { type: "button", class: "link", "aria-label": `use ${begin.toFixed(2)} to ${end.toFixed(2)} s of ${run.name} again`, onclick: guarded("It stays left out.", () => keep(run.id, run.excluded.filter((_, i) => i !== k))) }, "use again")))));
+  };
+  return { box, refresh, stretches: () => (runs().length === 1 ? of(runs()[0])?.excluded ?? [] : []) };
+}
