@@ -141,13 +141,23 @@ class Run(BaseModel):
     )
     repaired: bool
     software: str
+    excluded: list[tuple[float, float]] = Field(
+        [], description="Stretches, s since the first sample, that no fit and no judgement uses"
+    )
 
 
 class RunChange(Strict):
-    """Another name, other tags."""
+    """Another name, other tags, other stretches that are left out."""
 
     name: Name | None = None
     tags: Annotated[list[Name], Field(max_length=32)] | None = None
+    excluded: (
+        Annotated[
+            list[tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]],
+            Field(max_length=100, description="s since the first sample; all of them, anew"),
+        ]
+        | None
+    ) = None
 
 
 class Page(BaseModel):

@@ -103,6 +103,7 @@ def _judged(equation: RunEquation) -> tuple[Mask, Mask, tuple[int, ...]]:
     rested = tuple(int(j) for j in np.flatnonzero(counts.sum(axis=0) < FEWEST_MOVING))
     ends = min(equation.lowpass.settle, (len(counts) - 1) // 2)
     counts[ends : len(counts) - ends, rested] = True
+    counts &= equation.used[:, None]
     if counts.sum(axis=0).min() < FEWEST:
         raise UserError(
             f"run {equation.name!r}: {equation.context.t[-1]:.2g} s are too short for a cut-off of "

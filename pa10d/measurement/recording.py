@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ class Recording:
     dq           (N, n)  rad/s as the robot reported it, or None; the fit differentiates q itself
     temperature  (N, n)  °C, or None
     extra        name -> (N,): further channels, kept and never needed
+    excluded     stretches (begin, end), s since the first sample, that no fit and no judgement uses
     """
 
     name: str
@@ -31,6 +32,7 @@ class Recording:
     dq: Array | None = None
     temperature: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)
+    excluded: tuple[tuple[float, float], ...] = ()
 
     @property
     def joints(self) -> int:
@@ -47,6 +49,27 @@ class Recording:
         """Seconds from the first sample to the last."""
         return float(self.t[-1] - self.t[0])
 
+    def without(self, stretches: Sequence[tuple[float, float]]) -> Recording:
+        """The same with these stretches excluded, the torque a straight line in each: what is
+        wrong there must reach nothing else through a filter."""
+        marked = replace(self, excluded=tuple(stretches))
+        out = marked.left_out
+        if not out.any() or out.all():
+            return marked
+        at, known = np.flatnonzero(out), np.flatnonzero(~out)
+        tau = self.tau.copy()
+        for j in range(self.joints):
+            tau[at, j] = np.interp(at, known, tau[known, j])
+        return replace(marked, tau=tau)
+
+    @cached_property
+    def left_out(self) -> NDArray[np.bool_]:
+        """(N,) True within an excluded stretch."""
+        t, out = self.t - self.t[0], np.zeros(len(self.t), dtype=bool)
+        for begin, end in self.excluded:
+            out |= (t >= begin) & (t <= end)
+        return out
+
     def part(self, start: int, stop: int, suffix: str) -> Recording:
         """Samples start … stop-1 as a recording of its own (for splits in time)."""
         cut = slice(start, stop)
@@ -58,4 +81,11 @@ class Recording:
             dq=None if self.dq is None else self.dq[cut],
             temperature=None if self.temperature is None else self.temperature[cut],
             extra={k: v[cut] for k, v in self.extra.items()},
+            excluded=self._excluded_in(cut),
         )
+
+    def _excluded_in(self, cut: slice) -> tuple[tuple[float, float], ...]:
+        """What is excluded of a part, on the part's own clock."""
+        t = self.t[cut] - self.t[0]
+        moved = [(max(a - t[0], 0.0), min(b, t[-1]) - t[0]) for a, b in self.excluded]
+        return tuple((float(a), float(b)) for a, b in moved if a < b)

@@ -39,7 +39,8 @@ class RunEquation:
     keep     (M, n) False where joint i stands still, if only to turn round (friction is
              indeterminate there), or the sample is too near an end of the run
     moving   (M, n) as keep, but reversals without a rest count: what tells how sharp they are
-    inside   (M,) False only near the ends
+    inside   (M,) False only near the ends, and where the run is left out
+    used     (M,) False only where the run is left out, and too near to that
     shift    s, by which the torque was moved to match the motion
     """
 
@@ -52,6 +53,7 @@ class RunEquation:
     shift: float = 0.0
     moving: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     inside: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    used: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     @property
     def rate(self) -> float:
@@ -120,6 +122,8 @@ def prepare(
     ends = int(np.ceil((edge if edge is not None else edge_time(rate, cutoff)) * rate / factor))
     inside = np.zeros(lowpass.kept, dtype=bool)
     inside[ends : max(ends, lowpass.kept - ends)] = True
+    used = _used(recording.left_out, lowpass)
+    inside &= used
     keep = inside[:, None] & ~standstill(dq, rate, lowpass, fast)
     moving = inside[:, None] & ~standstill(dq, rate, lowpass, fast, RESTING)
     context = Context(
@@ -133,8 +137,25 @@ def prepare(
         temperature=recording.temperature,
     )
     return RunEquation(
-        recording.name, context, lowpass, lowpass(tau), keep, tau, shift, moving, inside
+        recording.name,
+        context,
+        lowpass,
+        lowpass(tau),
+        keep,
+        tau,
+        shift,
+        moving,
+        inside,
+        used,
     )
+
+
+def _used(left_out: NDArray[np.bool_], lowpass: Lowpass) -> NDArray[np.bool_]:
+    """(M,) False where the run is left out, and as far from there as the filter settles."""
+    used = np.ones(lowpass.kept, dtype=bool)
+    for k in np.unique(np.flatnonzero(left_out) // lowpass.factor):
+        used[max(0, k - lowpass.settle) : k + lowpass.settle + 2] = False
+    return used
 
 
 def decimation(rate: float, cutoff: float) -> int:

@@ -153,6 +153,12 @@ def _judged(data: str, model: str, runs: tuple[str, ...], band: float) -> Judgem
     return judged(model, [_residual(data, model, run, band) for run in runs])
 
 
+def forget(data: str) -> None:
+    """What was read of runs: another part of one counts now."""
+    for known in (_recording, _residual, _judged):
+        known.cache_clear()
+
+
 def _units(model: TorqueModel) -> list[str]:
     return [model.robot.torque_unit(j) for j in range(model.robot.n)]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -75,7 +75,8 @@ class RunStore:
     def recording(self, run: str | RunInfo) -> Recording:
         """With equal steps, ready for the science."""
         info = self.find(run) if isinstance(run, str) else run
-        return self.read(info).recording(info.name)[0]
+        recording = self.read(info).recording(info.name)[0]
+        return recording.without(info.excluded) if info.excluded else recording
 
     def start(
         self,
@@ -178,15 +179,21 @@ class RunStore:
         return info
 
     def change(
-        self, run: str, *, name: str | None = None, tags: tuple[str, ...] | None = None
+        self,
+        run: str,
+        *,
+        name: str | None = None,
+        tags: tuple[str, ...] | None = None,
+        excluded: Sequence[tuple[float, float]] | None = None,
     ) -> RunInfo:
-        """Give it another name or other tags."""
+        """Give it another name or other tags, or say which stretches no fit shall use."""
         with locked(self.folder):
             info = self.find(run)
             if name is not None and name != info.name:
                 self._refuse_taken(checked_name(name))
                 info = info.but(name=name)
             info = info if tags is None else info.but(tags=tags)
+            info = info if excluded is None else info.but(excluded=_in_order(info, excluded))
             info.save(self.path(info))
         return info
 
@@ -288,3 +295,21 @@ def _version(path: Path) -> Version | None:
     except OSError:
         return None
     return found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _in_order(
+    info: RunInfo, excluded: Sequence[tuple[float, float]]
+) -> tuple[tuple[float, float], ...]:
+    """Stretches that overlap become one; UserError for what lies outside the run."""
+    out: list[tuple[float, float]] = []
+    for begin, end in sorted((float(a), float(b)) for a, b in excluded):
+        if not 0 <= begin < end <= info.duration + 1e-3:
+            raise UserError(
+                f"run {info.name!r}: excluded {begin:g} to {end:g} s, expected a stretch within "
+                f"0 to {info.duration:g} s"
+            )
+        if out and begin <= out[-1][1]:
+            out[-1] = (out[-1][0], max(end, out[-1][1]))
+        else:
+            out.append((begin, end))
+    return tuple(out)

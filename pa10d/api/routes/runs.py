@@ -72,12 +72,16 @@ async def show_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
 
 @router.patch("/{run}", response_model=Run, responses=responses("not-found", "conflict", "refused"))
 async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str, Any]:
-    """Give it another name or other tags."""
+    """Give it another name or other tags, or leave stretches of it out of fits and judgements."""
     info = await find_run(daemon, run)
     if change.name not in (None, info.name):
         await refuse_taken_run(daemon, change.name)
     tags = None if change.tags is None else tuple(change.tags)
-    changed = await daemon.changes(daemon.runs.change, info.id, name=change.name, tags=tags)
+    changed = await daemon.changes(
+        daemon.runs.change, info.id, name=change.name, tags=tags, excluded=change.excluded
+    )
+    if change.excluded is not None:
+        await daemon.look("forget")
     return changed.document()
 
 
