@@ -5,14 +5,18 @@ import { el, fill } from "../base/dom.js";
 export function choices(label, items, chosen, changed) {
   const summary = el("summary", {}), list = el("div", { class: "choices" });
   const box = el("details", { class: "picker runs" }, summary, list);
-  const refresh = () => {
-    const all = items(), names = all.filter((one) => chosen.has(one.id)).map((one) => one.label);
+  const sum = () => {
+    const names = items().filter((one) => chosen.has(one.id)).map((one) => one.label);
     fill(summary, el("span", {}, label), el("b", {}, names.length ? names.join(", ") : "none"));
+  };
+  const refresh = () => {
+    const all = items();
+    sum();
     fill(list, all.length ? all.map(({ id, label: name, note }) => el("label", {}, el("input", {
       type: "checkbox", checked: chosen.has(id), onchange: (event) => {
         if (event.target.checked) chosen.add(id);
         else chosen.delete(id);
-        refresh();
+        sum(); // and not the list: the key that ticked it would lose its place
         changed();
       } }), ` ${name} `, note ? el("small", {}, note) : null)) : el("p", { class: "muted" }, "There are none yet."));
   };

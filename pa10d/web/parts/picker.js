@@ -47,7 +47,9 @@ export function runPicker(label, tag, onChange = () => {}) {
         if (event.target.checked) now.add(run.id);
         else now.delete(run.id);
         own = [...now];
+        const place = [...list.querySelectorAll("input")].indexOf(event.target);
         refresh();
+        list.querySelectorAll("input")[place]?.focus(); // the key that ticked it keeps its place
       } }), `${run.name} `, el("small", {}, [run.kind && titled(run.kind), seconds(run.duration)].filter(Boolean).join(", ")))));
     onChange();
   };

@@ -142,7 +142,7 @@ async function draw(group, { chart, said }, chosen, found, mine) {
     if (mine !== asked) return;
     const there = got.filter(Boolean);
     if (!there.length) return say(said, "None of the chosen recordings and joints has this.");
-    const series = there.flatMap((one) => one.series), unit = there[0].channels[0].unit, y = unit ? `${group}, ${unit}` : group;
+    const series = there.flatMap((one) => one.series), y = there[0].channels[0].unit;
     if (!pairs) {
       await chart.lines({ tables: there.map((one) => [one.columns.time, ...one.channels.map((channel) => one.columns[channel.id])]), series, x: "time, s", y, span: view.span, bands: parts.out.stretches() });
     } else {
