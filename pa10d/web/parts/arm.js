@@ -2,8 +2,17 @@
 // that came into sight last, and is fetched with the first.
 import { el, fill, say } from "../base/dom.js";
 import { get, fetchBytes } from "../base/api.js";
+import { quiet } from "../base/columns.js";
 
 let stage = null, owner = null;
+
+let told = null;
+/** The chain of joints, asked for once. */
+export function shapeOnce() {
+  told ??= get("robot/shape");
+  told.catch(() => { told = null; });
+  return told;
+}
 
 /** The drawing, with everything it needs, once. */
 function stageReady() {
@@ -13,7 +22,7 @@ function stageReady() {
 }
 
 async function build() {
-  const [{ ArmScene }, shape] = await Promise.all([import("./arm_scene.js"), get("robot/shape")]);
+  const [{ ArmScene }, shape] = await Promise.all([import("./arm_scene.js"), shapeOnce()]);
   const meshes = await Promise.all(shape.meshes.map(async ({ link, place }, k) => ({ link, place, ...unpacked(await fetchBytes(`robot/shape/meshes/${k}`)) })));
   return new ArmScene(shape, meshes);
 }
@@ -60,6 +69,7 @@ export function armView(label, ...tools) {
     },
     async claim() {
       owner = view;
+      await quiet();
       try {
         const scene = await stageReady();
         if (owner !== view) return;

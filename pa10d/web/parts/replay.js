@@ -3,7 +3,7 @@ import { el } from "../base/dom.js";
 import { table } from "../base/columns.js";
 import { armView, inWords } from "./arm.js";
 
-const POSES = 6000, FRAME = 50; // of a run that are fetched; ms
+const POSES = 2400, FRAME = 50; // of a run that are fetched; ms
 
 /** {box, open(query, name, joints), point(seconds), light(joints)}; query: {run} or {fault}. */
 export function replay(label = "The arm at the cursor") {

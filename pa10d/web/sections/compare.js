@@ -7,6 +7,7 @@ import { fixed } from "../base/units.js";
 import { block, section as sectionOf } from "../parts/blocks.js";
 import { card, empty, words, Zoomable } from "../parts/figure.js";
 import { heading } from "../parts/guide.js";
+import { tabsByKeys } from "../parts/tabs.js";
 import { replay } from "../parts/replay.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
@@ -19,7 +20,7 @@ export function mount(box) {
   const model = modelPicker("Model", () => prepare()), runs = runPicker("Runs", "judge", () => prepare());
   const start = el("button", { class: "primary", type: "button", id: "compare-start", onclick: guarded("It could not be compared.", () => compare(model.value, runs.ids)) }, "Compare");
   parts = {
-    model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: el("div", { class: "joints", role: "tablist", "aria-label": "joints" }),
+    model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: tabsByKeys(el("div", { class: "joints", role: "tablist", "aria-label": "joints" })),
     time: el("div", {}), arm: replay(), maps: el("div", {}), tail: el("div", {}), work: el("div", { hidden: true }),
     none: empty("Choose a model and the runs to judge it by: runs that it was not fitted to, of other motions. Then press Compare."),
   };

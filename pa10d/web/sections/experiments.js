@@ -6,6 +6,7 @@ import { current, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { seconds, titled } from "../base/units.js";
 import { formOf } from "../parts/form.js";
+import { tabsByKeys } from "../parts/tabs.js";
 import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { planned } from "../parts/planned.js";
@@ -14,7 +15,7 @@ import { nameOf } from "../parts/picker.js";
 let chosen = "excitation";
 
 export function mount(box) {
-  const kinds = el("div", { class: "kinds", role: "tablist", "aria-label": "kinds of experiment" });
+  const kinds = tabsByKeys(el("div", { class: "kinds", role: "tablist", "aria-label": "kinds of experiment" }));
   const form = el("div", { class: "panel grow" });
   const outcome = el("div", { id: "outcome", "aria-live": "polite" });
   fill(box, heading("experiments", "Experiments", { Record: "Press 'Record the starting set'." }),

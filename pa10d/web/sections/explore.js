@@ -98,8 +98,8 @@ async function refresh() {
   parts.out.refresh();
   say(parts.reading, `${found.map((one) => `${one.name}: ${one.samples} samples, ${number(one.rate, 4)} Hz, ${seconds(one.seconds)}`).join("; ")}. ${view.span ? `Seen: ${view.span.map((at) => at.toFixed(2)).join(" to ")} s.` : "Drag over a plot to zoom all of them; double-click for the whole."}`);
   rows(groups);
-  moveArm(chosen[0], found[0]);
   await Promise.all(view.shown.map((group, k) => draw(group, parts.charts.get(k), chosen, found, mine)));
+  if (mine === asked) moveArm(chosen[0], found[0]); // plots first: on a slow link they share it
 }
 
 /** One chart per quantity, each with its own choice. */
@@ -128,6 +128,7 @@ const color = (channel, k) => COLOURS[((channel.joint ?? k + 1) - 1) % COLOURS.l
 
 async function draw(group, { chart, said }, chosen, found, mine) {
   say(said, "");
+  chart.box.dataset.waiting = mine;
   const pairs = view.against !== "time", several = chosen.length > 1;
   try {
     const got = await Promise.all(chosen.map(async (source, s) => {
@@ -152,6 +153,8 @@ async function draw(group, { chart, said }, chosen, found, mine) {
     }
   } catch (error) {
     if (mine === asked) say(said, error.message);
+  } finally {
+    if (mine === asked) delete chart.box.dataset.waiting;
   }
 }
 

@@ -8,6 +8,7 @@ import { guarded, notice } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
+import { tabsByKeys } from "../parts/tabs.js";
 import { heading } from "../parts/guide.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
@@ -18,7 +19,7 @@ import { reportButton } from "../parts/report.js";
 let parts = null, chosen = null, wanted = null, detailed = null, drawn = ""; // detailed: whose details are shown
 
 export function mount(box) {
-  parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "models" }), detail: el("div", { class: "grow" }),
+  parts = { list: tabsByKeys(el("div", { class: "versions", role: "tablist", "aria-label": "models" })), detail: el("div", { class: "grow" }),
             judge: runPicker("Judged by", "judge", () => refreshPlots()) };
   fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(),
     el("div", { class: "columns" }, parts.list, parts.detail));

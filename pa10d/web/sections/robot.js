@@ -5,7 +5,7 @@ import { mayCommand, silent } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
-import { armView, inWords } from "../parts/arm.js";
+import { armView, inWords, shapeOnce } from "../parts/arm.js";
 import { heading } from "../parts/guide.js";
 import { live } from "../parts/live.js";
 
@@ -14,10 +14,10 @@ export function mount(box) {
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
   const commands = buttons();
   const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
-  const axes = el("tbody", {});
+  const axes = el("tbody", {}), heads = el("tr", {});
+  shapeOnce().then((shape) => fill(heads, headings(shape)), () => fill(heads, headings(null)));
   const table = el("div", { class: "panel grow" }, age, el("div", { class: "scroll bare", tabIndex: 0, role: "region", "aria-label": "joints, now" }, el("table", { class: "axes" },
-    el("thead", {}, el("tr", {}, ["joint", "position rad", "target rad", "velocity rad/s", "torque N·m", "°C", "drive"]
-      .map((head) => el("th", { scope: "col" }, head)))), axes)));
+    el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
       el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, last, controllerChoice(), notes), table),
@@ -108,6 +108,14 @@ function controllerChoice() {
   }));
   watch(["robot", "models", "condition"], shown);
   return el("label", { class: "field", htmlFor: "controller" }, "Controller", select);
+}
+
+/** With the units that these joints have: one that slides has metres and newtons. */
+function headings(shape) {
+  const sliding = shape?.joints.some((one) => one.prismatic), turning = !shape || shape.joints.some((one) => !one.prismatic);
+  const unit = (turns, slides) => [turning && turns, sliding && slides].filter(Boolean).join(" or ");
+  return ["joint", `position, ${unit("rad", "m")}`, `target, ${unit("rad", "m")}`, `velocity, ${unit("rad/s", "m/s")}`, `torque, ${unit("N·m", "N")}`, "temperature, °C", "drive"]
+    .map((head) => el("th", { scope: "col" }, head));
 }
 
 function showAxes(body, axes) {

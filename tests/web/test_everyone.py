@@ -1,0 +1,81 @@
+"""Everyone can use it: axe finds nothing, tabs go by arrows, STOP lies on top of everything."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
+SECTIONS = ("robot", "experiments", "runs", "explore", "compare", "diagnose", "models")
+RULES = {
+    "runOnly": {
+        "type": "tag",
+        "values": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"],
+    }
+}
+
+
+def broken_rules(page) -> list[str]:
+    """Every rule that an element breaks, one line each."""
+    found = page.evaluate("(rules) => axe.run(document, rules)", RULES)
+    return [
+        f"{rule['id']} ({rule['impact']}): {node['html'][:160]}"
+        for rule in found["violations"]
+        for node in rule["nodes"][:3]
+    ]
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1440), ("dark", 390)])
+def test_axe_finds_nothing(archive, visit, scheme, width):
+    size = {"width": width, "height": 900}
+    visitor = visit(archive[0], color_scheme=scheme, viewport=size, bypass_csp=True)
+    page = visitor.page
+    wrong = {}
+    for section in SECTIONS:
+        visitor.open(section)
+        if section == "runs":
+            page.get_by_role("button", name="train_a").click()
+            page.locator("#run-detail .main-svg").first.wait_for()
+        page.wait_for_timeout(400)
+        if not page.evaluate("'axe' in window"):
+            page.evaluate(AXE)
+        if lines := broken_rules(page):
+            wrong[section] = lines
+    assert not wrong, "\n".join(
+        f"{name}: {line}" for name, lines in wrong.items() for line in lines
+    )
+
+
+def test_tabs_go_by_arrow_keys(archive, visit):
+    visitor = visit(archive[0])
+    page = visitor.page
+    visitor.open("experiments")
+    page.locator("[role=tab][aria-selected=true]").focus()
+    chosen = "document.querySelector('#experiments [role=tab][aria-selected=true]')"
+    before = page.evaluate(f"{chosen}.dataset.kind")
+    page.keyboard.press("ArrowDown")
+    after = page.evaluate(f"{chosen}.dataset.kind")
+    assert after != before
+    assert page.evaluate(f"document.activeElement === {chosen}")
+    assert page.locator("#experiments [role=tab][tabindex='0']").count() == 1
+    page.keyboard.press("End")
+    assert page.evaluate(f"{chosen} === {chosen}.parentElement.lastElementChild")
+    page.keyboard.press("Home")
+    assert page.evaluate(f"{chosen} === {chosen}.parentElement.firstElementChild")
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
+    visitor = visit(archive[0], viewport={"width": width, "height": 800})
+    page = visitor.page
+    for section in SECTIONS:
+        visitor.open(section)
+        for down in (0, 500):
+            page.mouse.wheel(0, down)
+            page.wait_for_timeout(100)
+            box = page.locator("#stop").bounding_box()
+            for x, y in ((0.1, 0.2), (0.5, 0.5), (0.9, 0.8)):
+                at = [box["x"] + x * box["width"], box["y"] + y * box["height"]]
+                assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "stop"
