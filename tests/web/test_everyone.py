@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
-SECTIONS = ("robot", "experiments", "runs", "explore", "compare", "diagnose", "models")
+SECTIONS = "robot investigate experiments runs explore compare diagnose models".split()
 RULES = {
     "runOnly": {
         "type": "tag",

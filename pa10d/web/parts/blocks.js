@@ -27,6 +27,6 @@ export function section(b, level = "h2") {
   return el("details", { class: "block", open: !b.folded }, el("summary", {}, head), inner);
 }
 
-export const table = (head, rows) => el("div", { class: "scroll" }, el("table", {},
+export const table = (head, rows) => el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": `table: ${head.filter(Boolean).join(", ")}` }, el("table", {},
   el("thead", {}, el("tr", {}, head.map((cell) => el("th", { scope: "col" }, cell)))),
   el("tbody", {}, rows.map((row) => el("tr", {}, row.map((cell) => el("td", {}, cell)))))));

@@ -223,5 +223,5 @@ function parameters(model) {
     fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show]) => el("td", {}, show(one))))));
   };
   refresh();
-  return el("div", { class: "scroll" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body));
+  return el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "parameters" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body));
 }
