@@ -9,6 +9,8 @@ from __future__ import annotations
 import gzip
 import hashlib
 import mimetypes
+import os
+import re
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -20,6 +22,7 @@ PACKAGED = {
     "plots.js": ("pa10d.figures", "plots.js"),
 }
 PACKED = ".gz"  # of files that lie there compressed
+IMPORTED = re.compile(r'^import (?:[^;"]*? from )?"(\./[^"]+|\.\./[^"]+)"', re.MULTILINE)
 SMALL = 1000  # bytes: less is not worth compressing
 LEVEL = 6
 
@@ -54,8 +57,13 @@ class Assets:
         return hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
 
     def page(self) -> str:
-        """The page, which asks for parts of this version."""
-        return (WEB / PAGE).read_text(encoding="utf-8").replace("VERSION", self.version())
+        """The page, which asks for parts of this version; those that its script will ask for are
+        named at once, so that a slow link is not waited for once per level of imports."""
+        text = (WEB / PAGE).read_text(encoding="utf-8")
+        links = [f'<link rel="modulepreload" href="assets/VERSION/{name}">' for name in needed()]
+        return text.replace("</body>", "\n".join([*links, "</body>"])).replace(
+            "VERSION", self.version()
+        )
 
     def get(self, name: str) -> Asset | None:
         """One file; None for what the page does not have. The first time it is compressed."""
@@ -67,6 +75,21 @@ class Assets:
         if known is None or known[0] != stamp:
             known = self._known[name] = (stamp, _read(path))
         return known[1]
+
+
+def needed(script: str = "main.js") -> list[str]:
+    """Every module that a script imports before it runs, however deep, in the order of need."""
+    found: list[str] = []
+    waiting = [script]
+    while waiting:
+        name = waiting.pop(0)
+        if name in found or not (WEB / name).is_file():
+            continue
+        found.append(name)
+        folder = Path(name).parent
+        text = (WEB / name).read_text(encoding="utf-8")
+        waiting += [os.path.normpath(folder / said) for said in IMPORTED.findall(text)]
+    return found
 
 
 def _stamp(path: Path) -> tuple[int, int]:

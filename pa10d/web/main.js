@@ -7,35 +7,36 @@ import { failed } from "./base/notices.js";
 import { header, SECTIONS } from "./parts/header.js";
 import { askForToken } from "./parts/token.js";
 import { jobChanged, tray } from "./parts/jobs.js";
-import * as robot from "./sections/robot.js";
-import * as investigate from "./sections/investigate.js";
-import * as experiments from "./sections/experiments.js";
-import * as runs from "./sections/runs.js";
-import * as explore from "./sections/explore.js";
-import * as compare from "./sections/compare.js";
-import * as diagnose from "./sections/diagnose.js";
-import * as models from "./sections/models.js";
 
-const rooms = { robot, investigate, experiments, runs, explore, compare, diagnose, models };
+const rooms = Object.fromEntries(Object.keys(SECTIONS).map((name) => [name, () => import(`./sections/${name}.js`)]));
 const LOOK_EVERY = 1000; // ms between looks at the arm's state
 const content = document.getElementById("content");
 const made = new Map();
 
-/** #/compare/ID/4 shows the section "compare" with ["ID", "4"]. */
-function route() {
-  const [name, ...rest] = location.hash.replace(/^#\//, "").split("/").map(decodeURIComponent);
-  const section = rooms[name] ? name : "robot";
+/** #/compare/ID/4 shows the section "compare" with ["ID", "4"]. A section is fetched when it is
+ * first asked for: on a slow link nobody waits for what is not looked at. */
+async function route() {
+  const asked = location.hash, { section, rest } = place();
+  change({ section });
+  document.title = `${SECTIONS[section]} – pa10d`;
+  const room = await rooms[section]();
+  if (location.hash !== asked) return; // somebody went on meanwhile
   if (!made.has(section)) {
     const box = el("section", { id: section, "aria-labelledby": `${section}-title` });
     made.set(section, box);
     content.append(box);
-    rooms[section].mount(box);
+    room.mount(box);
   }
   for (const [other, box] of made) box.hidden = other !== section;
-  rooms[section].show?.(rooms[name] ? rest : []);
-  document.title = `${SECTIONS[section]} – pa10d`;
-  change({ section });
+  room.show?.(rest);
 }
+
+function place() {
+  const [name, ...rest] = location.hash.replace(/^#\//, "").split("/").map(decodeURIComponent);
+  return name in rooms ? { section: name, rest } : { section: "robot", rest: [] };
+}
+
+const go = () => route().catch((error) => failed("This section could not be fetched.", error));
 
 function happened(event) {
   if (event.kind === "job") jobChanged(event.data);
@@ -61,6 +62,7 @@ async function start() {
   keepCondition();
   header(document.getElementById("header"));
   tray(document.getElementById("jobs"));
+  rooms[place().section]().catch(() => {}); // on its way while the daemon is asked what there is
   try {
     await loadEverything();
   } catch (error) {
@@ -75,8 +77,8 @@ async function start() {
     close: () => change({ connected: false }),
     event: happened,
   });
-  addEventListener("hashchange", route);
-  route();
+  addEventListener("hashchange", go);
+  go();
   lookAtRobot();
 }
 

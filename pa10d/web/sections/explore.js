@@ -14,7 +14,7 @@ import { heading } from "../parts/guide.js";
 import { replay } from "../parts/replay.js";
 import { COLOURS } from "../parts/scope.js";
 
-const POINTS = 2400, PAIRS = 4000, HEIGHT = 230, KEY = "explore"; // per channel; px
+const POINTS = 1400, PAIRS = 4000, HEIGHT = 230, KEY = "explore"; // per channel; px
 const DASHES = [undefined, [7, 4], [2, 3], [10, 3, 2, 3]]; // of one recording after the other
 const FIRST = ["position", "torque measured"];
 const view = { sources: new Set(), models: new Set(), joints: new Set([1]), shown: [...FIRST], against: "time", span: null, spectrum: null };
