@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 
+import pyarrow as pa
 import pytest
 from documents import blocks, commands
 
@@ -40,6 +41,8 @@ def test_curl(arm, tmp_path):
     )  # fmt: skip
     assert made.returncode == 0, made.stderr
     assert (tmp_path / "first.csv").read_text().startswith("time,")
+    columns = pa.ipc.open_stream((tmp_path / "first.arrow").read_bytes()).read_all()
+    assert columns.column_names == ["time", "q1", "tau1"]
     runs = {run["name"]: run for run in arm.runs()}
     assert runs["first"]["tags"] == ["fit"]
     assert runs["again"]["samples"] == runs["first"]["samples"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
-SECTIONS = "robot investigate experiments runs explore compare diagnose models".split()
+SECTIONS = ["robot", "investigate", "experiments", "runs", "explore", "compare", "diagnose", "models"]
 RULES = {
     "runOnly": {
         "type": "tag",

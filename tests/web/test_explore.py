@@ -43,6 +43,7 @@ def test_one_zoom_and_one_cursor_for_all_plots(page):
     page.mouse.move(box["x"] + box["width"] / 2, y, steps=4)
     page.mouse.up()
     until(page, f"Math.abs({SEEN} - 20) < 0.3")
+    second.scroll_into_view_if_needed()
     other = second.bounding_box()
     page.mouse.move(other["x"] + other["width"] / 2, other["y"] + 30)
     until(page, f"Math.abs(Number({LEGEND}) - 25) < 0.2")

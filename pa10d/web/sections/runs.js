@@ -18,7 +18,7 @@ export function mount(box) {
   const body = el("tbody", {}), detail = el("div", { id: "run-detail" });
   const search = el("input", { type: "search", placeholder: "filter by name, kind or tag", "aria-label": "filter runs", oninput: () => { filter = search.value.toLowerCase(); refresh(); } });
   const none = el("div", {});
-  const table = el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "runs" }, el("table", { class: "list" }, el("thead", {}, el("tr", {},
+  const table = el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "list of runs" }, el("table", { class: "list" }, el("thead", {}, el("tr", {},
     ["run", "kind", "recorded", "length", "status", "fit", "judge"].map((head) => el("th", { scope: "col" }, head)))), body));
   const refresh = () => {
     const shown = state.runs.filter((run) => [run.name, run.kind, ...run.tags].join(" ").toLowerCase().includes(filter));
