@@ -58,7 +58,10 @@ def recording_of(
         )
     if not t[-1] > t[0]:
         raise UserError(f"{path}: all samples have one stamp; expected a recording of a motion")
-    timing, samples = equal_steps(t, _samples(cells, columns, constants))
+    samples = _samples(cells, columns, constants)
+    cells.forget()
+    table.columns = {}  # an hour at 1 kHz is not to be held twice
+    timing, samples = equal_steps(t, samples)
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
@@ -76,6 +79,10 @@ class _Cells:
         units: Mapping[str, Unit],
     ) -> None:
         self._path, self._names, self._columns, self._units = path, names, columns, units
+
+    def forget(self) -> None:
+        """Let go of the columns."""
+        self._columns = {}
 
     def take(self, column: int) -> Array:
         """One column, every value a finite number, in SI units."""
@@ -96,7 +103,7 @@ class _Cells:
     def extra(self, columns: Mapping[str, int]) -> dict[str, Array]:
         """Channels that are kept as they are."""
         return {
-            name: np.asarray(self._columns[self._names[k]], dtype=np.float64)
+            name: np.array(self._columns[self._names[k]], dtype=np.float64)
             for name, k in columns.items()
         }
 
