@@ -120,7 +120,7 @@ def compare(options: argparse.Namespace) -> Answer:
         ]
         for j, name in enumerate(found.info.joints)
     ]
-    places = [place["sentence"] for place in document["where"]]
+    places = [*(place["sentence"] for place in document["where"]), *pooled["spread"]]
     text = [
         f"{found.info.name} on {', '.join(run.name for run in found.runs)}, "
         f"low-pass {document['cutoff_hz']:g} Hz, {document['mask']}",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
 from pa10d.compare.orders import OrderSpectrum, order_spectrum
-from pa10d.compare.places import Place, places
+from pa10d.compare.places import Place, failing, places
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.judgement import (
@@ -32,12 +32,14 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class RunScores:
-    """One run's figures, or those of all together; where: its own regions."""
+    """One run's figures, or those of all together; where: its own regions; spread: in words, the
+    joints that keep materially more than noise of which no region stands out."""
 
     name: str
     scores: Scores
     floor: NoiseFloor
     where: tuple[Place, ...]
+    spread: tuple[str, ...] = ()
 
     @property
     def noise_floor(self) -> Array:
@@ -81,15 +83,13 @@ def compare(
         progress(0.6 * index / len(recordings), f"run {recording.name}")
         run = run_residual(model, recording)
         floor = noise_floor([run])
-        where = places([run], model.robot, floor.values)
-        own.append(RunScores(run.name, scores([run]), floor, tuple(where)))
+        own.append(_of(run.name, [run], model, floor))
         residuals.append(run)
     progress(0.6, "all runs together")
     pooled = own[0]
     if len(own) > 1:
         floor = noise_floor(residuals)
-        where = places(residuals, model.robot, floor.values)
-        pooled = RunScores("pooled", scores(residuals), floor, tuple(where))
+        pooled = _of("pooled", residuals, model, floor)
     progress(0.8, "spectra")
     joints = range(model.robot.n)
     return Comparison(
@@ -104,6 +104,13 @@ def compare(
         whiteness=tuple(whiteness(residuals, j) for j in joints),
         warnings=(*_warnings(residuals), *map_warnings(model, residuals)),
     )
+
+
+def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloor) -> RunScores:
+    judged = scores(runs)
+    where = places(runs, model.robot, floor.values, judged=judged)
+    spread = failing(judged, floor.values, model.robot, where)
+    return RunScores(name, judged, floor, tuple(where), tuple(spread))
 
 
 def _warnings(residuals: Sequence[RunResidual]) -> list[str]:

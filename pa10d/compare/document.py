@@ -54,6 +54,7 @@ def figures(run: RunScores, cutoff: float) -> dict[str, Any]:
         "cutoff_hz": cutoff,
         "mask": MASK,
         "where": [place_document(place) for place in run.where],
+        "spread": list(run.spread),
     }
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import times
 from pa10d.compare.curves import Curve
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Values, quantities
@@ -14,7 +16,7 @@ from pa10d.compare.regions import Region
 from pa10d.compare.samples import joint_samples
 from pa10d.compare.search import Search
 from pa10d.dynamics import Robot
-from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement import MATERIAL, RunResidual, Scores
 
 Array = NDArray[np.float64]
 
@@ -38,15 +40,36 @@ class Place:
         return self.what.quantity.name if self.what.quantity else "constant"
 
 
+def failing(judged: Scores, floor: Array, robot: Robot, found: Sequence[Place]) -> list[str]:
+    """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
+    place of its error stands out."""
+    told, said = {place.joint for place in found}, []
+    for j, (rms, noise) in enumerate(zip(judged.rms, floor, strict=True)):
+        if j not in told and noise > 0 and rms > MATERIAL * noise:
+            said.append(
+                f"Joint {j + 1} keeps {rms:.3g} {robot.torque_unit(j)}, {times(rms / noise)} its "
+                "noise floor, and no region stands out: the error is spread over all of its motion."
+            )
+    return said
+
+
 def places(
-    runs: list[RunResidual], robot: Robot, floor: Array | None = None, level: float = LEVEL
+    runs: list[RunResidual],
+    robot: Robot,
+    floor: Array | None = None,
+    level: float = LEVEL,
+    judged: Scores | None = None,
 ) -> list[Place]:
-    """Ranked: what carries most squared error beyond its share first. floor: (n,) N·m noise."""
+    """Ranked: what carries most squared error beyond its share first. floor: (n,) N·m noise;
+    judged: joints that by this judgement keep no more than noise fail nowhere."""
     found: list[Place] = []
     of_run = {run: Values(run) for run in runs}
     warm = any(run.seen.temperature is not None for run in runs)
+    limit = None if floor is None else MATERIAL * floor
     kinds = 3  # constants, curves and regions are each looked for
     for joint in range(robot.n):
+        if limit is not None and judged is not None and judged.rms[joint] <= limit[joint]:
+            continue
         samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run)
         rms = float(np.sqrt(np.mean(samples.error**2)))
         clear = floor is not None and rms > CLEAR * floor[joint]

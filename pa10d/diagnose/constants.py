@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pa10d.judgement import MATERIAL
+
 # -- statistics ------------------------------------------------------------------------------------
 
 SEARCH_LEVEL = 0.01  # false alarms over a whole search (fixed from outside: at most 1 %)
@@ -87,7 +89,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 
 # -- chosen, and no record says on which data ------------------------------------------------------
 
-MATERIAL_REST = 1.2  # times the noise floor: policy; no more is worth no experiment
+MATERIAL_REST = MATERIAL  # times the noise floor: policy, one for all that judge
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse

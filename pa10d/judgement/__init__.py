@@ -1,7 +1,7 @@
 """How large is a model's error on runs? One answer, whoever asks: band, mask and floor named."""
 
 from pa10d.judgement.band import HIGHEST_HZ, band, common_band, in_band
-from pa10d.judgement.judge import MASK, Judgement, judge, judge_alike, judged
+from pa10d.judgement.judge import MASK, MATERIAL, Judgement, judge, judge_alike, judged
 from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
@@ -11,6 +11,7 @@ from pa10d.judgement.worse import worse
 __all__ = [
     "HIGHEST_HZ",
     "MASK",
+    "MATERIAL",
     "Judgement",
     "NoiseFloor",
     "Repeatable",

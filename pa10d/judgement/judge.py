@@ -25,6 +25,10 @@ MASK = "in motion, clear of reversals"
 between plus and minus stiction: an error there says nothing about the model."""
 
 
+MATERIAL = 1.2
+"""Times the noise floor: policy and no statistics. An error of no more is worth no experiment."""
+
+
 @dataclass(frozen=True)
 class Judgement:
     """rms (n,) N·m of one model, both sides behind ``cutoff`` Hz, over the samples of ``mask``."""

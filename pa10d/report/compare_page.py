@@ -13,7 +13,7 @@ from pa10d.common.words import times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Stair
-from pa10d.judgement import MASK
+from pa10d.judgement import MASK, MATERIAL
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.page import page
 
@@ -104,7 +104,7 @@ def _summary(comparison: Comparison) -> Section:
             ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
              f"{times(ratio[worst])} the noise floor" if np.isfinite(ratio[worst])
              else "noise not known"),
-            ("joints near the noise", f"{int(np.sum(ratio < 1.2))} of {robot.n}",
+            ("joints near the noise", f"{int(np.sum(ratio < MATERIAL))} of {robot.n}",
              "below 1.2 × noise"),
             ("stands out", place, share),
             ("judged on", f"{seconds:.0f} s", f"{len(comparison.runs)} runs"),
@@ -122,8 +122,9 @@ def _summary(comparison: Comparison) -> Section:
 
 
 def _failures(comparison: Comparison) -> Section:
+    pooled = comparison.pooled
     ranked = Lines(
-        [("", place.sentence) for place in comparison.pooled.where],
+        [("", said) for said in (*(p.sentence for p in pooled.where), *pooled.spread)],
         "No region and no dependence stands out: what is left looks like noise, or is spread "
         "evenly over everything that was looked at.",
     )

@@ -182,13 +182,13 @@ async function drawMaps() {
 }
 
 function sentences() {
-  const where = view.result.where;
-  if (!where.length) {
+  const where = view.result.where, spread = view.result.pooled.spread ?? [];
+  if (!where.length && !spread.length) {
     fill(parts.sentences, el("p", {}, "No region and no dependence stands out: what is left looks like noise, or is spread evenly."));
     return;
   }
   fill(parts.sentences, el("ol", { class: "ranked" }, where.map((place) => el("li", {},
-    el("button", { type: "button", class: "link sentence", title: "Show the place", onclick: guarded("It cannot be shown.", () => jump(place)) }, place.sentence)))));
+    el("button", { type: "button", class: "link sentence", title: "Show the place", onclick: guarded("It cannot be shown.", () => jump(place)) }, place.sentence))), spread.map((text) => el("li", {}, text))));
 }
 
 /** Show where it is: the panel of the quantity, and the stretch of time in red. */
