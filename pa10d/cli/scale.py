@@ -82,7 +82,9 @@ def scale(options: argparse.Namespace) -> Answer:
             }
         )  # fmt: skip
     if found.next_mass is not None:
-        after = f"hang {found.next_mass:g} kg next: the widest error would come to 1 %, or near it"
+        heaviest = max(load.mass for load in loads)
+        error = np.nanmax(found.std_error) * heaviest / found.next_mass
+        after = f"hang {found.next_mass:g} kg next: the widest error would come to {error:.1%}"
     elif np.isfinite(found.gain).any() and np.nanmax(found.std_error) <= 0.01:
         after = "every gain that can be told is known to 1 %"
     else:
