@@ -43,7 +43,9 @@ def refusal(kind: str, causes: dict[int, str]) -> BackendFault:
     """One fault for all axes that have a cause: who mends one wants to know of the others."""
     first, *others = causes
     lines = [f"joint {axis + 1}: {cause}" for axis, cause in causes.items()]
-    return fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
+    found = fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
+    found.axes = tuple(causes)
+    return found
 
 
 # CiA 301 and CiA 402 error codes of EMCY and 0x603F, the most significant digits first

@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 
 
 class BackendFault(Exception):
-    """The device cannot go on. ``axis`` is 0-based, or None where the whole bus is concerned.
+    """The device cannot go on. ``axis`` is 0-based, or None where the whole bus is concerned;
+    ``axes``: those that the lines of a cause in several lines speak of, in their order.
 
     ``kind`` is a stable short name of the row in docs/faults.md, ``remedy`` what to check first.
     """
@@ -34,6 +35,7 @@ class BackendFault(Exception):
     ) -> None:
         super().__init__(cause)
         self.cause, self.axis, self.remedy, self.kind = cause, axis, remedy, kind
+        self.axes: tuple[int, ...] = () if axis is None else (axis,)
 
 
 @dataclass

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
-import re
 import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +39,6 @@ SMALL_DISK = 2.0  # GB; an hour of a seven-axis run takes about one
 SLOW_DISK = 0.1  # s for a small synchronous write
 LATE = 0.25  # of a period that the latest cycle in a hundred may be late
 SANE_YEAR = 2025
-JOINT = re.compile(r"joint (\d+): ")
 
 
 def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> list[Check]:
@@ -138,7 +137,7 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
         try:
             arm.connect()
         except Refused as refusal:
-            return _refused(str(refusal).removeprefix("connect: "))
+            return _refused(refusal)
         stack.callback(arm.disconnect)
         found = _who_answers(profile, backend)
         with _real_time():
@@ -152,11 +151,13 @@ def _asked(profile: Profile, robot: Robot, seconds: float) -> list[Check]:
         ]
 
 
-def _refused(why: str) -> list[Check]:
+def _refused(refusal: Refused) -> list[Check]:
     """One line for each joint that has a reason."""
+    lines = str(refusal).removeprefix("connect: ").splitlines()
+    axes: tuple[int, ...] = getattr(refusal.__cause__, "axes", ())
     return [
-        Check("error", "drives", line, int(named[1]) if (named := JOINT.match(line)) else None)
-        for line in why.splitlines()
+        Check("error", "drives", line, None if axis is None else axis + 1)
+        for line, axis in zip_longest(lines, axes[: len(lines)])
     ]
 
 
