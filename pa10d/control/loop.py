@@ -108,6 +108,9 @@ class Loop:
             self._heard = time.monotonic()
             if message.get("do") == "alive":
                 continue
+            if message.get("do") == "look":  # something is wrong out there, says the daemon
+                self._unsettled = self._settle
+                continue
             if message.get("do") == "end":
                 self.end("asked to")
                 continue

@@ -140,6 +140,7 @@ class Daemon:
             remark = dead and f"the virtual arm's process {dead}; 'reset' starts it anew"
             if remark != self.robot.remark:
                 self.robot.remark = remark
+                self.robot.look()
                 self.events.publish("robot", {"state": self.robot.state, "fault": self.robot.fault})
             await asyncio.sleep(LOOK_EVERY)
 

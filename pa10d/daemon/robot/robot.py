@@ -248,6 +248,12 @@ class RobotProcess:
             with contextlib.suppress(LinkClosed):
                 self.control.link.tell("stop")
 
+    def look(self) -> None:
+        """Have control look at the drives, also where simulated time stands still."""
+        if self.control is not None:
+            with contextlib.suppress(LinkClosed):
+                self.control.link.tell("look")
+
     async def connect(self) -> None:
         """Try to reach the drives now, and from now on whenever they are away."""
         self._wanted = True

@@ -1,0 +1,61 @@
+"""Simulated time stands still until somebody asks for something, or something is wrong."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from pa10d.control.loop import SETTLE, Loop
+from pa10d.control.states import ArmState
+
+PERIOD = 0.01
+
+
+@pytest.fixture
+def standing():
+    """A loop whose arm stands unpowered, and the daemon's end of its pipe."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    arm = SimpleNamespace(
+        state=ArmState.INACTIVE, fault=None, maybe_powered=False, recording=False, cycles=0,
+        path=SimpleNamespace(controller=SimpleNamespace(name="pid")),
+        backend=SimpleNamespace(period=PERIOD, realtime=False, warnings=()),
+        journal=SimpleNamespace(timing=lambda *_: None, count=0),
+        disable=lambda: None, disconnect=lambda: None, emergency=lambda *_: None,
+    )  # fmt: skip
+
+    def cycle():
+        arm.cycles += 1
+
+    arm.cycle = cycle
+    loop = Loop(arm, None, None, theirs)
+    thread = threading.Thread(target=loop.run, daemon=True)
+    thread.start()
+    yield arm, lambda do: ours.send(json.dumps({"do": do}).encode())
+    ours.close()
+    thread.join(10)
+    assert not thread.is_alive()
+    theirs.close()
+
+
+def settled(arm, cycles):
+    until = time.monotonic() + 20
+    while arm.cycles < cycles:
+        assert time.monotonic() < until, arm.cycles
+        time.sleep(0.01)
+    time.sleep(0.2)
+    return arm.cycles
+
+
+def test_a_look_lets_time_pass_and_a_sign_of_life_does_not(standing):
+    arm, tell = standing
+    each = round(SETTLE / PERIOD)
+    before = settled(arm, each)
+    tell("alive")
+    assert settled(arm, before) == before
+    tell("look")
+    assert settled(arm, before + each) == before + each
