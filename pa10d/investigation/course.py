@@ -125,6 +125,17 @@ def budget_left(state: Investigation) -> float:
     return 60.0 * state.minutes - state.moved - sum(waiting)
 
 
+def spent(state: Investigation, step: Step) -> bool:
+    """Whether a motion no longer fits, because those before it took longer than expected; what no
+    answer can do without is moved all the same."""
+    motion = step.motion
+    if motion is None or state.minutes is None:
+        return False
+    if motion.purpose in FIRST and not state.recorded(motion.purpose):
+        return False
+    return state.moved + motion.seconds > 60.0 * state.minutes
+
+
 def doubt(state: Investigation) -> Mapping[str, Any] | None:
     """The first finding whose settling experiment was not run yet."""
     tried = [

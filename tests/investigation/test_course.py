@@ -156,3 +156,16 @@ def test_a_plan_is_known_by_what_it_does_not_by_what_is_said_about_it():
     doubt = finding({**SWEEP, "about": {"expected": 3.0}})
     assert new_plan([finding(), doubt], []) is doubt
     assert new_plan([finding(), doubt], [plan]) is None
+
+
+def test_what_took_longer_than_expected_is_taken_from_what_can_be_spared():
+    state = investigation(210 / 60)
+    for step in state.steps[:4]:
+        course.begun(state, step)
+        course.done(state, step, {"runs": ["r"], "moved": 1.1 * step.motion.seconds})
+    assert state.moved + SET[4].seconds > 210
+    assert course.spent(state, state.step("motion-5"))
+    assert not course.spent(state, state.step("identify"))
+    short = investigation(135 / 60)
+    course.done(short, short.step("motion-1"), {"moved": 134.0})
+    assert not course.spent(short, short.step("motion-2")), "without it there is no answer"

@@ -27,6 +27,7 @@ MOVES, RECORDINGS = "investigation", "analysis"
 TAGS = {"fit": ["fit"], "judge": ["judge"], "settle": ["fit", "judge"], "fresh": ["fresh"]}
 ABLE = ("inactive", "holding")  # states from which an arm may be moved
 SEARCH, OTHER = 30.0, 5.0  # s that computing takes, roughly, for the bar
+SPENT = "The motions before it took longer than expected: it is beyond the budget."
 STOPPED = "it was stopped; what is done stays done"
 
 
@@ -63,6 +64,10 @@ class _Carrier:
                 course.put_back(state, "paused")
                 await self._save(state)
                 return
+            if course.spent(state, step):
+                course.left_out(step, SPENT)
+                await self._save(state)
+                continue
             try:
                 course.needs(state, step)
                 course.begun(state, step)
