@@ -33,6 +33,7 @@ class Fault(BaseModel):
     time: float
     sequence: int
     device: bool = Field(description="Said by a drive or the bus, not by the loop")
+    hertz: float = Field(0.0, description="Hz of an oscillation, else 0")
 
 
 class Axis(BaseModel):

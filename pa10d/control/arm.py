@@ -269,7 +269,7 @@ class Arm:
     # -- ways to rest -----------------------------------------------------------------------
 
     def _hold(self) -> None:
-        self.path.reference.rest(self.path.reference.q.copy())
+        self.path.hold()
         self.motion, self._stop = None, None
         self.state = State.HOLDING
 

@@ -38,6 +38,10 @@ class ComputedTorque:
         """What the model alone gives along a motion (N, n): N·m (N, n)."""
         return self.model.torque(self._robot, q, dq, dq, ddq)
 
+    def absorb(self, extra: Array) -> None:
+        """The feedback's integral takes it."""
+        self._feedback.absorb(extra)
+
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup of the feedback."""
         self._feedback.applied(wanted, sent)

@@ -39,6 +39,7 @@ class Fault:
     time: float = 0.0  # s on the loop's clock
     sequence: int = 0  # the record at which it happened; the ring keeps the seconds before
     device: bool = False  # said by the backend
+    hertz: float = 0.0  # of an oscillation
 
     @property
     def dead_axis(self) -> int | None:
@@ -72,9 +73,9 @@ class Fault:
 class Violation(Exception):
     """The loop itself saw what may not go on."""
 
-    def __init__(self, kind: str, cause: str, axis: int | None = None) -> None:
+    def __init__(self, kind: str, cause: str, axis: int | None = None, hertz: float = 0.0) -> None:
         super().__init__(cause)
-        self.kind, self.cause, self.axis = kind, cause, axis
+        self.kind, self.cause, self.axis, self.hertz = kind, cause, axis, hertz
 
 
 FROM_STARVING = {"following_error", "velocity_limit", "position_limit", "not_held", "stale", "stop",
@@ -108,4 +109,5 @@ def fault_from(error: Exception, state: str, time: float, sequence: int) -> Faul
         text = " ".join(str(error).split())[:300]
         kind, cause, axis = "controller", f"{type(error).__name__}: {text}", None
         remedy = REMEDIES[kind]
-    return Fault(kind, cause, axis, remedy, state, time, sequence, device)
+    hertz = error.hertz if isinstance(error, Violation) else 0.0
+    return Fault(kind, cause, axis, remedy, state, time, sequence, device, hertz)

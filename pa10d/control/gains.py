@@ -34,6 +34,7 @@ from pa10d.control.servo_design import (
     LoopTiming,
     asked_gains,
     fitting_gains,
+    swinging_inertia,
 )
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.profile import Control
@@ -45,6 +46,7 @@ NEAR = 0.3  # of the bound of the following error, that friction and gravity may
 TURNING = 5.4  # kp·e/C: a joint whose friction turns round goes 2·0.27·C/(J·ω²) astray
 UPRIGHT = 2.5  # kp of what gravity pulls a joint by that stands on it
 WORN = 0.5  # of the measured viscous friction that is there in any case
+AGAIN = 0.6  # of the inertia that explained a swing, where it was not enough
 BUS_DELAY = 1.5  # periods from a measurement to the middle of the torque that answers it
 
 
@@ -125,9 +127,13 @@ def fitted_gains(
     return FittedGains(_together(made), np.array([one.sensitivity for one in made]))
 
 
-def first_gains(robot: Robot, control: Control, following_error: Array) -> PidGains:
-    """For an arm that nobody has measured; joints that stick are pushed."""
-    made = fitted_gains(robot, control, following_error, presumed_figures(robot)).gains
+def first_gains(
+    robot: Robot, control: Control, following_error: Array, figures: JointFigures | None = None
+) -> PidGains:
+    """For an arm that nobody has measured; joints that stick are pushed. figures: as presumed, with
+    what swings have shown."""
+    presumed = presumed_figures(robot) if figures is None else figures
+    made = fitted_gains(robot, control, following_error, presumed).gains
     return replace(made, push=PUSH * robot.effort)
 
 
@@ -159,15 +165,34 @@ def _gravity(robot: Robot, q: Array) -> Array:
     return inverse_dynamics(robot, robot.parameters, q, still, still)
 
 
+def after_swing(
+    robot: Robot, control: Control, figures: JointFigures, gains: PidGains, axis: int, hertz: float
+) -> JointFigures:
+    """The same joints, but one that swung at ``hertz`` with these gains: it is at least as light
+    (where it swings faster than its servo should, else as heavy) as would explain that."""
+    delay = BUS_DELAY / control.rate + float(figures.delay[axis])
+    used = JointGains(*(float(values[axis]) for values in (gains.kp, gains.ki, gains.kd)), np.nan)
+    seen = swinging_inertia(used, LoopTiming(1.0 / control.rate, delay), hertz)
+    swung, before = figures.swung.copy(), float(figures.swung[axis])
+    light = seen < inertias(robot, figures).usual[axis]
+    if before and light:
+        seen = min(seen, AGAIN * before)
+    elif before:
+        seen = max(seen, before / AGAIN)
+    swung[axis] = seen
+    return figures.but(swung=swung)
+
+
 def _cases(span: Inertias, figures: JointFigures, j: int) -> list[Case]:
     doubt, viscous = float(figures.doubt[j]), float(figures.viscous[j])
     spring = (float(figures.motor[j]), float(figures.stiffness[j]))
     light, usual, heavy = (float(values[j]) for values in span)
-    return [
+    cases = [
         Case(light / doubt, WORN * viscous, *spring),
         Case(usual, viscous, *spring),
         Case(heavy * doubt, WORN * viscous, *spring, allowed=SLUGGISH),
     ]
+    return cases + ([Case(float(figures.swung[j]))] if figures.swung[j] else [])
 
 
 def _together(made: list[JointGains]) -> PidGains:

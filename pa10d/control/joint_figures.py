@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 POSES = 256
 ABOVE_LIGHTEST = 1.5  # leaves 4 dB until the loop's delay of 4 ms makes it unstable
 ROTOR = 0.75 / 232.0**1.75  # kg·m² per N·m^1.75: PA10's first axes, scaled by the torque limit
+DRAWS = 4  # of bodies as they may be as well, beside the likeliest
 ROUGH, MEASURED = 3.0, 1.25  # by which an inertia may be wrong: a URDF's, a measured one
 
 
@@ -41,6 +42,9 @@ class JointFigures:
     stiffness  N·m/rad of a spring between motor and link, inf: none was seen
     motor      kg·m² on the motor's side of that spring
     doubt      factor by which the inertia may be wrong, to either side
+    swung      kg·m² of a free joint that would swing as this one did with too high gains, 0: never
+    bodies     (1 + DRAWS, n, 10) standard parameters as they were felt, and as they may be as well;
+               empty: the URDF's own
     """
 
     rotor: Array
@@ -51,6 +55,8 @@ class JointFigures:
     stiffness: Array
     motor: Array
     doubt: Array
+    swung: Array
+    bodies: Array = field(default_factory=lambda: np.zeros((0, 0, 10)))
 
     def resonance(self, inertia: Array) -> Array:
         """(n,) Hz at which motor and link swing against each other, inf: never."""
@@ -60,39 +66,42 @@ class JointFigures:
             swing = np.sqrt(self.stiffness * rest) / (2 * np.pi)
         return np.where(sprung, swing, np.inf)
 
-    def document(self) -> dict[str, list[float | None]]:
+    def document(self) -> dict[str, Any]:
         """For JSON; null for what is infinite."""
-        return {
-            key: [float(v) if np.isfinite(v) else None for v in values]
-            for key, values in vars(self).items()
+        own = {
+            key: [float(v) if np.isfinite(v) else None for v in getattr(self, key)]
+            for key in PER_JOINT
         }
+        return {**own, "bodies": self.bodies.tolist()}
 
     @staticmethod
     def from_document(document: Mapping[str, Any]) -> JointFigures:
         """The other way; ValueError where it is none."""
-        names = list(JointFigures.__dataclass_fields__)
         arrays = {
-            k: np.array([np.inf if v is None else float(v) for v in document[k]]) for k in names
+            k: np.array([np.inf if v is None else float(v) for v in document[k]]) for k in PER_JOINT
         }
+        bodies = np.array(document["bodies"], dtype=float).reshape(-1, len(arrays["link"]), 10)
         sizes = {len(v) for v in arrays.values()}
         sound = all((v >= 0).all() for k, v in arrays.items() if k != "delay")  # no number is not
         sound = sound and bool(np.isfinite(arrays["delay"]).all())
-        if len(sizes) != 1 or not sound:
+        if len(sizes) != 1 or not sound or not np.isfinite(bodies).all():
             raise ValueError("expected as many figures of 0 or more for each joint")
-        return JointFigures(**arrays)
+        return JointFigures(**arrays, bodies=bodies)
 
     def but(self, **values: Array) -> JointFigures:
         """With other values."""
         return replace(self, **values)
 
 
+PER_JOINT = tuple(name for name in JointFigures.__dataclass_fields__ if name != "bodies")
+
+
 def presumed_figures(robot: Robot) -> JointFigures:
     """Nobody has measured anything: the URDF's bodies, a rotor of usual size, no friction."""
     zero, one = np.zeros(robot.n), np.ones(robot.n)
     rotor = ROTOR * np.where(np.isfinite(robot.effort), robot.effort, 0.0) ** 1.75
-    return JointFigures(
-        rotor, one, zero, zero, zero, np.full(robot.n, np.inf), zero, ROUGH * one
-    )  # fmt: skip
+    rigid, bodies = np.full(robot.n, np.inf), robot.parameters[None].copy()
+    return JointFigures(rotor, one, zero, zero, zero, rigid, zero, ROUGH * one, zero, bodies)
 
 
 def inertias(robot: Robot, figures: JointFigures) -> Inertias:

@@ -1,9 +1,10 @@
 """Does a joint swing up, and how fast? A few numbers a joint and cycle, compiled.
 
 A swing is counted by its halves: between two changes of sign of the speed error, each of at least
-``SPEED`` of the speed limit, faster than what the motion itself asks for, not smaller than two
-halves before, and with the torque going to and fro by ``TORQUE`` of its limit. ``HALVES`` of them
-in a row are an oscillation; whoever ends the motion earlier asks what was counted until then.
+``SPEED`` of the speed limit, more than what the motion itself changes its speed by meanwhile, not
+smaller than two halves before, and with the servo's torque going to and fro by ``TORQUE`` of its
+limit. ``HALVES`` of them in a row are an oscillation; whoever ends the motion earlier asks what was
+counted until then.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ Array = NDArray[np.float64]
 
 SPEED = 0.05  # of the speed limit
 TORQUE = 0.1  # of the torque limit, from one end to the other
-OWN = 2.5  # times the desired speed: margins allow no servo to answer a motion with more
+OWN = 2.5  # times the change of the desired speed: margins allow no servo to answer with more
 FADES = 0.8  # of the half before the last: less is a swing that dies away
 SLOWEST = 0.5  # Hz
 HALVES, SOME = 10, 4
-_ROWS = 10
-_SIGN, _CYCLES, _SPEED, _ASKED, _BEFORE, _LAST, _LOW, _HIGH, _LOW_LAST, _HIGH_LAST = range(_ROWS)
+_ROWS = 11
+(_SIGN, _CYCLES, _SPEED, _LEAST, _MOST, _BEFORE, _LAST, _LOW, _HIGH, _LOW_LAST,
+ _HIGH_LAST) = range(_ROWS)  # fmt: skip
 
 
 class OscillationWatch:
@@ -44,8 +46,9 @@ class OscillationWatch:
 
     def watch(self, dq: Array, reference: Reference, torque: Array) -> None:
         """Violation where a joint swings; (n,) rad/s measured, N·m sent."""
+        servo = torque - reference.extra  # what shakes the joint on purpose does not count
         axis = _count(
-            dq, reference.dq, torque, self._speed, self._torque, self._longest, OWN, FADES, HALVES,
+            dq, reference.dq, servo, self._speed, self._torque, self._longest, OWN, FADES, HALVES,
             self._state, self._count, self._half,
         )  # fmt: skip
         if axis >= 0:
@@ -63,6 +66,7 @@ class OscillationWatch:
             "oscillation",
             f"swings at {hertz:.2g} Hz, by ±{speed:.2g} rad/s and ±{0.5 * torque:.2g} N·m",
             axis,
+            hertz,
         )
 
     def restart(self) -> None:
@@ -85,7 +89,7 @@ def _count(dq, asked, torque, fast, strong, longest, own, fades, halves, state, 
             counts = (
                 cycles <= longest
                 and speed >= fast[j]
-                and speed >= own * state[_ASKED, j]
+                and speed >= own * (state[_MOST, j] - state[_LEAST, j])
                 and speed >= fades * before
                 and swing >= strong[j]
             )
@@ -96,12 +100,14 @@ def _count(dq, asked, torque, fast, strong, longest, own, fades, halves, state, 
             state[_SIGN, j], state[_CYCLES, j] = sign, 0.0
             state[_HIGH_LAST, j], state[_LOW_LAST, j] = high, low
             state[_HIGH, j] = state[_LOW, j] = torque[j]
-            state[_SPEED, j] = state[_ASKED, j] = 0.0
+            state[_SPEED, j] = 0.0
+            state[_LEAST, j] = state[_MOST, j] = asked[j]
             if count[j] >= halves and found < 0:
                 found = j
         state[_CYCLES, j] += 1.0
         state[_SPEED, j] = max(state[_SPEED, j], abs(error))
-        state[_ASKED, j] = max(state[_ASKED, j], abs(asked[j]))
+        state[_LEAST, j] = min(state[_LEAST, j], asked[j])
+        state[_MOST, j] = max(state[_MOST, j], asked[j])
         state[_LOW, j] = min(state[_LOW, j], torque[j])
         state[_HIGH, j] = max(state[_HIGH, j], torque[j])
     return found

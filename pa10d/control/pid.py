@@ -27,6 +27,9 @@ class Controller(Protocol):
         """N·m wanted in this cycle."""
         ...
 
+    def absorb(self, extra: Array) -> None:
+        """The motion is over: its own torque (n,) N·m becomes the controller's."""
+
     def applied(self, wanted: Array, sent: Array) -> None:
         """What the exit let pass of what was wanted."""
 
@@ -65,6 +68,10 @@ class Pid:
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
         return self.gains.kp * error + damping + self._integral + reference.extra
+
+    def absorb(self, extra: Array) -> None:
+        """The integral goes on with it: no step in torque."""
+        self._integral += extra
 
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup by back-calculation."""

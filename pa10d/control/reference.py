@@ -62,7 +62,10 @@ class MotionUnderWay:
 
 
 class Braking:
-    """From a pose and speed to rest, every joint at its own acceleration limit."""
+    """From a pose and speed to rest, every joint at its own acceleration limit.
+
+    The motion's own torque stays as it is: most of it holds the arm against gravity.
+    """
 
     def __init__(self, acceleration: Array, speed: Array, period: float) -> None:
         self._acceleration, self._period = acceleration, period
@@ -72,7 +75,6 @@ class Braking:
         """One period on, exactly; True once every joint rests."""
         if not out.dq.any():
             out.ddq[:] = 0.0
-            out.extra[:] = 0.0
             return True
         before = out.dq.copy()
         step = self._acceleration * self._period
@@ -80,5 +82,4 @@ class Braking:
         moving = np.minimum(np.abs(before) / step, 1.0) * self._period  # time until it rests
         out.q += 0.5 * (before + out.dq) * moving
         out.ddq[:] = np.where(out.dq == 0.0, 0.0, -np.sign(before) * self._acceleration)
-        out.extra *= max(0.0, 1.0 - self._period / max(self.duration, self._period))
         return False

@@ -91,6 +91,14 @@ def asked_gains(inertia: float, viscous: float, bandwidth: float) -> JointGains:
     return JointGains(3.0 * inertia * bandwidth**2, inertia * bandwidth**3, kd, np.nan)
 
 
+def swinging_inertia(gains: JointGains, timing: LoopTiming, hertz: float) -> float:
+    """kg·m² of a free joint that these gains let swing at ``hertz``: there the loop returns what
+    came in, |C(jω)| = J·ω²."""
+    w = np.array([2.0 * np.pi * hertz])
+    asked = np.array([gains.kp, gains.ki, gains.kd]) @ np.array(timing.terms(w))
+    return float(np.abs(asked[0]) / w[0] ** 2)
+
+
 def fitting_gains(
     asked: JointGains, cases: list[Case], timing: LoopTiming, least: float = 0.0
 ) -> JointGains:

@@ -178,6 +178,11 @@ class TorquePath:
             )
         return None
 
+    def hold(self) -> None:
+        """Stand where the arm shall be, without a step in torque."""
+        self.controller.absorb(self.reference.extra)
+        self.reference.rest(self.reference.q.copy())
+
     def fall_back(self, soft: bool = False) -> None:
         """Plain joint servo from the measured state on: it needs no model and no plan.
 

@@ -14,6 +14,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot
 from pa10d.dynamics.mass import mass_matrices
+from pa10d.experiments.felt_bodies import felt_bodies
 from pa10d.experiments.joint_response import (
     Fitted,
     Friction,
@@ -61,9 +62,11 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
         for j in range(robot.n)
     }
     _refuse_blocked(friction)
+    seen = [(one.q, one.torque, one.rate) for one in parts.values()]
     if "response" not in parts:
         surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
-        return with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
+        half = with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
+        return half.but(bodies=felt_bodies(robot, half, seen))
     strokes = parts["response"]
     friction |= {j: _stroke_friction(strokes, robot, j) for j in range(robot.n)}
     responses = _responses(robot, parts, step)
@@ -71,7 +74,9 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
         j: fitted_response(seen, float(presumed.rotor[j]), friction[j].viscous, strokes.rate)
         for j, seen in responses.items()
     }
-    return with_response(with_friction(presumed, friction), fits)
+    whole = with_response(with_friction(presumed, friction), fits)
+    shaken = [(j, pose) for one in parts.values() for j, pose in _shaken_at(one)]
+    return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
 
 
 def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]:
@@ -89,6 +94,11 @@ def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]
             f"kp {gains.kp[j]:.3g}, ki {gains.ki[j]:.3g}, kd {gains.kd[j]:.3g}"
         )
     return lines
+
+
+def _shaken_at(seen: Seen) -> list[tuple[int, Array]]:
+    spans = [(shaken_joint(span.label), span) for span in seen.plan.spans]
+    return [(j, seen.q[int(span.end * seen.rate) - 1]) for j, span in spans if j is not None]
 
 
 def _refuse_blocked(found: Mapping[int, Friction]) -> None:

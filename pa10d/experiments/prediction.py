@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 BOUND = 0.7  # of the bound of the following error: a prediction is not exact
 FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
 BEYOND = 0.012  # rad beyond a position limit, braking distance included
+LOOKED_AT = ("error", "speed", "torque", "beyond")
 PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
 
 
@@ -62,10 +63,28 @@ def predicted(
     ahead: Array,
 ) -> Predicted:
     """Of a motion (N, n) from rest with the torque ``ahead`` (N, n) N·m that is given with it."""
+    which = range(len(figures.bodies)) or [0]
+    found = [_of_one(robot, limits, gains, figures, motion, ahead, k) for k in which]
+    return Predicted(*(np.max([getattr(one, k) for one in found], axis=0) for k in LOOKED_AT))
+
+
+def _of_one(
+    robot: Robot,
+    limits: ArmLimits,
+    gains: PidGains,
+    figures: JointFigures,
+    motion: Samples,
+    ahead: Array,
+    as_felt: int,
+) -> Predicted:
+    """With one of the bodies that the arm may have."""
     t, q, dq, ddq = motion
-    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
-    rigid = inverse_dynamics(robot, robot.parameters, q, dq, ddq) - own * ddq
-    needed = rigid + torque_ahead(robot, figures, q, dq, ddq)
+    bodies = figures.bodies[as_felt] if len(figures.bodies) else robot.parameters
+    held = inverse_dynamics(robot, bodies, q[:1], np.zeros_like(q[:1]), np.zeros_like(q[:1]))
+    needed = torque_ahead(robot, figures, q, dq, ddq, as_felt)
+    if not len(figures.bodies):
+        own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2) * ddq
+        needed = needed + inverse_dynamics(robot, bodies, q, dq, ddq) - own - held
     left = needed - ahead
     inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
     error, slip = np.zeros_like(q), np.zeros_like(q)
@@ -83,6 +102,6 @@ def predicted(
     return Predicted(
         np.abs(error).max(axis=0),
         np.abs(speed).max(axis=0),
-        np.abs(needed).max(axis=0),
+        np.abs(needed + held).max(axis=0),
         np.nan_to_num(beyond, neginf=-1.0).max(axis=0),
     )

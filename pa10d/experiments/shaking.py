@@ -2,7 +2,7 @@
 
 A joint that slides has friction of one sign, so what the small torques do shows inertia, viscous
 friction, delay and springs alone; at rest it would stick. Amplitudes are such that the joint never
-turns round, be it three times as light as is thought. Schroeder phases keep the peaks low
+turns round, be it three times as light as is thought, or its rotor alone on a spring. Schroeder phases keep the peaks low
 (Schroeder, Synthesis of low-peak-factor signals, IEEE Trans. Inf. Theory 16, 1970).
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.joint_figures import JointFigures
-from pa10d.dynamics import Robot
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.trajectory.kinds.first_motion import PERIOD, shaken_joint
 from pa10d.trajectory.plan import Plan
@@ -24,6 +24,7 @@ OF_RATE = 0.125  # of the loop's rate: highest frequency
 LINES = 16
 APART = 2  # lines of a window's spectrum: Hann's, so that slow drift stays out of the others
 SWING = 0.8  # of the joint's steady speed, that the small torques may take from it or add
+SOFT, SOFT_MOST = 0.024, 12.0  # of the loop's rate, Hz: above it a spring may hide the link
 SHARP = 0.02  # rad/s at which friction of the reference has its full size
 
 
@@ -37,10 +38,17 @@ def lines_of(rate: float) -> Array:
     return np.array(kept) / PERIOD
 
 
-def torque_ahead(robot: Robot, figures: JointFigures, q: Array, dq: Array, ddq: Array) -> Array:
-    """(N, n) N·m of what was measured, along a desired motion (N, n): friction, own inertia."""
-    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
+def torque_ahead(
+    robot: Robot, figures: JointFigures, q: Array, dq: Array, ddq: Array, as_felt: int = 0
+) -> Array:
+    """(N, n) N·m of what was measured, along a desired motion (N, n) that begins at rest: friction,
+    own inertia, gravity and coupling of the bodies as they were felt (``as_felt``: which of them);
+    gravity without what holds the arm at the beginning."""
     friction = figures.coulomb * np.tanh(dq / SHARP) + figures.viscous * dq
+    if len(figures.bodies):
+        felt = inverse_dynamics(robot, figures.bodies[as_felt], q, dq, ddq)
+        return np.asarray(friction + figures.rotor * ddq + felt - felt[0])
+    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
     return np.asarray(friction + (figures.rotor + figures.link * own) * ddq)
 
 
@@ -53,15 +61,18 @@ def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rat
             continue
         middle = np.array([0.5 * (span.begin + span.end)])
         q, dq, _ = plan.at(middle)
-        inertia = figures.rotor[j] + figures.link[j] * mass_matrices(robot, q)[0, j, j]
+        link = figures.link[j] * mass_matrices(robot, q)[0, j, j]
+        lines = lines_of(rate)
+        inertia = figures.rotor[j] + link / (1.0 + (lines / min(SOFT * rate, SOFT_MOST)) ** 2)
         inside = (t >= span.begin) & (t <= span.end)
-        shape = multisine(t[inside], lines_of(rate), inertia / figures.doubt[j])
+        shape = multisine(t[inside], lines, inertia / figures.doubt[j])
         out[inside, j] = SWING * abs(dq[0, j]) * shape
     return out
 
 
-def multisine(t: Array, lines: Array, inertia: float) -> Array:
-    """(N,) N·m that swing a free inertia, kg·m², by 1 rad/s at the peak; all lines alike."""
+def multisine(t: Array, lines: Array, inertia: Array) -> Array:
+    """(N,) N·m that swing free inertias, (K,) kg·m² at each line, by 1 rad/s at the peak; all lines
+    alike."""
     k, w = np.arange(len(lines)), 2.0 * np.pi * lines
     phase = np.outer(t, w) - np.pi * k * (k - 1) / len(lines)
     fine = np.outer(np.arange(0.0, PERIOD, 1e-3), w) - np.pi * k * (k - 1) / len(lines)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
-from pa10d.control.gains import PidGains, first_gains, fitted_gains, pid_gains
-from pa10d.control.joint_figures import JointFigures, inertias
+from pa10d.control.gains import PUSH, PidGains, after_swing, fitted_gains, pid_gains
+from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import Robot
 from pa10d.experiments.measured_joints import Seen, measured_figures, sentences
@@ -34,9 +34,12 @@ from pa10d.trajectory.poses import Surroundings
 Array = NDArray[np.float64]
 Document = dict[str, Any]
 
-SCHEMA = "pa10d/joints/1"
-SOFTER = 0.6  # of the bandwidth, after an oscillation
-SOFTEST = 0.2  # of what the rule gives: softer gains hold nothing
+SCHEMA = "pa10d/joints/2"
+SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
+STILL_SWINGS = (
+    "calmer gains do not end that: raise control.rate, lower control.bandwidth_hz, or look at this "
+    "joint's encoder, gear and coupling for play and springs"
+)
 
 
 def kept_joints(data: str | os.PathLike[str] | None, profile: Profile) -> Document | None:
@@ -68,21 +71,19 @@ def fingerprint(profile: Profile) -> str:
 
 
 def parts_to_run(data: str, profile: str, parameters: Mapping[str, Any]) -> Document:
-    """The parts of a first motion that this arm has, the gains to begin with, and those before."""
+    """The parts of a first motion that this arm has, what to begin with, and the gains before."""
     found, robot = load_robot(profile)
     asked = read_request({"kind": "first_motion", "parameters": parameters})
     assert isinstance(asked, FirstMotion)
     around = Surroundings.of(robot)
     parts = [part for part in PARTS if asked.model_copy(update={"part": part}).has_any(around)]
-    bound = arm_limits(found, robot).following_error
     kept = kept_joints(data, found)
     before = kept["gains"] if kept else pid_gains(robot, found.control).document()
-    first = first_gains(robot, found.control, bound).document()
-    return {"parts": parts, "gains": first, "before": before}
+    return {"parts": parts, "begin": learnt(found, robot, presumed_figures(robot)), "before": before}
 
 
-def learn(data: str, profile: str, runs: Mapping[str, str], softer: float) -> Document:
-    """Figures and gains from the parts recorded so far; softer: share of the bandwidth."""
+def learn(data: str, profile: str, runs: Mapping[str, str], known: Mapping[str, Any]) -> Document:
+    """Figures and gains from the parts recorded so far; known: what was learnt before them."""
     found, robot = load_robot(profile)
     library = open_library(data)
     seen = {}
@@ -94,31 +95,62 @@ def learn(data: str, profile: str, runs: Mapping[str, str], softer: float) -> Do
         plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
         seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
     figures = measured_figures(robot, seen, torque_steps(found, robot))
-    return {"figures": figures.document(), **_gains(found, robot, figures, softer)}
+    swung = JointFigures.from_document(known["figures"]).swung
+    return learnt(found, robot, figures.but(swung=swung))
 
 
-def keep_joints(data: str, profile: str, runs: list[str], learnt: Mapping[str, Any]) -> Document:
+def keep_joints(data: str, profile: str, runs: list[str], known: Mapping[str, Any]) -> Document:
     """Write down what was learnt; it holds until the profile or the URDF changes."""
     found = load_robot(profile)[0]
     now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     head = {"schema": SCHEMA, "profile": found.name, "fingerprint": fingerprint(found)}
-    document = {**head, "measured": now, "runs": runs, **learnt}
+    document = {**head, "measured": now, "runs": runs, **known}
     place = _place(data, found)
     place.parent.mkdir(parents=True, exist_ok=True)
     write_json(place, document)
     return document
 
 
-def soften(data: str, profile: str) -> Document | None:
-    """Lower gains for an arm that swung, kept; None where they would be too soft."""
+def calmer(
+    data: str, profile: str, known: Mapping[str, Any], fault: Mapping[str, Any]
+) -> Document | None:
+    """What is learnt from a joint that swung: gains with which it does not, and a ``note`` of what
+    was changed. None where gains would become too soft to hold anything.
+
+    known: what was learnt before, with the gains that let it swing.
+    """
     found, robot = load_robot(profile)
-    kept = kept_joints(data, found)
-    if kept is None or kept["softer"] * SOFTER < SOFTEST:
+    return calmed(found, robot, known, int(fault["joint"]) - 1, float(fault["hertz"]))
+
+
+def calmed(
+    profile: Profile, robot: Robot, known: Mapping[str, Any], axis: int, hertz: float
+) -> Document | None:
+    """See ``calmer``; axis: 0-based."""
+    figures = JointFigures.from_document(known["figures"])
+    gains = PidGains.from_document(known["gains"])
+    lighter = after_swing(robot, profile.control, figures, gains, axis, hertz)
+    again = learnt(profile, robot, lighter)
+    softer = PidGains.from_document(again["gains"])
+    share = float(softer.kd[axis] / max(gains.kd[axis], 1e-12))
+    usual = inertias(robot, figures).usual[axis]
+    if not SOFTEST < lighter.swung[axis] / usual < 1.0 / SOFTEST:
         return None
-    figures = JointFigures.from_document(kept["figures"])
-    softer = kept["softer"] * SOFTER
-    learnt = {"figures": kept["figures"], **_gains(found, robot, figures, softer)}
-    return keep_joints(data, profile, kept["runs"], learnt)
+    note = (
+        f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit that were set (damping "
+        f"{share:.2g} times as high), and it is tried again"
+    )
+    return {**again, "note": note}
+
+
+def keep_calmer(data: str, profile: str, fault: Mapping[str, Any]) -> Document | None:
+    """The same for an arm that was measured, kept."""
+    kept = kept_joints(data, load_robot(profile)[0])
+    found = None if kept is None else calmer(data, profile, kept, fault)
+    if kept is None or found is None:
+        return None
+    note = found.pop("note")
+    return {**keep_joints(data, profile, kept["runs"], found), "note": note}
 
 
 def torque_steps(profile: Profile, robot: Robot) -> Array:
@@ -128,15 +160,16 @@ def torque_steps(profile: Profile, robot: Robot) -> Array:
     return np.array([scaling_of(drive).rated / 1000.0 for drive in profile.drives])
 
 
-def _gains(profile: Profile, robot: Robot, figures: JointFigures, softer: float) -> Document:
+def learnt(profile: Profile, robot: Robot, figures: JointFigures) -> Document:
+    """Figures and the gains that follow from them, with sentences for a person."""
     bound = arm_limits(profile, robot).following_error
     fitted = fitted_gains(robot, profile.control, bound, figures)
-    gains = fitted.gains.softened(softer) if softer != 1.0 else fitted.gains
-    gains = replace(gains, push=np.zeros(robot.n))
+    push = PUSH * robot.effort if (figures.doubt >= ROUGH).all() else np.zeros(robot.n)
+    gains = replace(fitted.gains, push=push)
     span = inertias(robot, figures)
     return {
+        "figures": figures.document(),
         "gains": gains.document(),
-        "softer": softer,
         "sensitivity": fitted.sensitivity.tolist(),
         "inertia": {key: values.tolist() for key, values in span._asdict().items()},
         "resonance_hz": [

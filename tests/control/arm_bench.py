@@ -8,7 +8,8 @@ from fake_backend import FakeBackend
 from rough_plant import make
 
 from pa10d.control.build import build_arm
-from pa10d.control.gains import PidGains, first_gains, fitted_gains
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures, presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
@@ -19,10 +20,13 @@ from pa10d.experiments.measured_joints import Seen, measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.profile import load_profile
-from pa10d.services.joints import torque_steps
+from pa10d.services.joints import calmed, learnt, torque_steps
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
+
+
+TRIES = 5
 
 
 class BusLike(FakeBackend):
@@ -38,6 +42,10 @@ class BusLike(FakeBackend):
         feedback = super()._cycle()
         self.torque = kept
         return feedback
+
+
+class Refused(Exception):
+    """The pre-check did not let a motion run."""
 
 
 class ArmBench:
@@ -60,6 +68,8 @@ class ArmBench:
         self.arm.cycle()
         self.joints: Joints | None = None
         self.around = Surroundings.of(self.robot)
+        self.notes: list[str] = []
+        self.beyond = np.zeros(7)  # rad, that joints were beyond their limits
 
     def use(self, gains: PidGains) -> None:
         """As the command ``gains`` does."""
@@ -83,7 +93,10 @@ class ArmBench:
         start = self.arm.path.reference.q.copy()
         if self.joints is not None:
             chosen = paced(plan, start, self.robot, self.limits, self.rate, self.joints)
-            assert chosen.check.level != "error", chosen.check.sentence
+            if chosen.check.level == "error":
+                raise Refused(chosen.check.sentence)
+            if chosen.check.level == "warning":
+                self.notes.append(f"{plan.kind}: {chosen.check.sentence}")
             plan, whole, ahead = chosen.plan, chosen.whole, self.joints.figures
         else:
             whole = whole_motion(plan, start, self.robot, self.rate)
@@ -94,29 +107,72 @@ class ArmBench:
         self.arm.run(MotionUnderWay(1, rows, whole.first, whole.last))
         while self.arm.state in (ArmState.RUNNING, ArmState.STOPPING):
             self.arm.cycle()
+            q = self.backend.plant.measure()[0]
+            np.maximum(self.beyond, np.maximum(q - self.limits.upper, self.limits.lower - q),
+                       out=self.beyond)  # fmt: skip
         self.arm.cycle()
         taken = self.ring.read(began)[0]
         return taken[self.ring.layout.get(taken, "recording") > 0], self.arm.fault
 
+    def run_on(self, plan):
+        """As an experiment does: with calmer gains where a joint swings."""
+        for _ in range(TRIES):
+            rows, fault = self.run(plan)
+            if fault is None or not self._calm(fault):
+                break
+        return rows, fault
+
     def first_motion(self):
         """Enable, measure, use what follows → the fault that ended it, or None."""
-        bound = self.limits.following_error
-        self.use(first_gains(self.robot, self.profile.control, bound))
+        self.known = learnt(self.profile, self.robot, presumed_figures(self.robot))
+        self._use_known()
         if (fault := self.enable()) is not None:
             return fault
-        parts, figures, get = {}, None, self.ring.layout.get
+        parts, get = {}, self.ring.layout.get
         for part in PARTS:
             asked = {"kind": "first_motion", "parameters": {"part": part}}
             plan = read_request(asked).build(self.around)
-            rows, fault = self.run(plan, figures)
+            for _ in range(TRIES):
+                ahead = JointFigures.from_document(self.known["figures"])
+                rows, fault = self.run(plan, ahead)
+                if fault is None or not self._calm(fault):
+                    break
             if fault is not None:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
             figures = measured_figures(self.robot, parts, self.steps)
-            gains = fitted_gains(self.robot, self.profile.control, bound, figures).gains
-            self.use(gains)
-        self.joints = Joints(figures, gains, ahead=True)
+            swung = JointFigures.from_document(self.known["figures"]).swung
+            self.known = learnt(self.profile, self.robot, figures.but(swung=swung))
+            self._use_known()
+        self._take_joints()
         return None
+
+    def _use_known(self):
+        self.use(PidGains.from_document(self.known["gains"]))
+
+    def _take_joints(self):
+        gains = PidGains.from_document(self.known["gains"])
+        figures = JointFigures.from_document(self.known["figures"])
+        self.joints = Joints(figures, gains, ahead=True)
+
+    def _calm(self, fault) -> bool:
+        """Reset with calmer gains, if it swung."""
+        if fault.kind != "oscillation":
+            return False
+        calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
+        if calmer is None:
+            return False
+        self.notes.append(calmer.pop("note"))
+        self.known = calmer
+        while self.arm.state != ArmState.FAULT:
+            self.arm.cycle()
+        self.arm.reset()
+        while self.arm.state != ArmState.INACTIVE:
+            self.arm.cycle()
+        self._use_known()
+        if self.joints is not None:
+            self._take_joints()
+        return self.enable() is None
 
     def error(self, rows):
         """(n,) rad, the largest."""

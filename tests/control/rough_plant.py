@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 SUBSTEP = 1e-3  # s
+BODIES = 2e-3  # s for which mass matrix and bias forces are good: a joint turns by 0.7° at most
 SWEEPS = 6
 RATED = 232.0  # N·m of the joint that the figures below are of
 COUNTS = 819200.0  # of the encoder per turn
@@ -21,12 +22,13 @@ class RoughPlant:
     """Scales are one number or one per joint: ``inertia`` of the link's own inertia about its
     centre of mass and of the rotor; ``mass`` of masses; ``friction`` of dry and viscous friction.
 
+    rotor: of the rotor's, in place of ``inertia``;
     coulomb, viscous: N·m, N·m·s/rad in place of the usual ones; springs: joint (1-based) → N·m/rad;
     signs: of the torque; lag: s by which a drive's torque follows its command (first order).
     """
 
     def __init__(
-        self, profile, inertia=1.0, mass=1.0, friction=1.0, coulomb=None, viscous=None,
+        self, profile, inertia=1.0, mass=1.0, rotor=None, friction=1.0, coulomb=None, viscous=None,
         springs=None, signs=1.0, lag=0.0, noise=1.0, seed=4,
     ):  # fmt: skip
         model = pin.buildModelFromUrdf(str(profile.urdf))
@@ -39,7 +41,7 @@ class RoughPlant:
                 heavy[j] * body.mass, body.lever, turn[j] * np.array(body.inertia)
             )
         size = np.array(profile.limits.torque) / RATED
-        self.rotor = turn * 0.75 * size**1.75
+        self.rotor = (turn if rotor is None else np.broadcast_to(rotor, n)) * 0.75 * size**1.75
         self.dry = rub * (8.0 * size**0.83 if coulomb is None else np.broadcast_to(coulomb, n))
         self.wet = rub * (10.0 * size**0.83 if viscous is None else np.broadcast_to(viscous, n))
         self.level = noise * 0.2 * size**0.7
@@ -70,16 +72,23 @@ class RoughPlant:
         count = max(1, round(dt / SUBSTEP))
         h, n = dt / count, self.n
         share = 1.0 if self.lag <= 0 else 1.0 - np.exp(-h / self.lag)
-        for _ in range(count):
+        each = max(1, round(BODIES / h))
+        for k in range(count):
             self.felt = self.felt + share * (self.sent - self.felt)
             angle, speed = self.q[:n], self.v[:n]
-            mass = pin.crba(self.model, self.data, angle)
-            bias = pin.nonLinearEffects(self.model, self.data, angle, speed)
+            if k % each == 0:
+                mass = pin.crba(self.model, self.data, angle)
+                bias = pin.nonLinearEffects(self.model, self.data, angle, speed)
             self.v = _advance(
                 mass, bias, self.q, self.v, self.signs * self.felt, self.rotor, self.at,
                 self.bent, self.stiffness, self.loss, self.dry, self.wet, h,
             )  # fmt: skip
             self.q = self.q + h * self.v
+
+    def mass_at(self, angle):
+        """(n, n) kg·m² of the links."""
+        half = np.triu(pin.crba(self.model, self.data, np.asarray(angle, float)))
+        return half + np.triu(half, 1).T
 
     def measure(self):
         shown = np.round(self.q[self.at] * COUNTS / (2 * np.pi)) * 2 * np.pi / COUNTS

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.1  # s
 SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
-SOFTER_TRIES = 2  # with softer gains each
+TRIES = 3  # with calmer gains each
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 STOPPED = 15.0  # s for the arm to come to rest
@@ -63,34 +63,34 @@ class Experiment:
         self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
 
     async def carry_out(self) -> dict[str, Any]:
-        """To the end; the arm is left as it was found. An arm that swings is tried with softer
+        """To the end; the arm is left as it was found. An arm that swings is tried with calmer
         gains, if it was measured."""
-        for _ in range(SOFTER_TRIES):
+        for _ in range(TRIES - 1):
             try:
                 return await self._once()
             except UserError:
-                if not await self._softened():
+                if not await self._calmed():
                     raise
         return await self._once()
 
-    async def _softened(self) -> bool:
-        """Whether the arm swung, and has got softer gains; the fault is left for that."""
+    async def _calmed(self) -> bool:
+        """Whether the arm swung, and has got calmer gains; the fault is left for that."""
         fault, robot = self._robot.fault, self._robot
         if fault is None or fault["kind"] != "oscillation" or robot.joints is None:
             return False
         kept = await self._daemon.workers.run(
-            "pa10d.services.joints:soften",
+            "pa10d.services.joints:keep_calmer",
             lambda *_: None,
             data=str(self._daemon.data),
             profile=str(self._daemon.profile.path),
+            fault=fault,
         )
         if kept is None:
             return False
+        self.result.setdefault("notes", []).append(kept.pop("note"))
         await robot.reset()
         await robot.use_gains(kept["gains"], keep=True)
         robot.joints = kept
-        note = f"{fault['cause']}: again with {kept['softer']:.0%} of the bandwidth"
-        self.result.setdefault("notes", []).append(note)
         self.result["runs"] = []
         self._request = {**self._request, "replace": self._request["name"] is not None}
         return True

@@ -9,13 +9,13 @@ from pa10d.common.errors import UserError
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.robot import CommandRefused
-from pa10d.services.joints import SOFTER, kept_joints
+from pa10d.services.joints import STILL_SWINGS, kept_joints
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
 
 SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
-TRIES = 3  # with softer and softer gains where the arm swings
+TRIES = 5  # with calmer and calmer gains where the arm swings
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
 
 
@@ -27,7 +27,6 @@ class FirstMotion:
         self._request, self._report = request, report
         self.moved = False
         self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
-        self._softer = 1.0
         self._before: dict[str, Any] = {}
 
     async def carry_out(self) -> dict[str, Any]:
@@ -50,49 +49,55 @@ class FirstMotion:
 
     async def _measure(self) -> dict[str, Any]:
         begin = await self._ask("parts_to_run", parameters=self._request["parameters"])
-        self._before = begin["before"]
-        gains, figures, learnt = begin["gains"], None, {}
+        self._before, known = begin["before"], begin["begin"]
         runs: dict[str, str] = {}
         before = 0.0
         for name in begin["parts"]:
             share = SHARES[name]
             inner = part(self._report, before, before + share)
-            runs[name] = await self._run(name, gains, figures, inner)
+            runs[name], known = await self._run(name, known, inner)
             before += share
-            learnt = await self._ask("learn", runs=runs, softer=self._softer)
-            gains, figures = learnt["gains"], learnt["figures"]
-        kept = await self._ask("keep_joints", runs=list(runs.values()), learnt=learnt)
-        await self._robot.use_gains(gains, keep=True)
+            known = await self._ask("learn", runs=runs, known=known)
+        kept = await self._ask("keep_joints", runs=list(runs.values()), known=known)
+        await self._robot.use_gains(kept["gains"], keep=True)
         self._robot.joints = kept
         self.result |= {"joints": kept, "recommendation": kept["sentences"]}
         return self.result
 
-    async def _run(self, name: str, gains: Any, figures: Any, report: Progress) -> str:
-        """One part → its run; with softer gains where the arm swings with these."""
+    async def _run(
+        self, name: str, known: dict[str, Any], report: Progress
+    ) -> tuple[str, dict[str, Any]]:
+        """One part → its run, and what is known then: gains get calmer where the arm swings."""
+        request = self._request | {"controller": "pid", "model": None, "name": None}
+        request["parameters"] = {**self._request["parameters"], "part": name}
         for left in reversed(range(TRIES)):
-            await self._robot.use_gains(gains, keep=False)
-            request = self._request | {"controller": "pid", "model": None, "name": None}
-            request["parameters"] = {**self._request["parameters"], "part": name}
-            experiment = Experiment(self._daemon, request, report, figures)
+            await self._robot.use_gains(known["gains"], keep=False)
+            experiment = Experiment(self._daemon, request, report, known["figures"])
             try:
                 found = await experiment.carry_out()
-            except UserError:
-                fault = self._robot.fault
-                if not left or not fault or fault["kind"] != "oscillation":
-                    raise
-                self._softer *= SOFTER
-                self.result.setdefault("notes", []).append(
-                    f"{fault['cause']}: again with {self._softer:.0%} of the bandwidth"
-                )
-                gains = _softened(gains)
-                await self._robot.reset()
+            except UserError as error:
+                known = await self._calmer(known, error, left > 0)
                 continue
             self.moved = True
             self.result["seconds"] = self.result.get("seconds", 0.0) + found["seconds"]
             self.result["recorded"] += found["recorded"]
             self.result["runs"] += found["runs"]
-            return str(found["runs"][0])
+            return str(found["runs"][0]), known
         raise AssertionError("the last try raises")
+
+    async def _calmer(
+        self, known: dict[str, Any], error: UserError, again: bool
+    ) -> dict[str, Any]:
+        """What is known after a joint swung, the fault left for that; any other end is the end."""
+        fault = self._robot.fault
+        if not fault or fault["kind"] != "oscillation":
+            raise error
+        calmer = await self._ask("calmer", known=known, fault=fault) if again else None
+        if calmer is None:
+            raise UserError(f"{fault['cause']}; {STILL_SWINGS}") from error
+        self.result.setdefault("notes", []).append(calmer.pop("note"))
+        await self._robot.reset()
+        return dict(calmer)
 
     async def _ask(self, what: str, **more: Any) -> Any:
         return await self._daemon.workers.run(
@@ -108,8 +113,3 @@ class FirstMotion:
         with contextlib.suppress(CommandRefused):
             if self._before:
                 await self._robot.use_gains(self._before, keep=False)
-
-
-def _softened(gains: dict[str, list[float]]) -> dict[str, list[float]]:
-    powers = {"kp": 2, "ki": 3, "kd": 1, "push": 0}
-    return {key: [SOFTER ** powers[key] * v for v in values] for key, values in gains.items()}
