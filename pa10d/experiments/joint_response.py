@@ -64,29 +64,59 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
     return Friction(float(found[0]), float(found[1]), moved, reach)
 
 
+def stroke_friction(
+    strokes: Sequence[tuple[Array, Array]], rate: float, inertia: float
+) -> Friction | None:
+    """From windows of steady sliding, each angle and sent torque (N,), to and fro over one way at
+    two speeds; None where the joint did not slide there.
+
+    Half of the difference between to and fro is C + B·|dq|, whatever gravity does on the way; a
+    joint that rings on its spring has the same mean.
+    """
+    means = []
+    for q, torque in strokes:
+        t = np.arange(len(q)) / rate
+        bent, speed = np.polyfit(t - t.mean(), q, 2)[:2]
+        means.append((float(torque.mean()) - inertia * 2.0 * float(bent), float(speed)))
+    pairs = [(a, b) for a, b in zip(means[::2], means[1::2], strict=False)]
+    if not pairs or any(min(a[1], -b[1]) < SLIDES for a, b in pairs):
+        return None
+    speeds = np.array([0.5 * (a[1] - b[1]) for a, b in pairs])
+    halves = np.array([0.5 * (a[0] - b[0]) for a, b in pairs])
+    columns = np.stack([np.ones_like(speeds), speeds], axis=1)
+    coulomb, viscous = scipy.optimize.nnls(columns, np.maximum(halves, 0.0))[0]
+    moved = max(float(np.ptp(q)) for q, _ in strokes)
+    return Friction(float(coulomb), float(viscous), moved, float(halves.max()))
+
+
 @dataclass(frozen=True)
 class Response:
-    """rad per N·m at lines (K,) Hz and its relative error (K,); kg·m² that the URDF has there with
-    all other joints held, and with all of them free to give way."""
+    """rad per N·m at lines (K,) Hz and its relative error (K,); kg·m² that the URDF has there."""
 
     lines: Array
     value: Complex
     error: Array
-    held: float = 0.0
-    free: float = 0.0
+    inertia: float = 0.0
 
 
-def response_of(q: Array, torque: Array, rate: float, lines: Array, noise: float) -> Response:
-    """From whole periods of angle and sent torque (W, N); noise: N·m of the torque, by its steps.
+def response_of(
+    q: Array, torque: Array, rate: float, lines: Array, noise: float, j: int, mass: Array
+) -> Response:
+    """Of joint j, from whole periods of angles (W, N, n) and its sent torque (W, N); noise: N·m of
+    the torque, by its steps; mass: (n, n) kg·m² of the links.
 
-    Windows are averaged as cross spectra; what differs between them is error.
+    Windows are averaged as cross spectra; what differs between them is error. What the other
+    joints' giving way takes of the torque is taken off it: M_jk times their acceleration.
     """
-    windows, count = q.shape
+    windows, count = torque.shape
     drift = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), 2)
     apart = np.eye(count) - drift @ np.linalg.pinv(drift)
     at = np.outer(lines, np.arange(count) / rate)
     waves = np.exp(-2j * np.pi * at) * scipy.signal.windows.hann(count, sym=False) * 4.0 / count
-    angle, effort = q @ apart @ waves.T, torque @ apart @ waves.T
+    angles = np.einsum("wtj,ts,ks->wkj", q, apart, waves)
+    angle, effort = angles[:, :, j], torque @ apart @ waves.T
+    others = np.delete(np.arange(q.shape[2]), j)
+    effort = effort + (2 * np.pi * lines) ** 2 * (angles[:, :, others] @ mass[j, others])
     power = (np.abs(effort) ** 2).sum(axis=0)
     value = (angle * effort.conj()).sum(axis=0) / power
     differ = np.sqrt((np.abs(angle - value * effort) ** 2).sum(axis=0) / max(windows - 1, 1))
@@ -112,23 +142,15 @@ def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate
     """One joint in one or more poses: rotor + link × the URDF's inertia, rigid or with a spring.
 
     rotor, viscous: what is thought; with one pose alone the two inertias cannot be told apart, and
-    stay in the ratio that is thought. A spring is believed where it lowers the misfit much. Whether
-    the other joints stood still or gave way is taken as it fits better.
+    stay in the ratio that is thought. A spring is believed where it lowers the misfit much.
     """
-    fits = [_fitted(seen, attribute, rotor, viscous, rate) for attribute in ("held", "free")]
-    return min(fits, key=lambda fit: fit.misfit)
-
-
-def _fitted(
-    seen: Sequence[Response], attribute: str, rotor: float, viscous: float, rate: float
-) -> Fitted:
     start = np.log([max(rotor, 1e-9), 1.0])
     friction = np.log(max(viscous, 1e-2 * rotor))
 
     def misfit(x: Array) -> Array:
         parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR]
         for one in seen:
-            off = np.log(one.value / _model(x, one, getattr(one, attribute), rate)) / one.error
+            off = np.log(one.value / _model(x, one, rate)) / one.error
             parts += [off.real, off.imag]
         return np.concatenate(parts)
 
@@ -152,10 +174,10 @@ def _fitted(
     return Fitted(inertia, link, damping, float(chosen[3]), stiffness, left)
 
 
-def _model(x: Array, one: Response, inertia: float, rate: float) -> Complex:
+def _model(x: Array, one: Response, rate: float) -> Complex:
     """x: logarithms of rotor, link, viscous; delay; logarithm of stiffness where there is one."""
     spring = (float(np.exp(x[0])), float(np.exp(x[4]))) if len(x) > 4 else (0.0, np.inf)
-    case = Case(float(np.exp(x[0]) + np.exp(x[1]) * inertia), float(np.exp(x[2])), *spring)
+    case = Case(float(np.exp(x[0]) + np.exp(x[1]) * one.inertia), float(np.exp(x[2])), *spring)
     s = np.asarray(2j * np.pi * one.lines, dtype=np.complex128)
     return np.asarray(case.response(s) * np.exp(-s * (BUS_DELAY / rate + x[3])))
 

@@ -22,6 +22,7 @@ from pa10d.experiments.joint_response import (
     fitted_response,
     friction_of,
     response_of,
+    stroke_friction,
     with_friction,
     with_response,
 )
@@ -114,6 +115,11 @@ def _stroke_friction(seen: Seen, robot: Robot, j: int) -> Friction:
     spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
     cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
     own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
+    cuts = [seen.between(max(span.begin, span.end - PERIOD), span.end) for span in spans]
+    windows = [(seen.q[one, j], seen.torque[one, j]) for one in cuts]
+    found = stroke_friction(windows, seen.rate, float(own))
+    if found is not None:
+        return found
     return friction_of(seen.q[cut, j], seen.torque[cut, j], seen.rate, float(own))
 
 
@@ -128,14 +134,12 @@ def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array) -> dict[int
             if j is not None:
                 end = int(span.end * rate) - 1
                 cut = slice(end - count, end)
-                windows[j, name].append((seen.q[cut, j], seen.torque[cut, j], seen.q[end]))
-    rotors = np.diag(presumed_figures(robot).rotor)
+                windows[j, name].append((seen.q[cut], seen.torque[cut, j], seen.q[end]))
     found: dict[int, list[Response]] = defaultdict(list)
     for (j, _), taken in windows.items():
         q, torque = (np.array([one[k] for one in taken]) for k in (0, 1))
         noise = float(step[j]) / np.sqrt(12.0)
-        response = response_of(q, torque, rate, lines_of(rate), noise)
         mass = mass_matrices(robot, taken[0][2][None])[0]
-        free = 1.0 / np.linalg.inv(mass + rotors)[j, j] - rotors[j, j]
-        found[j].append(replace(response, held=float(mass[j, j]), free=float(free)))
+        response = response_of(q, torque, rate, lines_of(rate), noise, j, mass)
+        found[j].append(replace(response, inertia=float(mass[j, j])))
     return dict(found)

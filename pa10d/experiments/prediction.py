@@ -2,12 +2,14 @@
 
 The servo has to give what is not given ahead: gravity, coupling, and friction and inertia where
 they were not measured. With J·ë + (kd + B)·ė + kp·e + ki·∫e = that torque, each joint for itself,
-the error follows from the motion alone; delay is left out, margins (``servo_design``) allow for it.
+the error follows from the motion alone; a spring between motor and link is part of the joint. Delay
+is left out, margins (``servo_design``) allow for it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -26,6 +28,8 @@ Array = NDArray[np.float64]
 BOUND = 0.7  # of the bound of the following error: a prediction is not exact
 FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
 BEYOND = 0.012  # rad beyond a position limit, braking distance included
+SPRING_LOSS = 0.02  # of critical damping, of a spring
+POSES = 20  # along a motion, in which a link's inertia is looked at
 LOOKED_AT = ("error", "speed", "torque", "beyond")
 PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
 
@@ -68,6 +72,17 @@ def predicted(
     return Predicted(*(np.max([getattr(one, k) for one in found], axis=0) for k in LOOKED_AT))
 
 
+def _spring(link: float, stiffness: float) -> tuple[Array, Array]:
+    """A link on its spring: how late it is, and what it asks of the motor, as polynomials in s."""
+    loss = 2.0 * SPRING_LOSS * np.sqrt(stiffness * link)
+    return np.array([link, loss, stiffness]), np.array([loss, stiffness])
+
+
+def _filtered(above: Any, below: Any, rate: float, x: Array) -> Array:
+    """above(s)/below(s) of a signal (N,) that is 0 before."""
+    return np.asarray(scipy.signal.lfilter(*scipy.signal.bilinear(above, below, rate), x))
+
+
 def _of_one(
     robot: Robot,
     limits: ArmLimits,
@@ -85,17 +100,24 @@ def _of_one(
     if not len(figures.bodies):
         own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2) * ddq
         needed = needed + inverse_dynamics(robot, bodies, q, dq, ddq) - own - held
-    left = needed - ahead
     inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
+    own = np.diagonal(mass_matrices(robot, q[:: max(1, len(q) // POSES)]), axis1=1, axis2=2)
+    link = figures.link * own.mean(axis=0)
     error, slip = np.zeros_like(q), np.zeros_like(q)
     for j in range(robot.n):
-        damping = gains.kd[j] + figures.viscous[j]
-        below = [inertia[j], damping, gains.kp[j], gains.ki[j]]
-        push = left[:, j] - left[0, j]
-        error[:, j] = scipy.signal.lfilter(*scipy.signal.bilinear([1.0, 0.0], below, rate), push)
-        slip[:, j] = scipy.signal.lfilter(
-            *scipy.signal.bilinear([1.0, 0.0, 0.0], below, rate), push
-        )
+        above, below = np.array([1.0]), np.array([inertia[j], figures.viscous[j], 0.0])
+        if np.isfinite(figures.stiffness[j]):
+            late, spring = _spring(float(link[j]), float(figures.stiffness[j]))
+            motor = figures.motor[j] * ddq[:, j] + figures.viscous[j] * dq[:, j]
+            rest = needed[:, j] - motor
+            needed[:, j] = motor + _filtered(spring, late, rate, rest)
+            moved = np.polymul([figures.motor[j], figures.viscous[j], 0.0], late)
+            above, below = late, np.polyadd(moved, np.polymul([link[j], 0.0, 0.0], spring))
+        servo = [gains.kd[j], gains.kp[j], gains.ki[j]]
+        closed = np.polyadd(np.polymul(below, [1.0, 0.0]), np.polymul(above, servo))
+        push = needed[:, j] - ahead[:, j]
+        for out, order in ((error, [1.0, 0.0]), (slip, [1.0, 0.0, 0.0])):
+            out[:, j] = _filtered(np.polymul(above, order), closed, rate, push - push[0])
     at, speed = q - error, dq - slip
     stop = at + speed * np.abs(speed) / (2.0 * limits.acceleration)
     beyond = np.maximum(stop - limits.upper, limits.lower - stop)

@@ -63,13 +63,14 @@ def drawn(seed: int) -> dict:
 
 
 def built(rate: float, modes: dict | None = None, **options) -> ArmBench:
-    """modes: joint → times the default bandwidth at which motor and link swing at rest."""
+    """modes: joint → times the default bandwidth above which motor and link swing in any pose."""
     if modes:
         options["springs"] = {}
         stiff = ArmBench(rate, **options)
         bandwidth = stiff.profile.control.servo_bandwidth
+        poses = np.random.default_rng(0).uniform(-1.5, 1.5, (20, 7))
         for joint, times in modes.items():
-            link = stiff.plant.mass_at(np.zeros(7))[joint - 1, joint - 1]
+            link = max(stiff.plant.mass_at(q)[joint - 1, joint - 1] for q in poses)
             rotor = stiff.plant.rotor[joint - 1]
             both = 1.0 / (1.0 / link + 1.0 / rotor)
             options["springs"][joint] = float((2 * np.pi * times * bandwidth) ** 2 * both)
