@@ -171,7 +171,8 @@ def after_swing(
     """The same joints, but one that swung at ``hertz`` with these gains: it is at least as light
     (where it swings faster than its servo should, else as heavy) as would explain that."""
     delay = BUS_DELAY / control.rate + float(figures.delay[axis])
-    used = JointGains(*(float(values[axis]) for values in (gains.kp, gains.ki, gains.kd)), np.nan)
+    kp, ki, kd = (float(values[axis]) for values in (gains.kp, gains.ki, gains.kd))
+    used = JointGains(kp, ki, kd, np.nan)
     seen = swinging_inertia(used, LoopTiming(1.0 / control.rate, delay), hertz)
     swung, before = figures.swung.copy(), float(figures.swung[axis])
     light = seen < inertias(robot, figures).usual[axis]

@@ -2,8 +2,9 @@
 
 A joint that slides has friction of one sign, so what the small torques do shows inertia, viscous
 friction, delay and springs alone; at rest it would stick. Amplitudes are such that the joint never
-turns round, be it three times as light as is thought, or its rotor alone on a spring. Schroeder phases keep the peaks low
-(Schroeder, Synthesis of low-peak-factor signals, IEEE Trans. Inf. Theory 16, 1970).
+turns round, be it three times as light as is thought, or its rotor alone on a spring. Schroeder
+phases keep the peaks low (Schroeder, Synthesis of low-peak-factor signals, IEEE Trans. Inf. Theory
+16, 1970).
 """
 
 from __future__ import annotations

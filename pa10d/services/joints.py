@@ -79,7 +79,11 @@ def parts_to_run(data: str, profile: str, parameters: Mapping[str, Any]) -> Docu
     parts = [part for part in PARTS if asked.model_copy(update={"part": part}).has_any(around)]
     kept = kept_joints(data, found)
     before = kept["gains"] if kept else pid_gains(robot, found.control).document()
-    return {"parts": parts, "begin": learnt(found, robot, presumed_figures(robot)), "before": before}
+    return {
+        "parts": parts,
+        "begin": learnt(found, robot, presumed_figures(robot)),
+        "before": before,
+    }
 
 
 def learn(data: str, profile: str, runs: Mapping[str, str], known: Mapping[str, Any]) -> Document:

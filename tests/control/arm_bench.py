@@ -25,7 +25,6 @@ from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
 
-
 TRIES = 5
 
 

@@ -23,7 +23,6 @@ from arm_bench import ArmBench, Refused
 from pa10d.control.gains import BUS_DELAY
 from pa10d.control.servo_design import Case, JointGains, LoopTiming, sensitivity
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.profile import load_profile
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import read_request
 

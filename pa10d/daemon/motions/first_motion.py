@@ -85,16 +85,14 @@ class FirstMotion:
             return str(found["runs"][0]), known
         raise AssertionError("the last try raises")
 
-    async def _calmer(
-        self, known: dict[str, Any], error: UserError, again: bool
-    ) -> dict[str, Any]:
+    async def _calmer(self, known: dict[str, Any], error: UserError, again: bool) -> dict[str, Any]:
         """What is known after a joint swung, the fault left for that; any other end is the end."""
         fault = self._robot.fault
         if not fault or fault["kind"] != "oscillation":
             raise error
         calmer = await self._ask("calmer", known=known, fault=fault) if again else None
         if calmer is None:
-            raise UserError(f"{fault['cause']}; {STILL_SWINGS}") from error
+            raise UserError(f"joint {fault['joint']}: {fault['cause']}; {STILL_SWINGS}") from error
         self.result.setdefault("notes", []).append(calmer.pop("note"))
         await self._robot.reset()
         return dict(calmer)

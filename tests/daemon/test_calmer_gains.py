@@ -1,0 +1,103 @@
+"""A first motion whose arm swings: gains get calmer, it goes on, and says so; or it gives up."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace
+
+import pytest
+
+from pa10d.daemon import first_motion
+from pa10d.errors import UserError
+
+FAULT = {"kind": "oscillation", "cause": "swings at 17 Hz", "joint": 2, "hertz": 17.0}
+REQUEST = {"kind": "first_motion", "parameters": {}}
+
+
+class Robot:
+    """Swings until it was given calmer gains so many times."""
+
+    def __init__(self, swings):
+        self.swings, self.fault, self.moving = swings, None, False
+        self.used, self.resets, self.joints = [], 0, None
+
+    async def use_gains(self, gains, keep):
+        self.used.append((gains, keep))
+
+    async def reset(self):
+        self.resets, self.fault = self.resets + 1, None
+
+
+class Workers:
+    """What the services would say; ``calmer`` until there is nothing calmer."""
+
+    def __init__(self, calmest):
+        self.calmest, self.calls = calmest, []
+
+    async def run(self, what, _, **asked):
+        name = what.split(":")[1]
+        self.calls.append(name)
+        if name == "parts_to_run":
+            return {"parts": ["friction"], "begin": known(0), "before": "old"}
+        if name == "calmer":
+            assert asked["fault"] == FAULT
+            step = asked["known"]["step"] + 1
+            return None if step > self.calmest else known(step) | {"note": f"note {step}"}
+        return asked["known"] | {"sentences": ["joint 1: …"]}
+
+
+def known(step):
+    return {"gains": f"gains {step}", "figures": f"figures {step}", "step": step}
+
+
+def measured(monkeypatch, swings, calmest=10, fault=FAULT):
+    """→ the robot, the workers, and the result or the error."""
+    robot, workers = Robot(swings), Workers(calmest)
+
+    class Experiment:
+        def __init__(self, daemon, request, report, figures):
+            assert request["parameters"]["part"] == "friction"
+            assert figures == robot.used[-1][0].replace("gains", "figures")
+
+        async def carry_out(self):
+            if robot.swings:
+                robot.swings -= 1
+                robot.fault = fault
+                raise UserError("run x: aborted")
+            return {"recorded": [{"duration": 1.0}], "runs": ["x"]}
+
+    monkeypatch.setattr(first_motion, "Experiment", Experiment)
+    monkeypatch.setattr(first_motion, "kept_joints", lambda *_: None)
+    profile = SimpleNamespace(path="arm.yaml")
+    daemon = SimpleNamespace(robot=robot, workers=workers, data="data", profile=profile)
+    try:
+        found = asyncio.run(first_motion.FirstMotion(daemon, REQUEST, lambda *_: None).carry_out())
+    except UserError as error:
+        found = error
+    return robot, workers, found
+
+
+def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
+    robot, workers, found = measured(monkeypatch, swings=2)
+    assert [gains for gains, _ in robot.used] == ["gains 0", "gains 1", "gains 2", "gains 2"]
+    assert robot.used[-1] == ("gains 2", True)
+    assert found["notes"] == ["note 1", "note 2"]
+    assert robot.resets == 2
+    assert robot.joints["step"] == 2
+    assert workers.calls[-1] == "keep_joints"
+
+
+@pytest.mark.parametrize(("swings", "calmest"), [(99, 99), (99, 1)])
+def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, swings, calmest):
+    robot, workers, found = measured(monkeypatch, swings, calmest)
+    assert isinstance(found, UserError)
+    assert str(found).startswith("joint 2: swings at 17 Hz; ")
+    assert "raise control.rate" in str(found)
+    assert "keep_joints" not in workers.calls
+    assert robot.used[-1] == ("old", False), "the gains from before are back"
+
+
+def test_another_fault_is_not_tried_again(monkeypatch):
+    robot, _, found = measured(monkeypatch, 1, fault=FAULT | {"kind": "following_error"})
+    assert str(found) == "run x: aborted"
+    assert robot.resets == 0
