@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from pa10d.daemon import first_motion
-from pa10d.errors import UserError
+from pa10d.common.errors import UserError
+from pa10d.daemon.motions import first_motion
 
 FAULT = {"kind": "oscillation", "cause": "swings at 17 Hz", "joint": 2, "hertz": 17.0}
 REQUEST = {"kind": "first_motion", "parameters": {}}
@@ -64,7 +64,7 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT):
                 robot.swings -= 1
                 robot.fault = fault
                 raise UserError("run x: aborted")
-            return {"recorded": [{"duration": 1.0}], "runs": ["x"]}
+            return {"recorded": [{"duration": 1.0}], "runs": ["x"], "seconds": 1.0}
 
     monkeypatch.setattr(first_motion, "Experiment", Experiment)
     monkeypatch.setattr(first_motion, "kept_joints", lambda *_: None)
