@@ -20,6 +20,7 @@ SMOOTH_LEVEL = 0.01  # of a map that a user chose
 TELL_APART = 2.6  # standard errors by which the better of two rivals must lead: 1 %, two-sided
 HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone; both sides make SEARCH_LEVEL
 COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
+BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that much too low
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
@@ -89,6 +90,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 
 # -- chosen, and no record says on which data ------------------------------------------------------
 
+BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size speaks for it
 MATERIAL_REST = MATERIAL  # times the noise floor: policy, one for all that judge
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -35,7 +37,29 @@ def test_what_comes_again_is_claimed_from_where_it_matters(ratio):
 
 
 def test_what_does_not_come_again_or_does_not_matter_is_no_claim():
-    assert claims(judged(1.15, 3.0), [SURE, CHANCE]) == []
+    assert claims(judged(1.15, 1.9), [SURE, CHANCE]) == []
+
+
+@pytest.mark.parametrize("seen", [None, CHANCE])
+@pytest.mark.parametrize("source", ["repeated motion", "high frequencies", "standstill"])
+def test_an_error_of_many_times_the_floor_is_never_called_nothing(source, seen):
+    """Whatever nobody can name: 39.8 times the floor was once "nothing is missing"."""
+    (claim,) = claims(judged(5.0, source=source), [seen])
+    assert (claim.witness, claim.variables) == ("size", ())
+    assert claim.share == pytest.approx(1 - 1 / 25)
+    said = line(5.0, seen, source)
+    assert said.significant
+    assert "more than noise" in said.sentence
+    assert "explained" not in said.sentence
+
+
+def test_a_floor_that_is_hardly_known_makes_no_claim_by_size():
+    left = judged(2.5)
+    vague = NoiseFloor(left.floor.values, left.floor.methods, 0.2 * left.floor.values)
+    assert claims(left, [None])
+    assert not claims(replace(left, floor=vague), [None])
+    assert not claims(judged(5.0, source=None), [None])
+    assert not claims(left, [None], doubt=0.2)
 
 
 def test_many_joints_make_an_accident_likelier():
@@ -55,7 +79,7 @@ def test_what_the_coefficients_own_uncertainty_makes_is_nothing_missing():
 @pytest.mark.parametrize("seen", [None, CHANCE])
 def test_no_large_ratio_is_called_noise_without_a_witness(source, seen):
     """Nor the floor's own way of being seen passed over: fast wavering is no proof of slow."""
-    said = line(5.0, seen, source)
+    said = line(1.8, seen, source)
     assert not said.significant
     assert said.material
     assert "noise or what" in said.sentence or "this data cannot" in said.sentence

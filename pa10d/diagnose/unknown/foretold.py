@@ -58,7 +58,7 @@ class Foretold:
 
     def unnamed(self) -> Unnamed:
         """As an entry of what is unexplained."""
-        return Unnamed(self.joint, self.share, self.rms, self.p_value, repeats=False)
+        return Unnamed(self.joint, self.share, self.rms, self.p_value, witness="motion")
 
 
 def foretold(state: State, joints: Sequence[int]) -> list[Foretold]:

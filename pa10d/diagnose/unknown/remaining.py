@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import plain
 from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.constants import (
     AT_RANDOM,
+    BEYOND_NOISE,
+    BEYOND_NOISE_LEVEL,
     CLAIMED_SHARE,
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
@@ -27,13 +30,14 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
-    comes again with the motion, or that motion predicts; RMS N·m of that share."""
+    comes again with the motion, that motion predicts, or that is beyond any noise the data show;
+    RMS N·m of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    repeats: bool
+    witness: Literal["again", "motion", "size"]
     variables: tuple[str, ...] = ()
 
 
@@ -83,20 +87,31 @@ def unnamed(
     known: Sequence[Unexplained],
     doubt: Array,
 ) -> list[Unnamed]:
-    """Joints whose error comes again, significantly and materially above the floor, and for which
-    no map was found. doubt (n,) N·m: what the uncertainty of the model's own coefficients may
-    leave; that comes again, too, and is nothing missing."""
-    expected = np.hypot(MATERIAL_REST * judged.floor.values, doubt)
+    """Joints for which no map was found, and whose error comes again, significantly and materially
+    above the floor, or is larger than noise can be. doubt (n,) N·m: what the uncertainty of the
+    model's own coefficients may leave; that comes again, too, and is nothing missing."""
+    floor, rms = judged.floor.values, judged.rms
     named = {s.joint for s in known}
     out = []
     for j, seen in enumerate(again):
-        if seen is None or j in named or not comes_again(seen, len(again)):
+        if j in named:
             continue
-        if not judged.rms[j] > expected[j]:
-            continue
-        size = float(judged.rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
-        out.append(Unnamed(j, seen.share, size, seen.p_value, True))
+        if seen is not None and comes_again(seen, len(again)):
+            if rms[j] > np.hypot(MATERIAL_REST * floor[j], doubt[j]):
+                size = float(rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
+                out.append(Unnamed(j, seen.share, size, seen.p_value, "again"))
+        elif rms[j] > np.hypot(_largest_noise(judged, j), doubt[j]):
+            share = 1.0 - (floor[j] / rms[j]) ** 2
+            size = float(rms[j]) * float(np.sqrt(share))
+            out.append(Unnamed(j, float(share), size, BEYOND_NOISE_LEVEL / len(again), "size"))
     return out
+
+
+def _largest_noise(judged: Judgement, j: int) -> float:
+    """N·m: what noise may be where only its strength above the band, or at rest, was seen. Nothing
+    but its size speaks for such an error, so it has to be twice the floor, doubt of it included."""
+    sure = scipy.stats.norm.isf(BEYOND_NOISE_LEVEL / len(judged.rms))
+    return BEYOND_NOISE * float(judged.floor.values[j] + sure * judged.floor.errors[j])
 
 
 def comes_again(seen: Repeatable, joints: int) -> bool:
@@ -151,7 +166,13 @@ def _with_sentence(
             f"{size}; {percent(left.share)} of its squared error depends on "
             f"{listed(left.variables)}, as no effect of the library does"
         )
-    elif left is not None and isinstance(left, Unnamed) and not left.repeats:
+    elif isinstance(left, Unnamed) and left.witness == "size":
+        text = (
+            f"{size}: more than noise, but it follows no quantity of the motion clearly enough to "
+            "say what it depends on; a cause that is not in the recording, or noise that is slow. "
+            "Record one motion twice: what comes again is no noise"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
             f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
             "two quantities do: more than two take part, or what was before"
