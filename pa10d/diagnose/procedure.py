@@ -86,7 +86,7 @@ def diagnose(
     unexplained: tuple[Unexplained, ...] = (
         *maps,
         *more,
-        *unnamed(left, again, [*maps, *more], doubt),
+        *unnamed(left, again, [*maps, *more], doubt, by_size=only is None),
     )
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(

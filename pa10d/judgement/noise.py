@@ -38,6 +38,7 @@ STILL = 1e-3  # of a joint's range: it may move this much and still stand
 SECONDS = 1.0  # of one segment of the spectrum
 ENOUGH = 4  # segments that speak for a run
 BAND = (1.5, 4.0)  # cut-offs between which the error's spectrum is taken as the noise's
+NEARLY_WHITE = 0.5  # half-way from the flat spectrum of white noise to a random walk's 1/f²
 TOP = (0.25, 0.4)  # of the sampling rate: where white noise is as strong as just above the cut-off
 FALLS = 16.0  # times the power there from which on the spectrum is no white noise's: a drive's own
 # filter of first or second order costs a factor of four, smoothing by software hundreds
@@ -47,11 +48,14 @@ COARSE = 4.0  # times the power of rounding below which a spectrum is that of th
 @dataclass(frozen=True)
 class NoiseFloor:
     """values (n,) N·m, RMS behind the equation's low-pass, nan where this data does not tell;
-    methods (n): how each was found, None where it was not; errors (n,): standard errors, N·m."""
+    methods (n): how each was found, None where it was not; errors (n,): standard errors, N·m;
+    complete (n): was slow noise seen with it (repeated motion), or is the spectrum as flat as that
+    of noise that has none?"""
 
     values: Array
     methods: tuple[str | None, ...]
     errors: Array
+    complete: tuple[bool, ...]
 
     def document(self) -> dict[str, Any]:
         """As JSON; null: not known from this data."""
@@ -64,11 +68,13 @@ class NoiseFloor:
 
 @dataclass(frozen=True)
 class _Seen:
-    """A variance (N·m)², from how many looks, and how much these scatter about it (relative)."""
+    """A variance (N·m)², from how many looks, and how much these scatter about it (relative).
+    fall: of the spectrum with frequency; 0 is flat, 1 as 1/f² (nan: it cannot be seen)."""
 
     variance: float
     looks: int
     scatter: float
+    fall: float = float("nan")
 
 
 NOTHING = _Seen(0.0, 0, 0.0)
@@ -79,17 +85,17 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     runs = list(runs)
     passes = differences(runs)
     found = [_floor(runs, j, passes[j]) for j in range(len(passes))]
-    values, methods, errors = zip(*found, strict=True)
-    return NoiseFloor(np.array(values), tuple(methods), np.array(errors))
+    values, methods, errors, complete = zip(*found, strict=True)
+    return NoiseFloor(np.array(values), tuple(methods), np.array(errors), tuple(complete))
 
 
 def _floor(
     runs: list[RunResidual], joint: int, passes: list[Array]
-) -> tuple[float, str | None, float]:
+) -> tuple[float, str | None, float, bool]:
     together = np.concatenate(passes) if passes else np.empty(0)
     if len(together) >= FEWEST:
         value = float(np.sqrt(np.mean(together**2)))
-        return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0))
+        return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0)), True
     used = moving(runs, joint)
     above = _pooled([_above(run, joint) for run in used])
     rest, left = _pooled([_at_rest(run, joint) for run in used]), float(scores(used).rms[joint])
@@ -97,10 +103,11 @@ def _floor(
         rest = NOTHING
     best = rest if rest.variance > above.variance else above
     if not best.looks:
-        return float("nan"), None, float("nan")
+        return float("nan"), None, float("nan"), False
     value = min(float(np.sqrt(best.variance)), left)
     error = 0.5 * value * best.scatter / np.sqrt(best.looks)
-    return value, STANDSTILL if best is rest else ABOVE, error
+    white = bool(above.looks) and above.fall < NEARLY_WHITE
+    return value, STANDSTILL if best is rest else ABOVE, error, white
 
 
 def _independent(passes: list[Array]) -> float:
@@ -128,8 +135,9 @@ def _above(run: RunResidual, joint: int) -> _Seen:
         band = (f >= min(BAND[0] * lowpass.cutoff, 0.5 * top)) & (f <= top)
         beyond = (f >= TOP[0] * lowpass.rate) & (f <= TOP[1] * lowpass.rate)
         each = power[:, band].mean(axis=1)
-        seen.append((float(np.median(each)), float(np.median(power[:, beyond].mean(axis=1))), each))
-    level, least, each = min(seen, key=lambda s: s[0])
+        least = float(np.median(power[:, beyond].mean(axis=1)))
+        seen.append((float(np.median(each)), least, each, _fall(f[band], power[:, band])))
+    level, least, each, fall = min(seen, key=lambda s: s[0])
     separate = TOP[0] * lowpass.rate > top
     if separate and level > FALLS * least:
         return NOTHING
@@ -137,7 +145,17 @@ def _above(run: RunResidual, joint: int) -> _Seen:
         return NOTHING
     fine = np.linspace(0.0, 0.5 * lowpass.rate, 4000)
     gain = float(np.sum(lowpass.gain(fine) ** 2) * (fine[1] - fine[0]))
-    return _Seen(level * gain, len(segments), float(np.std(each) / max(level, 1e-300)))
+    return _Seen(level * gain, len(segments), float(np.std(each) / max(level, 1e-300)), fall)
+
+
+def _fall(f: Array, power: Array) -> float:
+    """The lower half of a band (in octaves) against the upper one; power (segments, f). Of 1/f² the
+    ratio of the halves is that of the band's edges."""
+    lower = f < np.sqrt(f[0] * f[-1]) if len(f) else np.zeros(0, dtype=bool)
+    if not lower.any() or f[0] <= 0.0:
+        return float("nan")
+    ratio = power[:, lower].mean() / max(float(power[:, ~lower].mean()), 1e-300)
+    return float(np.log(max(ratio, 1e-300)) / np.log(f[-1] / f[0]))
 
 
 def _segments(run: RunResidual, joint: int) -> list[slice]:
@@ -202,4 +220,4 @@ def _pooled(parts: list[_Seen]) -> _Seen:
         return NOTHING
     variance = sum(part.variance * part.looks for part in parts) / looks
     scatter = sum(part.scatter * part.looks for part in parts) / looks
-    return _Seen(variance, looks, scatter)
+    return _Seen(variance, looks, scatter, float(np.max([p.fall for p in parts if p.looks])))

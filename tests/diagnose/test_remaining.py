@@ -13,10 +13,10 @@ from pa10d.judgement import Judgement, NoiseFloor, Repeatable
 SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
 
 
-def judged(*ratios: float, source: str | None = "repeated motion") -> Judgement:
+def judged(*ratios: float, source: str | None = "repeated motion", white: bool = True) -> Judgement:
     """Of a model that leaves so many times a floor of 0.1 N·m."""
     floor = np.full(len(ratios), 0.1 if source else np.nan)
-    known = NoiseFloor(floor, (source,) * len(ratios), 0.01 * floor)
+    known = NoiseFloor(floor, (source,) * len(ratios), 0.01 * floor, (white,) * len(ratios))
     return Judgement("m", ("run",), 10.0, 0.1 * np.array(ratios), known)
 
 
@@ -55,10 +55,11 @@ def test_an_error_of_many_times_the_floor_is_never_called_nothing(source, seen):
 
 def test_a_floor_that_is_hardly_known_makes_no_claim_by_size():
     left = judged(2.5)
-    vague = NoiseFloor(left.floor.values, left.floor.methods, 0.2 * left.floor.values)
+    vague = replace(left.floor, errors=0.2 * left.floor.values)
     assert claims(left, [None])
     assert not claims(replace(left, floor=vague), [None])
     assert not claims(judged(5.0, source=None), [None])
+    assert not claims(judged(5.0, white=False), [None]), "slow noise may be any stronger"
     assert not claims(left, [None], doubt=0.2)
 
 

@@ -86,10 +86,11 @@ def unnamed(
     again: Sequence[Repeatable | None],
     known: Sequence[Unexplained],
     doubt: Array,
+    by_size: bool = True,
 ) -> list[Unnamed]:
     """Joints for which no map was found, and whose error comes again, significantly and materially
-    above the floor, or is larger than noise can be. doubt (n,) N·m: what the uncertainty of the
-    model's own coefficients may leave; that comes again, too, and is nothing missing."""
+    above the floor, or (by_size) is larger than noise can be. doubt (n,) N·m: what the uncertainty
+    of the model's own coefficients may leave; that comes again, too, and is nothing missing."""
     floor, rms = judged.floor.values, judged.rms
     named = {s.joint for s in known}
     out = []
@@ -100,7 +101,7 @@ def unnamed(
             if rms[j] > np.hypot(MATERIAL_REST * floor[j], doubt[j]):
                 size = float(rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
                 out.append(Unnamed(j, seen.share, size, seen.p_value, "again"))
-        elif rms[j] > np.hypot(_largest_noise(judged, j), doubt[j]):
+        elif by_size and rms[j] > np.hypot(_largest_noise(judged, j), doubt[j]):
             share = 1.0 - (floor[j] / rms[j]) ** 2
             size = float(rms[j]) * float(np.sqrt(share))
             out.append(Unnamed(j, float(share), size, BEYOND_NOISE_LEVEL / len(again), "size"))
@@ -108,8 +109,10 @@ def unnamed(
 
 
 def _largest_noise(judged: Judgement, j: int) -> float:
-    """N·m: what noise may be where only its strength above the band, or at rest, was seen. Nothing
-    but its size speaks for such an error, so it has to be twice the floor, doubt of it included."""
+    """N·m. Nothing but its size speaks for such an error, so it has to be twice the floor, doubt of
+    it included; where noise grows towards the band, it may be any stronger there."""
+    if not judged.floor.complete[j]:
+        return float("inf")
     sure = scipy.stats.norm.isf(BEYOND_NOISE_LEVEL / len(judged.rms))
     return BEYOND_NOISE * float(judged.floor.values[j] + sure * judged.floor.errors[j])
 
