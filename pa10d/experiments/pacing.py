@@ -1,4 +1,8 @@
-"""As fast as the joints can follow: a motion is slowed until nothing is predicted to end it."""
+"""As fast as the joints can follow: a motion is slowed until nothing is predicted to end it.
+
+A drive ends a motion at the very limit of a position, so a joint that will not follow well turns
+less far: it keeps the error that it may have as its margin.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +28,9 @@ UNKNOWN = (
     "first_motion before"
 )
 LOOK = 100.0  # Hz
+DOUBT = 2.0  # times the predicted error: as large it was seen, on arms their URDF describes badly
+LEAST = 0.5  # of its way that a joint turns at least
+STILL = 1e-6  # rad: a joint that does not leave its middle
 REMEDY = "use computed torque with a model, a smaller motion, or raise control.rate"
 
 
@@ -48,27 +55,64 @@ class Paced:
 def paced(
     plan: Plan, start: Array, robot: Robot, limits: ArmLimits, rate: float, joints: Joints
 ) -> Paced:
-    """The plan itself where it can be followed, else at the first pace at which it can."""
+    """The plan itself where it can be followed, else at the first pace at which it can; joints that
+    would come close to their position limits turn less far."""
     first = ""
     for pace in PACES:
         slower = plan if pace == 1.0 else plan.slowed(pace)
         whole = whole_motion(slower, start, robot, rate, pace)
         found = _predicted(slower, whole, robot, limits, rate, joints)
         problem = found.problem(limits)
-        first = first or problem
         if not problem:
-            return Paced(slower, whole, _said(pace, first, found))
+            share, about = _room(whole, limits, found.error)
+            tight = share < 1.0
+            if not tight.any():
+                return Paced(slower, whole, _said(pace, first, found))
+            j = int(np.argmin(share))
+            narrow = slower.narrowed(share, about)
+            narrowed = whole_motion(narrow, start, robot, rate, pace)
+            if (share >= LEAST).all() and not narrowed.violations:
+                return Paced(narrow, narrowed, _said(pace, first, found, _less(share)))
+            problem = (
+                f"joint {j + 1} comes close to its position limit and may be "
+                f"{DOUBT * found.error[j]:.2g} rad from its path"
+            )
+        first = first or problem
     whole = whole_motion(plan, start, robot, rate)
     text = f"{first}, and at a quarter of the speed {problem}; {REMEDY}"
     return Paced(plan, whole, Check("error", "tracking", text))
 
 
-def _said(pace: float, first: str, found: Predicted) -> Check:
+def _room(whole: Whole, limits: ArmLimits, error: Array) -> tuple[Array, Array]:
+    """(n,) each: the share of their ways that leaves joints room for ``error`` (n,) rad, and the
+    middles of their ranges, rad; 1 and 0 for all that have room."""
+    q = whole.samples.q[whole.first : whole.last]
+    bound = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    lower, upper = np.where(bound, limits.lower, -np.inf), np.where(bound, limits.upper, np.inf)
+    left = np.minimum(q.min(axis=0) - lower, upper - q.max(axis=0))
+    tight = left < DOUBT * error
+    about = np.zeros_like(error)
+    about[tight] = 0.5 * (lower[tight] + upper[tight])
+    share = np.ones_like(error)
+    reach = np.maximum(0.5 * (upper - lower)[tight] - left[tight], STILL)
+    share[tight] = 1.0 - (DOUBT * error - left)[tight] / reach
+    return share, about
+
+
+def _less(share: Array) -> str:
+    """Who turns less far, in words."""
+    each = ", ".join(
+        f"joint {j + 1}: {100 * (1 - share[j]):.2g} %" for j in np.flatnonzero(share < 1)
+    )
+    return f"turned less far, to keep clear of position limits ({each})"
+
+
+def _said(pace: float, first: str, found: Predicted, less: str = "") -> Check:
     j = int(np.argmax(found.error))
     text = f"predicted: at most {found.error[j]:.2g} rad from the path (joint {j + 1})"
-    if pace == 1.0:
-        return Check("ok", "tracking", text)
-    return Check("warning", "tracking", f"{first}: run at 1/{pace:g} of the speed; {text}")
+    slow = f"{first}: run at 1/{pace:g} of the speed" if pace > 1.0 else ""
+    done = [words for words in (slow, less) if words]
+    return Check("warning" if done else "ok", "tracking", "; ".join([*done, text]))
 
 
 def _predicted(

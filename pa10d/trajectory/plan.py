@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.trajectory.limits import MotionLimits
-from pa10d.trajectory.motions import Drawing, Motion, Samples, Slowed, motion_from_dict, move_time
+from pa10d.trajectory.motions import (
+    Drawing,
+    Motion,
+    Narrowed,
+    Samples,
+    Slowed,
+    motion_from_dict,
+    move_time,
+)
 from pa10d.trajectory.poses import Surroundings
 from pa10d.trajectory.ways import free_way
 
@@ -95,6 +103,14 @@ class Plan:
         """The same way at a slower pace."""
         segments = tuple(
             Segment(Slowed(factor, s.motion.to_dict()), s.label, s.joint) for s in self.segments
+        )
+        return replace(self, segments=segments)
+
+    def narrowed(self, share: Array, about: Array) -> Plan:
+        """Joints turn only a share (n,) as far away from ``about`` (n,) rad, in the same time."""
+        segments = tuple(
+            Segment(Narrowed(share, about, s.motion.to_dict()), s.label, s.joint)
+            for s in self.segments
         )
         return replace(self, segments=segments)
 

@@ -13,7 +13,9 @@ from pa10d.trajectory.motions import (
     Chirp,
     Drawing,
     Fourier,
+    Narrowed,
     Sines,
+    Slowed,
     motion_from_dict,
     move_time,
     ramp_time,
@@ -40,6 +42,8 @@ MOTIONS = {
     ),
     "knots": drawing(),
 }  # fmt: skip
+MOTIONS["slowed"] = Slowed(1.25, MOTIONS["sines"].to_dict())
+MOTIONS["narrowed"] = Narrowed(np.array([1.0, 0.9, 0.5]), RNG.normal(size=3), drawing().to_dict())
 
 
 @pytest.mark.parametrize("name", MOTIONS)

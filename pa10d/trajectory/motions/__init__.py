@@ -5,6 +5,7 @@ from pa10d.trajectory.motions.chirp import Chirp
 from pa10d.trajectory.motions.entered import Entered
 from pa10d.trajectory.motions.fourier import Fourier
 from pa10d.trajectory.motions.knots import Drawing, Knots, move_time, ramp_time
+from pa10d.trajectory.motions.narrowed import Narrowed
 from pa10d.trajectory.motions.sines import Sines
 from pa10d.trajectory.motions.slowed import Slowed
 
@@ -15,6 +16,7 @@ __all__ = [
     "Fourier",
     "Knots",
     "Motion",
+    "Narrowed",
     "Samples",
     "Sines",
     "Slowed",

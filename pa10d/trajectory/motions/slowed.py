@@ -11,16 +11,16 @@ from pa10d.trajectory.motions.base import Array, Motion, State, motion_from_dict
 
 @dataclass(frozen=True)
 class Slowed(Motion):
-    """factor: by which everything takes longer; motion: the other one, as a file holds it."""
+    """factor: by which everything takes longer; original: the other one, as a file holds it."""
 
     name = "slowed"
 
     factor: float
-    motion: dict[str, Any]
+    original: dict[str, Any]
 
     @cached_property
     def _inner(self) -> Motion:
-        return motion_from_dict(self.motion)
+        return motion_from_dict(self.original)
 
     @property
     def n(self) -> int:

@@ -1,0 +1,82 @@
+"""A joint that may err keeps that much room to its position limits, before anything moves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures, presumed_figures
+from pa10d.control.limits import arm_limits
+from pa10d.dynamics import robot_from_profile
+from pa10d.experiments.pacing import Joints, paced
+from pa10d.profile import load_profile
+from pa10d.services.joints import learnt
+from pa10d.trajectory.plan import Plan, Segment, move
+from pa10d.trajectory.poses import Surroundings
+
+RATE, JOINT, NEAR = 200.0, 3, 0.01  # Hz, 0-based, rad
+HEAVIER = 1.5  # times what the URDF says
+
+
+@pytest.fixture(scope="module")
+def arm():
+    """Profile, robot, limits, and a plan that comes close to a limit of one joint."""
+    profile = load_profile("pa10-sim")
+    robot = robot_from_profile(profile)
+    limits, around = arm_limits(profile, robot), Surroundings.of(robot)
+    far = np.zeros(robot.n)
+    far[JOINT] = limits.upper[JOINT] - NEAR
+    there = Segment(move(np.zeros(robot.n), far, around.limits))
+    back = Segment(move(far, np.zeros(robot.n), around.limits))
+    return profile, robot, limits, Plan("point_to_point", (JOINT + 1,), (there, back))
+
+
+def measured(profile, robot, heavier=1.0):
+    """An arm that may be ``heavier`` than what it is given ahead."""
+    known = learnt(profile, robot, presumed_figures(robot))
+    figures = JointFigures.from_document(known["figures"])
+    bodies = np.stack([robot.parameters, heavier * robot.parameters])
+    gains = PidGains.from_document(known["gains"])
+    return Joints(figures.but(bodies=bodies), gains, ahead=True)
+
+
+def nearest(chosen, limits):
+    q = chosen.whole.samples.q
+    return float((limits.upper - q.max(axis=0))[JOINT])
+
+
+def test_a_joint_that_follows_goes_all_the_way(arm):
+    profile, robot, limits, plan = arm
+    chosen = paced(plan, plan.start, robot, limits, RATE, measured(profile, robot))
+    assert chosen.plan is plan
+    assert chosen.check.level == "ok"
+    assert nearest(chosen, limits) == pytest.approx(NEAR, abs=1e-6)
+
+
+def test_a_joint_that_may_err_keeps_that_much_from_its_limit(arm):
+    profile, robot, limits, plan = arm
+    joints = measured(profile, robot, HEAVIER)
+    chosen = paced(plan, plan.start, robot, limits, RATE, joints)
+    again = paced(chosen.plan, plan.start, robot, limits, RATE, joints)
+    assert chosen.check.level == "warning"
+    assert f"turned less far, to keep clear of position limits (joint {JOINT + 1}: " in (
+        chosen.check.sentence
+    )
+    assert nearest(chosen, limits) > 1.5 * NEAR
+    assert again.plan is chosen.plan  # it has its room now
+    assert again.check.level == "ok"
+    kept = Plan.from_dict(chosen.plan.to_dict())
+    np.testing.assert_allclose(kept.sample(RATE).q, chosen.plan.sample(RATE).q)
+
+
+def test_where_there_is_no_room_the_motion_is_refused(arm):
+    profile, robot, limits, plan = arm
+    upper, lower = limits.upper.copy(), limits.lower.copy()
+    upper[JOINT - 2], lower[JOINT - 2] = 1e-4, -1e-4  # joint 2 carries what the other one moves
+    narrow = replace(limits, upper=upper, lower=lower)
+    chosen = paced(plan, plan.start, robot, narrow, RATE, measured(profile, robot, HEAVIER))
+    assert chosen.check.level == "error"
+    assert chosen.plan is plan
+    assert f"joint {JOINT - 1} comes close to its position limit" in chosen.check.sentence
+    assert "a smaller motion" in chosen.check.sentence
