@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands, profile_option
 from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from pa10d.dynamics.robot import Robot
     from pa10d.measurement.recording import Recording
 
@@ -42,6 +42,8 @@ def add_commands(commands: Commands) -> None:
 
 def scale(options: argparse.Namespace) -> Answer:
     """``scale``."""
+    import numpy as np
+
     from pa10d.identify.scale import Load, torque_gains
     from pa10d.services.robots import load_robot
     from pa10d.store import RunStore
@@ -97,6 +99,8 @@ def scale(options: argparse.Namespace) -> Answer:
 
 
 def _body(text: str, robot: Robot) -> tuple[np.ndarray, float]:
+    import numpy as np
+
     from pa10d.dynamics.robot import rigid_body
 
     try:

@@ -91,6 +91,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 # -- chosen, and no record says on which data ------------------------------------------------------
 
 BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size speaks for it
+BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated arms reaches 7
 MATERIAL_REST = MATERIAL  # times the noise floor: policy, one for all that judge
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim

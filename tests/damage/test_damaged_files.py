@@ -136,7 +136,7 @@ def test_profiles(tmp_path, seeds):
 
 
 def test_urdfs(seeds):
-    (urdf,) = PROFILES.glob("*.urdf")
+    urdf = PROFILES / "pa10_7c.urdf"
     whole = urdf.read_bytes()
     assert each(whole, seeds, True, lambda b: robot_from_urdf(b.decode("utf-8", "replace"))) > 0
 
@@ -155,7 +155,7 @@ def test_csv(tmp_path, seeds, name):
 
 @pytest.mark.parametrize("mass", ["٣", "\u0663.5", "1_0", "nan", "1e999", "3½"])
 def test_numbers_that_are_no_plain_numbers(mass):
-    (urdf,) = PROFILES.glob("*.urdf")
+    urdf = PROFILES / "pa10_7c.urdf"
     text = re.sub(r'<mass value="[^"]+"', f'<mass value="{mass}"', urdf.read_text(), count=1)
     assert mass in text
     with pytest.raises(UserError, match="mass"):

@@ -44,10 +44,11 @@ def test_what_does_not_come_again_or_does_not_matter_is_no_claim():
 @pytest.mark.parametrize("source", ["repeated motion", "high frequencies", "standstill"])
 def test_an_error_of_many_times_the_floor_is_never_called_nothing(source, seen):
     """Whatever nobody can name: 39.8 times the floor was once "nothing is missing"."""
-    (claim,) = claims(judged(5.0, source=source), [seen])
+    (claim,) = claims(judged(12.0, source=source), [seen])
     assert (claim.witness, claim.variables) == ("size", ())
-    assert claim.share == pytest.approx(1 - 1 / 25)
-    said = line(5.0, seen, source)
+    assert claim.share == pytest.approx(1 - 1 / 144)
+    assert bool(claims(judged(5.0, source=source), [seen])) == (source == "repeated motion")
+    said = line(12.0, seen, source)
     assert said.significant
     assert "more than noise" in said.sentence
     assert "explained" not in said.sentence

@@ -16,12 +16,14 @@ from pa10d.diagnose.constants import (
     AT_RANDOM,
     BEYOND_NOISE,
     BEYOND_NOISE_LEVEL,
+    BEYOND_SLOW_NOISE,
     CLAIMED_SHARE,
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
 )
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement
+from pa10d.judgement.noise import REPEATS
 from pa10d.judgement.repeatable import Repeatable
 
 Array = NDArray[np.float64]
@@ -109,12 +111,14 @@ def unnamed(
 
 
 def _largest_noise(judged: Judgement, j: int) -> float:
-    """N·m. Nothing but its size speaks for such an error, so it has to be twice the floor, doubt of
-    it included; where noise grows towards the band, it may be any stronger there."""
+    """N·m. Only its size speaks for such an error, so it has to be many times the floor, doubt
+    of it included; more where slow noise was not seen, because no motion came again. Where noise
+    grows towards the band, it may be any stronger there."""
     if not judged.floor.complete[j]:
         return float("inf")
+    times = BEYOND_NOISE if judged.floor.methods[j] == REPEATS else BEYOND_SLOW_NOISE
     sure = scipy.stats.norm.isf(BEYOND_NOISE_LEVEL / len(judged.rms))
-    return BEYOND_NOISE * float(judged.floor.values[j] + sure * judged.floor.errors[j])
+    return times * float(judged.floor.values[j] + sure * judged.floor.errors[j])
 
 
 def comes_again(seen: Repeatable, joints: int) -> bool:
