@@ -79,7 +79,9 @@ def identified_words(found: Document) -> str:
     text += f", fitted below {found['cutoff_hz']:.3g} Hz."
     if not found["feasible"]:
         text += " No bodies that can exist are known for it."
-    return " ".join([text, *found.get("warnings", ())])
+    return " ".join(
+        [text, *(f"{w[0].upper()}{w[1:].rstrip('.')}." for w in found.get("warnings", ()))]
+    )
 
 
 def doubt_words(finding: Document) -> str:
