@@ -76,6 +76,8 @@ STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical streng
 
 # -- chosen, on simulated seven-joint arms with stiction and the four shared real robots -----------
 
+BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size speaks for it
+BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated arms reaches 7
 MATERIAL_GAIN = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
 MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
 OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
@@ -90,8 +92,6 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 
 # -- chosen, and no record says on which data ------------------------------------------------------
 
-BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size speaks for it
-BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated arms reaches 7
 MATERIAL_REST = MATERIAL  # times the noise floor: policy, one for all that judge
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim

@@ -50,7 +50,7 @@ def test_an_error_of_many_times_the_floor_is_never_called_nothing(source, seen):
     assert bool(claims(judged(5.0, source=source), [seen])) == (source == "repeated motion")
     said = line(12.0, seen, source)
     assert said.significant
-    assert "more than noise" in said.sentence
+    assert "more than the noise that can be seen" in said.sentence
     assert "explained" not in said.sentence
 
 
