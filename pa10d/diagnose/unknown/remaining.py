@@ -176,9 +176,9 @@ def _with_sentence(
     elif isinstance(left, Unnamed) and left.witness == "size":
         text = (
             f"{size}: far more than the noise that can be seen, but it follows no quantity of the "
-            "motion clearly enough to say what it depends on. A cause that is not in the recording, "
-            "or noise that is slow. "
-            "Record one motion twice: what comes again is no noise"
+            "motion clearly enough to say what it depends on. A cause that is not in the "
+            "recording, or noise that is slow. Record one motion twice: what comes again is no "
+            "noise"
         )
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
