@@ -75,6 +75,8 @@ class ShapeParameter:
         """Do the data tell it: more than that it is not negative, or lies within its range?"""
         if self.scale == "choice":
             return True
+        if self.smoothing and error == 0.0:  # assumed: the data showed nothing of it
+            return False
         return bool(
             error <= (abs(value) if self.lower >= 0.0 else 0.25 * (self.upper - self.lower))
         )

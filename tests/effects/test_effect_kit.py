@@ -148,3 +148,11 @@ def test_the_command_line(tmp_path, capsys, monkeypatch):
     assert "# Viscous friction" in capsys.readouterr().out
     assert main(["effect", "list"]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 1 + len(np.unique(list(all_effects())))
+
+
+def test_a_sharpness_that_was_assumed_is_not_determined():
+    """Its standard error is 0 because nothing was fitted, and no value stands behind "± 0"."""
+    (v0,) = [s for s in effect("coulomb").shapes if s.smoothing]
+    assert not v0.determined(0.01, 0.0)
+    assert v0.determined(0.01, 0.001)
+    assert not v0.determined(0.01, 0.9)
