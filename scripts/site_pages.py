@@ -5,12 +5,10 @@ The README is the first page; commands, library and documents are as the code sa
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import inspect
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +50,10 @@ def first_page() -> str:
 
 def commands() -> str:
     """Every command with its options and examples."""
+    from pa10d.cli import whole_parser
+
     parts = ["# Commands", STATUSES.strip(), "`pa10d schema NAME` prints what `--json` holds."]
-    for leaf in leaves(whole_parser()):
+    for leaf in whole_parser().leaves():
         parts += [f"## {leaf.prog}", f"```text\n{leaf.format_help().strip()}\n```"]
     return "\n\n".join(parts) + "\n"
 
@@ -97,24 +97,3 @@ def documents() -> str:
         schema = json.dumps(SCHEMAS[name].model_json_schema(), indent=1, ensure_ascii=False)
         parts += [f"## {name}", f"```json\n{schema}\n```"]
     return "\n\n".join(parts) + "\n"
-
-
-def whole_parser() -> argparse.ArgumentParser:
-    """With every command of the program."""
-    from pa10d.cli import families
-    from pa10d.cli.commands import Commands, root_parser
-
-    parser, subparsers = root_parser()
-    for family in families():
-        family.add_commands(Commands(subparsers))
-    return parser
-
-
-def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
-    """Commands that have none below them."""
-    below = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
-    if not below:
-        yield parser
-    for action in below:
-        for each in action.choices.values():
-            yield from leaves(each)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import Depends, Header
+from fastapi import Depends, Header, Query
 from starlette.requests import HTTPConnection
 
 from pa10d.api.access import REACH, SCOPES
@@ -59,6 +59,19 @@ async def the_right_to_replace(connection: HTTPConnection) -> Callable[[bool], N
     return check
 
 
+async def the_span(
+    begin: Annotated[float | None, Query(ge=-1e9, le=1e9, description="s, with 'end'")] = None,
+    end: Annotated[float | None, Query(ge=-1e9, le=1e9, description="s, with 'begin'")] = None,
+) -> list[float] | None:
+    """A stretch of a recording, s since its first sample; None: all of it."""
+    if begin is None and end is None:
+        return None
+    if begin is None or end is None or not begin < end:
+        raise Problem("refused", f"begin {begin}, end {end}: expected both, begin before end")
+    return [begin, end]
+
+
+Span = Annotated[list[float] | None, Depends(the_span)]
 MayReplace = Annotated[Callable[[bool], None], Depends(the_right_to_replace)]
 TheDaemon = Annotated[Daemon, Depends(the_daemon)]
 Client = Annotated[str, Depends(the_client)]

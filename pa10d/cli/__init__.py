@@ -18,6 +18,7 @@ from types import ModuleType
 from pa10d.cli.answer import Answer, print_answer, print_failure
 from pa10d.cli.commands import Commands, current, root_parser
 from pa10d.cli.completion import complete
+from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
 from pa10d.common.errors import Unsound, UserError
 
@@ -31,12 +32,18 @@ def families() -> list[ModuleType]:
     return [module for module in modules if hasattr(module, "add_commands")]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; the exit status is 0 done, 1 could not be done, 2 wrong usage."""
+def whole_parser() -> Parser:
+    """``pa10d`` with every command of every family."""
     parser, subparsers = root_parser()
     commands = Commands(subparsers)
     for family in families():
         family.add_commands(commands)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit status is 0 done, 1 could not be done, 2 wrong usage."""
+    parser = whole_parser()
     complete(parser)
     options, more = parser.parse_known_args(arguments)
     if more:

@@ -39,10 +39,7 @@ def add_commands(commands: Commands) -> None:
         ),
     )
     _model(parser)
-    parser.add_argument(
-        "--runs", nargs="+", action="extend", default=[], metavar="RUN",
-        help="runs to judge by (default: those that the model was judged by, else fitted to)",
-    )  # fmt: skip
+    _judges(parser, "those that the model was judged by, else fitted to")
     parser = models.add(
         "report",
         report,
@@ -53,10 +50,7 @@ def add_commands(commands: Commands) -> None:
         ),
     )
     _model(parser)
-    parser.add_argument(
-        "--runs", nargs="+", action="extend", default=[], metavar="RUN",
-        help="runs to judge by (default: those that the model was judged by)",
-    )  # fmt: skip
+    _judges(parser, "those that the model was judged by")
     parser.add_argument("--out", type=Path, metavar="FILE", help="default: ./MODEL.html")
     parser = models.add(
         "export",
@@ -88,6 +82,13 @@ def report(options: argparse.Namespace) -> Answer:
     path = (options.out or Path(f"{info.name}.html")).absolute()
     made = write_model_report(library, info.id, path, options.runs, progress=progress_line())
     return Answer({"id": info.id, "name": info.name, "report": str(made)}, str(made))
+
+
+def _judges(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument(
+        "--runs", nargs="+", action="extend", default=[], metavar="RUN",
+        help=f"runs to judge by (default: {default})",
+    )  # fmt: skip
 
 
 def list_(options: argparse.Namespace) -> Answer:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 from pa10d.common.words import did_you_mean
@@ -21,6 +21,15 @@ class Parser(argparse.ArgumentParser):
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings
         )
         self.examples = tuple(examples)
+
+    def leaves(self) -> Iterator[Parser]:
+        """The commands below, or itself, that have none below them."""
+        below = [a for a in self._actions if isinstance(a, argparse._SubParsersAction)]
+        if not below:
+            yield self
+        for action in below:
+            for each in action.choices.values():
+                yield from each.leaves()
 
     def error(self, message: str) -> NoReturn:
         """Wrong usage, status 2, with what may have been meant."""

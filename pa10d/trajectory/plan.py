@@ -102,14 +102,14 @@ class Plan:
     def slowed(self, factor: float) -> Plan:
         """The same way at a slower pace."""
         segments = tuple(
-            Segment(Slowed(factor, s.motion.to_dict()), s.label, s.joint) for s in self.segments
+            Segment(Slowed(s.motion.to_dict(), factor), s.label, s.joint) for s in self.segments
         )
         return replace(self, segments=segments)
 
     def narrowed(self, share: Array, about: Array) -> Plan:
         """Joints turn only a share (n,) as far away from ``about`` (n,) rad, in the same time."""
         segments = tuple(
-            Segment(Narrowed(share, about, s.motion.to_dict()), s.label, s.joint)
+            Segment(Narrowed(s.motion.to_dict(), share, about), s.label, s.joint)
             for s in self.segments
         )
         return replace(self, segments=segments)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import pty
@@ -13,9 +12,7 @@ import time
 
 import pytest
 
-from pa10d.cli import families, main
-from pa10d.cli.commands import Commands, root_parser
-from pa10d.cli.parser import Parser
+from pa10d.cli import main, whole_parser
 from pa10d.cli.progress import ProgressLine
 from pa10d.cli.remembered import FILE
 
@@ -26,28 +23,12 @@ URDF = """<robot name="one"><link name="base"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
-def _parser() -> Parser:
-    parser, subparsers = root_parser()
-    for family in families():
-        family.add_commands(Commands(subparsers))
-    return parser
-
-
-def _leaves(parser: argparse.ArgumentParser):
-    below = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
-    if not below:
-        yield parser
-    for action in below:
-        for each in action.choices.values():
-            yield from _leaves(each)
-
-
-@pytest.mark.parametrize("leaf", list(_leaves(_parser())), ids=lambda leaf: leaf.prog)
+@pytest.mark.parametrize("leaf", list(whole_parser().leaves()), ids=lambda leaf: leaf.prog)
 def test_every_command_has_examples_that_can_be_typed(leaf):
     assert leaf.examples
     for line in leaf.examples:
         words = shlex.split(line.split(" | ")[0].removeprefix('eval "$(').removesuffix(')"'))
-        options = _parser().parse_args(words[1:])
+        options = whole_parser().parse_args(words[1:])
         assert options.parser.prog == leaf.prog, line
     assert leaf.examples[0] in leaf.format_help()
 

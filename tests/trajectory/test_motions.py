@@ -42,8 +42,8 @@ MOTIONS = {
     ),
     "knots": drawing(),
 }  # fmt: skip
-MOTIONS["slowed"] = Slowed(1.25, MOTIONS["sines"].to_dict())
-MOTIONS["narrowed"] = Narrowed(np.array([1.0, 0.9, 0.5]), RNG.normal(size=3), drawing().to_dict())
+MOTIONS["slowed"] = Slowed(MOTIONS["sines"].to_dict(), 1.25)
+MOTIONS["narrowed"] = Narrowed(drawing().to_dict(), np.array([1.0, 0.9, 0.5]), RNG.normal(size=3))
 
 
 @pytest.mark.parametrize("name", MOTIONS)

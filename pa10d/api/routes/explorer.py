@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Query
 from fastapi.responses import Response
 
-from pa10d.api.deps import TheDaemon
+from pa10d.api.deps import Span, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
@@ -22,7 +22,6 @@ STREAM: dict[int | str, dict[str, Any]] = {
 }
 Name = Annotated[str | None, Query(min_length=1, max_length=100)]
 Several = Annotated[list[str], Query(alias="channel", min_length=1, max_length=64)]
-Second = Annotated[float | None, Query(ge=-1e9, le=1e9, description="s since the first sample")]
 
 
 async def the_subject(
@@ -60,8 +59,7 @@ async def columns(
     daemon: TheDaemon,
     subject: Subject,
     channel: Several,
-    begin: Second = None,
-    end: Second = None,
+    span: Span,
     points: Annotated[int, Query(ge=2, le=200_000)] = 2000,
     every: Annotated[
         bool, Query(description="Samples at equal distances instead of extremes")
@@ -69,7 +67,7 @@ async def columns(
 ) -> Response:
     """A stretch of channels as an Arrow stream: ``time``, s since the first sample, and a column
     of each channel; the smallest and the largest value of every piece, so that no peak is lost."""
-    stretch = {"span": _span(begin, end), "points": points, "every": every}
+    stretch = {"span": span, "points": points, "every": every}
     made = await _look(daemon, "columns", subject, wanted=channel, **stretch)
     return Response(base64.b64decode(made), media_type=ARROW)
 
@@ -79,13 +77,12 @@ async def spectrum(
     daemon: TheDaemon,
     subject: Subject,
     channel: Several,
-    begin: Second = None,
-    end: Second = None,
+    span: Span,
     orders: Annotated[bool, Query(description="Against cycles per revolution")] = False,
 ) -> Response:
     """Amplitudes of the sines in a stretch of channels as an Arrow stream, against ``frequency``
     (Hz) or ``order`` (cycles per revolution of the channel's joint)."""
-    stretch = {"span": _span(begin, end), "orders": orders}
+    stretch = {"span": span, "orders": orders}
     made = await _look(daemon, "spectrum", subject, wanted=channel, **stretch)
     return Response(base64.b64decode(made), media_type=ARROW)
 
@@ -93,11 +90,3 @@ async def spectrum(
 async def _look(daemon: TheDaemon, what: str, subject: dict[str, Any], **more: Any) -> Any:
     where = {"profile": str(daemon.profile.path), **subject, **more}
     return await daemon.look(what, of="explorer", **where)
-
-
-def _span(begin: float | None, end: float | None) -> list[float] | None:
-    if begin is None and end is None:
-        return None
-    if begin is None or end is None or not begin < end:
-        raise Problem("refused", f"begin {begin}, end {end}: expected both, begin before end")
-    return [begin, end]

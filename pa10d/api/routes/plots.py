@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
-from pa10d.api.deps import TheDaemon
-from pa10d.api.problems import Problem, responses
+from pa10d.api.deps import Span, TheDaemon
+from pa10d.api.problems import responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
 from pa10d.api.schemas import Plot, StaircasePlot, TorquePlot, VersusPlot
@@ -16,16 +16,13 @@ router = APIRouter(prefix="/plots", tags=["plots"])
 WRONG = responses("not-found", "refused")
 Text = Annotated[str, Query(min_length=1, max_length=100)]
 Runs = Annotated[list[str], Query(alias="run", min_length=1, max_length=100)]
-Second = Annotated[float | None, Query(ge=-1e9, le=1e9, description="s, with 'begin' and 'end'")]
 Edge = Annotated[float, Query(description="of 'variable', its unit")]
 
 
 @router.get("/run", response_model=Plot, responses=WRONG)
-async def run_plot(daemon: TheDaemon, run: Text, begin: Second = None, end: Second = None) -> Any:
+async def run_plot(daemon: TheDaemon, run: Text, span: Span) -> Any:
     """Positions and torques of a recording."""
-    return await daemon.look(
-        "run_plot", run=(await find_run(daemon, run)).id, span=_span(begin, end)
-    )
+    return await daemon.look("run_plot", run=(await find_run(daemon, run)).id, span=span)
 
 
 @router.get("/torque", response_model=TorquePlot, responses=WRONG)
@@ -34,9 +31,8 @@ async def torque_plot(
     model: Text,
     run: Text,
     joint: Annotated[int, Query(ge=1, le=64)],
+    span: Span,
     raw: Annotated[bool, Query(description="Every sample, unfiltered")] = False,
-    begin: Second = None,
-    end: Second = None,
     variable: Annotated[str | None, Query(max_length=40, examples=["|dq4|"])] = None,
     low: Edge = 0.0,
     high: Edge = 0.0,
@@ -48,7 +44,7 @@ async def torque_plot(
     """
     return await daemon.look(
         "torque_over", model=(await find_model(daemon, model)).id,
-        run=(await find_run(daemon, run)).id, joint=joint, raw=raw, span=_span(begin, end),
+        run=(await find_run(daemon, run)).id, joint=joint, raw=raw, span=span,
         place=None if variable is None else (variable, low, high),
     )  # fmt: skip
 
@@ -68,11 +64,3 @@ async def versus_plot(daemon: TheDaemon, one: Text, other: Text, runs: Runs) -> 
         other=(await find_model(daemon, other)).id,
         runs=[(await find_run(daemon, run)).id for run in runs],
     )  # fmt: skip
-
-
-def _span(begin: float | None, end: float | None) -> list[float] | None:
-    if begin is None and end is None:
-        return None
-    if begin is None or end is None or not begin < end:
-        raise Problem("refused", f"begin {begin}, end {end}: expected both, begin before end")
-    return [begin, end]

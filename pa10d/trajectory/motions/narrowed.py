@@ -3,41 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
 
-from pa10d.trajectory.motions.base import Array, Motion, State, motion_from_dict
+from pa10d.trajectory.motions.base import Array, State
+from pa10d.trajectory.motions.derived import Derived
 
 
 @dataclass(frozen=True)
-class Narrowed(Motion):
-    """share, about (n,): how far of its way each joint turns away from where, rad; original: the
-    other motion, as a file holds it."""
+class Narrowed(Derived):
+    """share, about (n,): how far of its way each joint turns away from where, rad."""
 
     name = "narrowed"
 
     share: Array
     about: Array
-    original: dict[str, Any]
-
-    @cached_property
-    def _inner(self) -> Motion:
-        return motion_from_dict(self.original)
-
-    @property
-    def n(self) -> int:
-        """Number of joints."""
-        return self._inner.n
-
-    @property
-    def duration(self) -> float:
-        """s."""
-        return self._inner.duration
-
-    @property
-    def steady(self) -> tuple[float, float]:
-        """The other one's."""
-        return self._inner.steady
 
     def at(self, t: Array) -> State:
         """Ways, speeds and accelerations fall with the share."""

@@ -3,29 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
 
-from pa10d.trajectory.motions.base import Array, Motion, State, motion_from_dict
+from pa10d.trajectory.motions.base import Array, State
+from pa10d.trajectory.motions.derived import Derived
 
 
 @dataclass(frozen=True)
-class Slowed(Motion):
-    """factor: by which everything takes longer; original: the other one, as a file holds it."""
+class Slowed(Derived):
+    """factor: by which everything takes longer."""
 
     name = "slowed"
 
     factor: float
-    original: dict[str, Any]
-
-    @cached_property
-    def _inner(self) -> Motion:
-        return motion_from_dict(self.original)
-
-    @property
-    def n(self) -> int:
-        """Number of joints."""
-        return self._inner.n
 
     @property
     def duration(self) -> float:
