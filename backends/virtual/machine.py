@@ -50,6 +50,7 @@ class VirtualArm:
             drive.node.on_routes = self._find_routes
         self._time = time.monotonic()  # up to which the plant was advanced
         self._until_temperature = 0.0
+        self._read_temperature(0.0)  # a master may ask before time goes on
         self._losing = False  # nobody took the last frames
         self.flush()
 

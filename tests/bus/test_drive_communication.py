@@ -391,11 +391,15 @@ def test_canopen_as_master(bench: Bench) -> None:
     assert node.emcy.active == [], "the reset is told"
 
 
-def test_a_temperature_that_nobody_measures_is_no_value(make_bench: Callable[..., Bench]) -> None:
-    """Not 0 degrees: the drive says that there is nothing to be read."""
+@pytest.mark.parametrize("cycles", [0, 3])
+def test_a_temperature_that_nobody_measures_is_no_value(
+    make_bench: Callable[..., Bench], cycles: int
+) -> None:
+    """Not 0 degrees: the drive says that there is nothing to be read. Nor is one 0 degrees that was
+    not yet measured when somebody asked."""
     bench = make_bench(simulation={"plant": "pendulums:without_thermometer"})
-    bench.sync(3)
+    bench.sync(cycles)
     assert bytes.fromhex(bench.sdo("40102f00" + "00" * 4)).hex() == "80102f0024000008"
     measured = make_bench()
-    measured.sync(3)
+    measured.sync(cycles)
     assert measured.read(0x2F10) == 250
