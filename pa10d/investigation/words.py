@@ -45,14 +45,16 @@ def compared_words(found: Document) -> str:
 def _unexplained(s: Document) -> str:
     start = f"{percent(min(s['share'], 1.0))} of joint {s['joint']}'s squared error"
     if not s["depends_on"]:
-        return f"{start} is no noise"
+        return f"{start} is more than the noise that this data shows"
     return f"{start} depends on {' and '.join(s['depends_on'])}"
 
 
 def found_words(found: Document) -> str:
     """The verdict of a diagnosis."""
     if found["verdict"] == "none":
-        return nothing(found["rms"], found["noise_floor"], found["frozen"])
+        return nothing(
+            found["rms"], found["noise_floor"], found["frozen"], found.get("rms_as_given")
+        )
     if found["verdict"] == "unknown":
         places = [_unexplained(s) for s in found["unexplained"]]
         what = "has changed" if found["frozen"] else "is missing"

@@ -38,7 +38,7 @@ def doubt_words(found: Diagnosis) -> str:
 def answer(found: Diagnosis) -> str:
     """The verdict alone."""
     if found.verdict == "none":
-        return nothing(found.rms, found.noise_floor, found.frozen)
+        return nothing(found.rms, found.noise_floor, found.frozen, found.as_given.rms)
     if found.verdict == "unknown":
         what = "has changed" if found.frozen else "is missing"
         return (
@@ -101,6 +101,7 @@ def removed(finding: Finding, joint: int) -> float:
 def structure_words(s: Unexplained) -> str:
     """``38 % of joint 2's squared error depends on position of joint 2 and …``."""
     if not s.variables:
-        return f"{percent(min(s.share, 1.0))} of joint {s.joint + 1}'s squared error is no noise"
+        share = percent(min(s.share, 1.0))
+        return f"{share} of joint {s.joint + 1}'s squared error is more than the noise seen here"
     named = " and the ".join(variable_words(name) for name in s.variables)
     return f"{percent(s.share)} of joint {s.joint + 1}'s squared error depends on the {named}"

@@ -10,6 +10,14 @@ def test_noise_is_noise():
     )
 
 
+def test_what_only_a_new_fit_took_away_is_said_too():
+    """The noise of the refitted model is no praise of the one that was given."""
+    said = nothing([0.1, 0.2], [0.1, 0.2], frozen=False, as_given=[0.14, 0.2])
+    assert "as it was given, it keeps up to 1.4 times the noise on joint 1" in said
+    assert nothing([0.1], [0.1], False, as_given=[0.11]) == nothing([0.1], [0.1], False)
+    assert "given" not in nothing([0.1], [float("nan")], False, as_given=[0.3])
+
+
 def test_an_error_that_follows_nothing_is_owned_up_to():
     said = nothing([0.1, 0.5, 0.6], [0.1, 0.1, 0.2], frozen=True)
     assert said.startswith("Nothing has changed that this data can show. Joints 2 and 3 keep up")

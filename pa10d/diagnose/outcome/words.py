@@ -39,10 +39,14 @@ def sentence(
     return text
 
 
-def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
-    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise."""
+def nothing(
+    rms: ArrayLike, noise_floor: ArrayLike, frozen: bool, as_given: ArrayLike | None = None
+) -> str:
+    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise, and
+    to those of the model as it was given that a new fit of the same terms took away."""
     floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
-    ratio = np.asarray(rms) / np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
+    floor = np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
+    ratio = np.asarray(rms) / floor
     large = np.flatnonzero(ratio > MATERIAL_REST)
     first = "Nothing has changed" if frozen else "Nothing is missing"
     if not len(large) and not np.all(np.isfinite(ratio)):
@@ -51,13 +55,28 @@ def nothing(rms: ArrayLike, noise_floor: ArrayLike, frozen: bool) -> str:
             "Record one motion twice: what differs is noise, and what comes again is none."
         )
     if not len(large):
-        return f"{first}: what the model leaves over on new data is measurement noise."
+        said = f"{first}: what the model leaves over on new data is measurement noise."
+        return said + _gone_by_refit(ratio if as_given is None else np.asarray(as_given) / floor)
     joints = listed([str(j + 1) for j in large])
     keeps = "s {} keep" if len(large) > 1 else " {} keeps"
     return (
         f"{first} that this data can show. Joint{keeps.format(joints)} up to "
         f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
         "clearly enough. Record more, or the same motion twice: what repeats is no noise."
+    )
+
+
+def _gone_by_refit(ratio: Array) -> str:
+    """What the given model left, (n,) times the floor, where that was more than noise."""
+    large = np.flatnonzero(ratio > MATERIAL_REST)
+    if not len(large):
+        return ""
+    joints = listed([str(j + 1) for j in large])
+    word = "joints" if len(large) > 1 else "joint"
+    return (
+        f" That is the model fitted anew, clear of reversals; as it was given, it keeps up to "
+        f"{times(np.max(ratio[large]))} the noise on {word} {joints}: its values, not its terms, "
+        "are off."
     )
 
 
