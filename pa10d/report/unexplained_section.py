@@ -20,10 +20,10 @@ INTRO = (
 
 
 UNNAMED = (
-    "This part of the error is more than the noise that this data shows, but neither an effect of "
-    "the library nor any one or two quantities of the motion say what it is. Look at it over time in "
-    "a comparison; think of what the joint did before, of three or more joints together, and of what "
-    "changed during the run."
+    "This part of the error is more than the noise that this data shows, but neither an effect "
+    "of the library nor any one or two quantities of the motion say what it is. Look at it over "
+    "time in a comparison; think of what the joint did before, of three or more joints together, "
+    "and of what changed during the run."
 )
 
 
