@@ -66,7 +66,7 @@ class Mesh:
                 if error.errno in FULL:
                     full.append(peer)
                 else:
-                    self._drop(peer)
+                    self._tell_no_more(peer)
         if not full:
             return
         counting = [peer for peer in peers if peer.speaks or not self._conversation]
@@ -100,7 +100,7 @@ class Mesh:
         self._listener.shutdown(socket.SHUT_RDWR)  # wakes the accepting thread
         self._thread.join()
         self._listener.close()
-        for peer in self._peers:
+        for peer in tuple(self._by_fd.values()):
             self._drop(peer)
         self._epoll.close()
 
@@ -164,12 +164,16 @@ class Mesh:
             self._epoll.register(connection, select.EPOLLIN)
             self._peers = (peer, *self._peers)
 
-    def _drop(self, peer: _Peer) -> None:
+    def _tell_no_more(self, peer: _Peer) -> None:
+        """It left. What it said before was on the bus and is still to be heard."""
         with self._lock:
-            if peer not in self._peers:
-                return
             self._peers = tuple(p for p in self._peers if p is not peer)
-            del self._by_fd[peer.socket.fileno()]
+
+    def _drop(self, peer: _Peer) -> None:
+        self._tell_no_more(peer)
+        with self._lock:
+            if self._by_fd.pop(peer.socket.fileno(), None) is None:
+                return
             self._epoll.unregister(peer.socket)
             peer.socket.close()
 

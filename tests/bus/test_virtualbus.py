@@ -140,6 +140,17 @@ def test_the_bus_survives_the_death_of_any_node(channel: str, first_dies: bool) 
             assert heard.arbitration_id == 0x77
 
 
+def test_the_last_words_of_one_who_left_are_heard(channel: str) -> None:
+    """A frame that was sent was on the bus, whoever speaks before it is read."""
+    with can.Bus(interface="virtualbus", channel=channel) as stays:
+        with can.Bus(interface="virtualbus", channel=channel) as leaves:
+            leaves.send(can.Message(arbitration_id=0x123, is_extended_id=False))
+        stays.send(can.Message(arbitration_id=0x321, is_extended_id=False))
+        heard = stays.recv(1.0)
+        assert heard is not None
+        assert heard.arbitration_id == 0x123
+
+
 def test_a_full_queue_is_an_error_and_not_a_hang(channel: str) -> None:
     with join(channel) as a, join(channel):
         started = time.monotonic()
