@@ -6,7 +6,6 @@ A lock of the kernel on an open file: it goes with the process, however that end
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import sys
 import tempfile
@@ -15,6 +14,7 @@ from urllib.parse import quote
 
 from backends.faults import fault
 from pa10d.common.errors import UserError
+from pa10d.common.locked_file import lock_at_once, still_there
 from pa10d.profile import Can
 
 FOLDERS = (Path("/run/lock"), Path("/var/lock"))  # for all users; then what is our own
@@ -34,17 +34,13 @@ class BusLock:
             return
         while True:
             path, descriptor = _open(lock_name(self._settings))
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
+            if not lock_at_once(descriptor):
                 holder = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
                 os.close(descriptor)
                 bus = f"{self._settings.interface} {self._settings.channel}"
                 by = f" by {holder}" if holder else ""
-                raise fault(
-                    "bus_taken", f"the bus {bus} is held{by}: drives obey one master only"
-                ) from None
-            if _still_there(path, descriptor):
+                raise fault("bus_taken", f"the bus {bus} is held{by}: drives obey one master only")
+            if still_there(path, descriptor):
                 break
             os.close(descriptor)  # its last holder deleted it before we had it
         with contextlib.suppress(OSError):  # for the message only; another user's file is as good
@@ -67,14 +63,6 @@ def lock_name(settings: Can) -> str:
     if os.path.isabs(channel):
         channel = os.path.realpath(channel)
     return f"pa10d-bus-{quote(settings.interface, safe='')}@{quote(channel, safe='')}.lock"
-
-
-def _still_there(path: Path, descriptor: int) -> bool:
-    """Whether the name still means the file that is open."""
-    try:
-        return os.path.samestat(os.stat(path), os.fstat(descriptor))
-    except FileNotFoundError:
-        return False
 
 
 def _open(name: str) -> tuple[Path, int]:

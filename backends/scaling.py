@@ -40,5 +40,10 @@ def scaling_of(drive: Drive) -> Scaling:
         sign=drive.sign,
         counts_per_radian=drive.counts_per_rev / (2 * pi),
         zero_offset=drive.zero_offset,
-        rated=drive.rated_torque * drive.gear_ratio,
+        rated=drive.rated_torque * drive.gear_ratio / drive.torque_gain,
     )
+
+
+def nameplate(drive: Drive) -> Scaling:
+    """The scaling that the drive itself believes in: nobody told it of a known weight."""
+    return scaling_of(drive.model_copy(update={"torque_gain": 1.0}))

@@ -11,7 +11,7 @@ from backends import vendors
 from backends.bus_budget import BusBudget, require_fit
 from backends.bus_lock import BusLock
 from backends.by_hand import pacer
-from backends.canopen_cia402 import other_masters, sequence
+from backends.canopen_cia402 import error_memory, other_masters, sequence
 from backends.canopen_cia402.brakes import OUTPUTS, PHYSICAL, Brakes
 from backends.canopen_cia402.bring_up import BootWatch, bring_up, let_go
 from backends.canopen_cia402.bus_cycle import MASTER, BusCycle, Pace, bus_fault
@@ -24,6 +24,7 @@ from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
+from backends.error_history import DriveErrors
 from backends.faults import fault, refusal
 from backends.ports import Port, drain, open_port
 from backends.protocol import Array, BackendFault, Feedback
@@ -77,17 +78,8 @@ class CanopenBackend:
 
     def open(self) -> None:
         self._forget()
-        self._lock.take()
         try:
-            self._port = self._open_port()
-            self._listen(self._port)
-            self._network = PortNetwork(self._port)
-            self._nodes = {
-                axis: self._network.add_drive(
-                    drive.node, load_eds(eds_path(self.profile, axis), drive.node)
-                )
-                for axis, drive in enumerate(self.drives)
-            }
+            self._attach()
             reports = self._configure(list(range(self.n)))
             self.reports = [reports[axis] for axis in range(self.n)]
             self._start_cycling()
@@ -161,6 +153,14 @@ class CanopenBackend:
         finally:
             self._drop_port()
 
+    # --- what the drives remember ---
+
+    def read_errors(self) -> list[DriveErrors]:
+        return self._ask_memories(error_memory.remembered)
+
+    def clear_errors(self) -> list[DriveErrors]:
+        return self._ask_memories(error_memory.emptied)
+
     # --- what the sequences use ---
 
     def cycle(self) -> Feedback:
@@ -208,6 +208,23 @@ class CanopenBackend:
         elif isinstance(under_way, sequence.Acknowledge):
             self._watch.clear()
 
+    def _ask_memories(self, look: error_memory.Look) -> list[DriveErrors]:
+        """By SDO, beside a cycle that waits meanwhile; over a bus of its own where none is open."""
+        visiting = self._port is None
+        try:
+            if visiting:
+                self._attach()
+            alive = self._cycle.keep_alive if self._cycle else lambda: None
+            with self._network.listening(also=self._overheard, idle=alive):
+                found = error_memory.of_each(self._nodes, look)
+        except OSError as error:
+            raise self._watch.latch(bus_fault(error)) from error
+        finally:
+            if visiting:
+                self._drop_port()
+        self._watch.start([], self._now())
+        return found
+
     def _brake_at_last(self) -> None:
         """Nobody commands any more: brakes on, with the torques as they are until those hold."""
         disable, pace = sequence.Disable(self), pacer(self)
@@ -231,6 +248,19 @@ class CanopenBackend:
         if self._cycle is None:
             raise fault("interface_down", "the bus is not open")
         return self._cycle
+
+    def _attach(self) -> None:
+        """The bus, as its only master, and the nodes on it; nothing is sent."""
+        self._lock.take()
+        self._port = self._open_port()
+        self._listen(self._port)
+        self._network = PortNetwork(self._port)
+        self._nodes = {
+            axis: self._network.add_drive(
+                drive.node, load_eds(eds_path(self.profile, axis), drive.node)
+            )
+            for axis, drive in enumerate(self.drives)
+        }
 
     def _drop_port(self) -> None:
         if self._port is not None:
@@ -257,9 +287,13 @@ class CanopenBackend:
                 reports = bring_up(self._network, chosen, wishes, boot)
         except OSError as error:
             raise self._watch.latch(bus_fault(error)) from error
-        simulated = self._cycle.sent_at if self._cycle else 0.0
-        self._watch.start(axes, time.monotonic() if self.realtime else simulated)
+        self._watch.start(axes, self._now())
         return reports
+
+    def _now(self) -> float:
+        """s on the clock of the watch."""
+        simulated = self._cycle.sent_at if self._cycle else 0.0
+        return time.monotonic() if self.realtime else simulated
 
     def _wish(self, axis: int) -> Wish:
         return Wish(
@@ -321,4 +355,9 @@ class CanopenBackend:
         if 0x580 < can_id <= 0x5FF:
             self._poll.frame(can_id, data)
         else:
+            self._watch.frame(can_id, data)
+
+    def _overheard(self, can_id: int, data: bytes) -> None:
+        """While drives are asked: EMCY and boot-ups count, answers are somebody else's."""
+        if not 0x580 < can_id <= 0x5FF:
             self._watch.frame(can_id, data)

@@ -10,7 +10,7 @@ import numpy as np
 from backends.eds import eds_path
 from backends.frames import frames
 from backends.ports import Port
-from backends.scaling import scaling_of
+from backends.scaling import nameplate
 from backends.virtual.drives.drive import TEMPERATURE, VirtualDrive
 from backends.virtual.drives.mechanics import Actuation, Mechanics
 from backends.virtual.drives.node import BOOTING
@@ -180,7 +180,7 @@ class VirtualArm:
         return VirtualDrive(
             number=settings.node,
             dictionary=LiveDictionary(eds_path(profile, axis), settings.node),
-            scaling=scaling_of(settings),
+            scaling=nameplate(settings),
             rated_torque=settings.rated_torque,
             gear_ratio=settings.gear_ratio,
             send=self._outbox.append,

@@ -13,6 +13,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from pa10d.common.locked_file import still_there
+
 NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
 
 
@@ -66,17 +68,9 @@ def alone(channel: str) -> Iterator[Path]:
             continue  # taken away between the two lines
         with lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
-            if _still_there(lock.fileno(), folder / "lock"):
+            if still_there(folder / "lock", lock.fileno()):
                 yield folder
                 return
-
-
-def _still_there(descriptor: int, path: Path) -> bool:
-    """While we waited for the lock, the last node may have taken the folder away."""
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False
 
 
 def leave(channel: str, own: Path) -> None:

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -99,17 +98,18 @@ def test_one_lock_for_one_bus(tmp_path: Path) -> None:
 
 @contextmanager
 def sent_all_the_time(profile: Profile, packet: bytes) -> Iterator[None]:
-    done = threading.Event()
+    begun, done = threading.Event(), threading.Event()
 
     def send() -> None:
         with VirtualBus(profile.can.channel) as bus:
             while not done.wait(0.005):
                 bus.send_packet(packet)
+                begun.set()
 
     thread = threading.Thread(target=send)
     thread.start()
     try:
-        time.sleep(0.05)
+        assert begun.wait(20)
         yield
     finally:
         done.set()

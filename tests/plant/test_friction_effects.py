@@ -98,6 +98,19 @@ def test_load_friction_widens_the_gap_between_up_and_down(tmp_path):
     assert np.mean(gap) == pytest.approx(load, rel=1e-3)
 
 
+def test_load_friction_may_be_larger_while_the_motor_drives(tmp_path):
+    """Lifting costs the load, Fc and 16 % of it, letting it sink saves Fc and 4 %."""
+    effect = {"effect": "load_friction", "joint": 1, "mu": 0.1, "dmu": 0.06}
+    plant = bare(pendulum(tmp_path, 4.0, 0.5), [effect], coulomb=1.0, rotor_inertia=0.5)
+    load = -4.0 * G * 0.5 * np.sin(0.8)
+    for speed, expected in ((-0.02, 1.16 * load - 1.0), (0.02, 0.96 * load + 1.0)):
+        t = np.arange(0, 4, DT)
+        q = (0.8 + speed * (t - 3.0))[:, None]
+        angle, torque = driven(plant, q, np.full_like(q, speed), DT)
+        found = np.interp(0.8, *sorted_pair(angle[500:, 0], torque[500:, 0]))
+        assert found == pytest.approx(expected, rel=1e-3)
+
+
 def sorted_pair(x, y):
     order = np.argsort(x)
     return x[order], y[order]

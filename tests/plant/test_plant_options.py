@@ -80,6 +80,10 @@ def test_an_arm_of_its_own_by_seed():
         ({"effects": [{"effect": "coupling_inertia", "joints": [1, 2], "Ia": 9}]}, "larger"),
         ({"effects": [{"effect": "spring", "joint": 1, "k": 1}] * 1 + ["x"]}, "list of"),
         ({"effects": [{"effect": "load_friction", "joint": 1, "mu": 0.1}] * 2}, "twice"),
+        (
+            {"effects": [{"effect": "load_friction", "joint": 1, "mu": 0, "dmu": 0.2}]},
+            "would drive",
+        ),
         ({"effects": [{"effect": "backlash", "joint": 1, "b": 0.01, "K": 0}]}, "more than 0"),
         ({"effects": [{"effect": "payload", "mass": 1, "inertia": [1, 1]}]}, "found 2"),
         ({"noise": "pink"}, "pink"),

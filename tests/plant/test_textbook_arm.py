@@ -17,6 +17,7 @@ from plant_robots import (
 from backends.virtual.datasets import motion_of, reach_of, run_motion
 from backends.virtual.plant import build
 from backends.virtual.plant.servo import servo_for
+from pa10d.profile import load_profile
 
 DT = 0.002
 ROTORS = [0.75, 0.75, 0.2, 0.2, 0.006, 0.006, 0.006]
@@ -33,6 +34,16 @@ def test_torque_is_newton_euler_plus_friction(kind):
     assert steady.mean() > 0.3
     rms = np.sqrt(np.mean(left["rest"][steady] ** 2, axis=0))
     assert np.all(rms < 3e-5 * np.sqrt(np.mean(left["torque"][steady] ** 2, axis=0)))
+
+
+def test_what_a_known_weight_told_changes_no_arm():
+    """A torque gain corrects what pa10d reads and asks for; the motor stays the motor it is."""
+    profile = load_profile("ur5e")
+    drives = [drive.model_copy(update={"torque_gain": 1.25}) for drive in profile.drives]
+    told = profile.model_copy(update={"drives": drives})
+    books = [build(one, dynamics={"spread": 0.2}).textbook for one in (profile, told)]
+    for figure in ("rotor_inertia", "coulomb", "viscous", "effort"):
+        np.testing.assert_array_equal(*(getattr(book, figure) for book in books))
 
 
 def energy(model, plant):

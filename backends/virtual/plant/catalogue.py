@@ -41,7 +41,8 @@ LISTED: dict[str, Spec] = {
             "displacements": [0.001, 0.002, 0.005, 0.01],
         },
     ),
-    "load_friction": Spec("joint", {"mu": REQUIRED}),
+    # mu + dmu of the load while the motor drives it, mu - dmu while it drives the motor
+    "load_friction": Spec("joint", {"mu": REQUIRED, "dmu": 0.0}),
     # warm → 1 with time constant T (law: time) or with friction power / power (law: power)
     "thermal_friction": Spec(
         "joint",

@@ -10,17 +10,21 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from backends.virtual.plant.compiled import inner
 from backends.virtual.plant.gather import per_joint
 from backends.virtual.plant.hidden import Hidden
 from backends.virtual.plant.records import Array, Record
+from pa10d.common.errors import UserError
 
 
 class Friction(NamedTuple):
     """Per joint (n,), N·m and N·m·s/rad.
 
     coulomb, viscous ± their splits for positive and negative velocity; a Stribeck rise;
-    power_gain·|q̇|^power; mu·|transmitted torque|; a bump and a wave of the level against q.
+    power_gain·|q̇|^power; mu·|transmitted torque|, mu ± dmu by who drives whom; a bump and a wave
+    of the level against q.
     """
 
     coulomb: Array
@@ -33,6 +37,7 @@ class Friction(NamedTuple):
     power_gain: Array
     power: Array
     mu: Array
+    dmu: Array
     bump: Array
     bump_centre: Array
     bump_width: Array
@@ -48,6 +53,9 @@ def friction_of(effects: Sequence[Hidden], coulomb: Array, viscous: Array) -> Fr
     def get(name: str, key: str, absent: float = 0.0) -> Array:
         return per_joint(effects, name, key, n, absent)
 
+    mu, dmu = get("load_friction", "mu"), get("load_friction", "dmu")
+    if np.any(np.abs(dmu) > mu):
+        raise UserError("load_friction.dmu: expected no more than mu, else friction would drive")
     return Friction(
         coulomb=coulomb,
         viscous=viscous,
@@ -58,7 +66,8 @@ def friction_of(effects: Sequence[Hidden], coulomb: Array, viscous: Array) -> Fr
         rise_power=get("stribeck", "delta", 1.0),
         power_gain=get("nonlinear_viscous", "Fp"),
         power=get("nonlinear_viscous", "p", 1.0),
-        mu=get("load_friction", "mu"),
+        mu=mu,
+        dmu=dmu,
         bump=get("position_friction", "height"),
         bump_centre=get("position_friction", "centre"),
         bump_width=get("position_friction", "width", 1.0),

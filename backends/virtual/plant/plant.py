@@ -33,6 +33,7 @@ def build(
     dynamics: Mapping[str, Any] | None = None,
     resolution: float | None = None,
     substep: float | None = None,
+    torque_gains: Sequence[float] | None = None,
 ) -> Plant:
     """The plant factory that profiles name.
 
@@ -43,6 +44,8 @@ def build(
     dynamics  {spread, seed, rotor_inertia, coulomb, viscous}: spread 0.2 makes an arm whose
               masses are ±20 % of the URDF's, friction and rotors up to e^±0.4 of the defaults
     resolution  rad per encoder count, 0: exact; default: the drives' or the PA10's
+    torque_gains  per joint, N·m that the drive commands and reads for one that its motor makes:
+              torque constants other than the nameplate's; default: 1
     substep   s; default: 0.5 ms or what the stiffest spring needs
     """
     given = dict(dynamics or {})
@@ -61,9 +64,24 @@ def build(
     book = textbook_of(peak_torques(model, profile), given, rng)
     hidden = hidden_effects(effects, len(book.effort))
     physics = physics_of(arm, book, hidden)
-    sensing = sensing_of(hidden, len(book.effort), encoder_steps(profile, resolution, book))
+    n = len(book.effort)
+    steps = encoder_steps(profile, resolution, book)
+    sensing = sensing_of(hidden, n, steps, _gains(torque_gains, n))
     step = substep if substep is not None else longest_substep(physics)
     return Plant(physics, sensing, Noise(noise, white_level(book.effort), seed), book, hidden, step)
+
+
+def _gains(given: Sequence[float] | None, n: int) -> Array:
+    values = [1.0] * n if given is None else given
+    good = isinstance(values, list | tuple) and len(values) == n
+    if not good or not all(
+        isinstance(v, int | float) and not isinstance(v, bool) and 0 < v < math.inf for v in values
+    ):
+        raise UserError(
+            f"simulation.options.torque_gains: found {given!r}, expected {n} numbers above 0, one "
+            "per joint"
+        )
+    return np.array(values, dtype=float)
 
 
 def encoder_steps(profile: Profile, resolution: float | None, book: Textbook) -> Array:

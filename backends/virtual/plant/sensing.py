@@ -19,7 +19,8 @@ HISTORY = 512  # steps a delayed torque can reach back: 0.13 s of the finest ins
 class Sensing(NamedTuple):
     """Per joint (n,): resolution rad (0: exact), encoder offset rad, torque gain, offset, delay s.
 
-    cubic, 1/(N·m)²: what the motor loses, true = command - cubic · command³.
+    cubic, 1/(N·m)²: what the motor loses, true = command - cubic · command³; believed: N·m that
+    command and current sensor stand for, per N·m that the motor makes (its torque constant is off).
     """
 
     resolution: Array
@@ -28,6 +29,7 @@ class Sensing(NamedTuple):
     offset: Array
     delay: Array
     cubic: Array
+    believed: Array
 
 
 class Reading(NamedTuple):
@@ -42,8 +44,8 @@ class Reading(NamedTuple):
     true: Array
 
 
-def sensing_of(effects: Sequence[Hidden], n: int, resolution: Array) -> Sensing:
-    """Collect the errors of the sensors."""
+def sensing_of(effects: Sequence[Hidden], n: int, resolution: Array, believed: Array) -> Sensing:
+    """Collect the errors of sensors and motors."""
     return Sensing(
         resolution=resolution,
         encoder_offset=per_joint(effects, "encoder_offset", "offset", n),
@@ -51,6 +53,7 @@ def sensing_of(effects: Sequence[Hidden], n: int, resolution: Array) -> Sensing:
         offset=per_joint(effects, "torque_offset", "offset", n),
         delay=per_joint(effects, "torque_delay", "Td", n),
         cubic=per_joint(effects, "torque_saturation", "cubic", n),
+        believed=believed,
     )
 
 
@@ -70,7 +73,7 @@ def deliver(joints: Table, reading: Reading, command: Array, dt: float) -> None:
     reading.span[head] = dt
     for j in range(command.shape[0]):
         reading.held[head, j] = command[j]
-        cubic, x = joints[j].cubic, command[j]
+        cubic, x = joints[j].cubic, command[j] / joints[j].believed
         if cubic > 0.0:
             top = 1.0 / math.sqrt(3.0 * cubic)
             x = min(max(x, -top), top)

@@ -78,6 +78,7 @@ def _rotors(arm: Figures, state: PlantState, work: Scratch, motor: Array, h: flo
         if joint.bristles:
             own.top = own.forward if speed >= 0.0 else own.backward
             own.top += joint.mu * abs(state.load[j])
+            own.top += joint.dmu * state.load[j] * (1.0 if speed >= 0.0 else -1.0)
             own.forward = own.backward = 0.0
             constant, slope = resistance(joint, state.bent[j], speed, own.top, h)
             own.constant = constant

@@ -67,8 +67,8 @@ def rub(
             forward, backward = work[j].forward, work[j].backward
             if joints[j].mu > 0.0:
                 load = transmitted_load(joints, extras, work, impulse, j, before, after, h)
-                forward += joints[j].mu * abs(load)
-                backward += joints[j].mu * abs(load)
+                forward += joints[j].mu * abs(load) + joints[j].dmu * load
+                backward += joints[j].mu * abs(load) - joints[j].dmu * load
             wanted = impulse[j] - after[d] / inverse[d, d]
             bounded = min(max(wanted, -h * forward), h * backward)
             work[j].sticks = 1.0 if wanted == bounded and forward + backward > 0.0 else 0.0

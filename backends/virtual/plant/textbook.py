@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from backends.scaling import nameplate
 from backends.virtual.plant.records import Array
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile
@@ -27,7 +28,11 @@ class Textbook:
 
 
 def peak_torques(model: pin.Model, profile: Profile) -> Array:
-    """Peak torque per joint: the profile's limit, else the URDF's, else 100 N·m."""
+    """Peak torque per joint: the drive's own, whatever it is limited to, else the profile's limit,
+    else the URDF's, else 100 N·m."""
+    drives = profile.drives or []
+    if len(drives) == len(model.effortLimit):
+        return np.array([float(f"{nameplate(drive).rated:.12g}") for drive in drives])
     if profile.limits.torque is not None:
         return np.asarray(profile.limits.torque, float)
     effort = np.asarray(model.effortLimit, float)
