@@ -17,6 +17,10 @@ class Busy(UserError):
     """Somebody else holds for a while what is needed; the same may work later."""
 
 
+class Taken(UserError):
+    """There is one of that name already."""
+
+
 class Unsound(UserError):
     """A recording has errors against it; whoever knows better may force it.
 

@@ -86,6 +86,8 @@ class Recording:
 
     def _excluded_in(self, cut: slice) -> tuple[tuple[float, float], ...]:
         """What is excluded of a part, on the part's own clock."""
+        if not self.excluded:
+            return ()
         t = self.t[cut] - self.t[0]
         moved = [(max(a - t[0], 0.0), min(b, t[-1]) - t[0]) for a, b in self.excluded]
         return tuple((float(a), float(b)) for a, b in moved if a < b)

@@ -26,7 +26,7 @@ Found = dict[str, tuple[Sequence[str], Sequence[float]]]
 """position, velocity, effort -> names of joints and their values."""
 
 
-class Block:
+class BagRows:
     """Messages that name the same quantities: one flat row of numbers each, stamps in ns."""
 
     def __init__(self, names: tuple[str, ...]) -> None:
@@ -38,7 +38,7 @@ class Block:
         return np.frombuffer(self.numbers, dtype=np.float64).reshape(-1, len(self.names))
 
 
-Topic = dict[tuple[str, ...], Block]
+Topic = dict[tuple[str, ...], BagRows]
 
 
 def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda share: None) -> Table:
@@ -105,7 +105,7 @@ def _keep(topic: Topic, message: Any, msgtype: str, stamp: int) -> None:
     key = tuple(names)
     block = topic.get(key)
     if block is None:
-        block = topic[key] = Block(key)
+        block = topic[key] = BagRows(key)
     block.stamps.append(own if own > 0 else stamp)
     block.numbers.extend(numbers)
 
@@ -180,7 +180,7 @@ def _columns(
     stamps = stamps if order is None else stamps[order]
     zero = stamps[0] // 1_000_000_000 * 1_000_000_000
     t = (stamps - zero) * 1e-9
-    pieces: dict[str, list[tuple[Block, int]]] = defaultdict(list)
+    pieces: dict[str, list[tuple[BagRows, int]]] = defaultdict(list)
     for block in blocks:
         for k, name in enumerate(block.names):
             pieces[name].append((block, k))
@@ -206,7 +206,7 @@ def _columns(
     return out
 
 
-def _at(t: Array, found: Sequence[tuple[Block, int]], zero: int) -> Array:
+def _at(t: Array, found: Sequence[tuple[BagRows, int]], zero: int) -> Array:
     """Other senders' values at the stamps t (N,), s."""
     stamps = np.concatenate([np.frombuffer(b.stamps, dtype=np.int64) for b, _ in found])
     values = np.concatenate([b.table()[:, k] for b, k in found])

@@ -11,7 +11,7 @@ from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
 from pa10d.readers.table import Table, recording_of
 from pa10d.store.column_mapping import read_mapping
-from pa10d.store.csv_import import CsvRecording, read_csv
+from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
 from pa10d.store.csv_locate import is_gzip
 from pa10d.store.run_info import BAG
 from pa10d.store.run_reader import read_run
@@ -42,6 +42,18 @@ def read_recording(
         return read_csv(path, robot.n, robot.name, constants, mapping, kept)
     table = _table(path, profile, robot, progress)
     return recording_of(path, table, robot.n, robot.name, constants, rules)
+
+
+def read_table(
+    path: Path, profile: Profile, robot: Robot, progress: Progress = lambda share: None
+) -> Table:
+    """The columns as the file has them, before anybody says what they are."""
+    if not path.exists():
+        raise UserError(f"{path}: no such file; expected a recording")
+    if _is_plain_csv(path):
+        columns, remarks = read_columns(path)
+        return Table(columns, remarks)
+    return _table(path, profile, robot, progress)
 
 
 def _table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:

@@ -67,7 +67,9 @@ def recording_of(
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     remarks = [f"{path}: {remark}" for remark in table.remarks]
     called = {field: column for column, field in resolved.fields.items()}
-    return CsvRecording(samples, zero, timing, [*remarks, *columns.warnings], said, called)
+    return CsvRecording(
+        samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said
+    )
 
 
 class _Cells:

@@ -117,7 +117,11 @@ def _delimiter(line: str) -> str:
 def _cells(line: str, delimiter: str) -> list[str]:
     if delimiter == " ":
         return line.split()
-    return [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=delimiter))]
+    try:
+        found = next(csv.reader(io.StringIO(line), delimiter=delimiter), [])
+    except csv.Error:  # an open quote with more behind it than any cell has
+        found = line.split(delimiter)
+    return [cell.strip() for cell in found]
 
 
 def _number(cell: str, comma: bool) -> float | None:

@@ -118,8 +118,8 @@ class Recorder:
             ending = self._silence(time.monotonic() - self._heard)
         if ending is None:
             return None
-        if ending.status == "aborted":
-            ending.reason = str((self._ring.said() or {}).get("sentence", "a fault"))
+        if ending.status in ("aborted", "stopped"):
+            ending.reason = str((self._ring.said() or {}).get("sentence", ending.reason))
         self._session = None
         try:
             return session.close(ending)

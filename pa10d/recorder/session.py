@@ -58,7 +58,9 @@ class Session:
         if not self.started or not len(left):
             return None
         faulty = get(left, "fault")[0] > 0
-        return Ending("aborted") if faulty else Ending("stopped", "stopped before its end")
+        return (
+            Ending("aborted", "a fault") if faulty else Ending("stopped", "stopped before its end")
+        )
 
     def close(self, ending: Ending) -> RunInfo:
         """Finish the run."""

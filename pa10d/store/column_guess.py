@@ -3,67 +3,111 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from pa10d.store.column_mapping import UNITS
+from pa10d.store.column_choices import Choice, rules_of
+from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
 
-WORDS = (
-    ("dq", r"velocit|veloc|\bvel|speed|qdot|\bdq|\bqd\b|omega"),
-    ("tau", r"effort|torque|\btau|\btrq|moment|\bmom"),
-    ("i", r"current|\bcur|amp"),
-    ("temp", r"temp"),
-    ("q", r"position|\bpos|angle|\bang|\bq|theta|phi|joint"),
-)
+WORDS = {
+    "dq": r"velocit|veloc|\bvel|speed|qdot|\bdq|\bqd\b|omega",
+    "tau": r"effort|torque|\btau|\btrq|moment|\bmom|\beff\b",
+    "i": r"current|\bcur|amp",
+    "temp": r"temp",
+    "q": r"position|\bpos|angle|\bang|\bq|theta|phi",
+}
+VAGUE = {"q": r"joint"}  # where no name says more
 DEMANDED = re.compile(r"desired|target|command|\bcmd|\bref|setpoint|goal|error|\bdes", re.I)
 TIMES = {"t", "time", "stamp", "timestamp", "seconds", "sec", "secs", "zeit"}
 _NUMBER = re.compile(r"\d+")
-_UNIT = re.compile(r"[\[(]([^\[\]()]+)[\])]\s*$|_(deg|rad|ms|us|ns|Nm|mNm|rpm)$")
+_UNIT = re.compile(r"_(deg|rad|ms|us|ns|Nm|mNm|rpm)$")
 
 
 def guess(names: Sequence[str], n: int) -> list[str]:
     """``COLUMN=FIELD`` options for a robot of n joints, as far as the names tell."""
-    times = [name for name in names if _bare(name) in TIMES]
-    rules = [f"{name}=time" for name in times[:1] if name != "time"]
-    for field, columns in _families(names).items():
-        if len(columns) < n or all(name == f"{field}{j}" for j, (name, _) in enumerate(columns, 1)):
-            continue
-        templates = {_template(column, first) for column, first in columns[:n]}
-        if len(templates) == 1:
-            rules.append(f"{templates.pop()}={field}")
-        else:
-            named = [(column, f"{field}{j}") for j, (column, _) in enumerate(columns[:n], 1)]
-            rules += [f"{column}={one}" for column, one in named if column != one]
-    return rules
+    return rules_of(guessed(names, n), n)
 
 
-def _families(names: Sequence[str]) -> dict[str, list[tuple[str, int]]]:
-    """Field -> its columns with the number of the first joint, in the joints' order."""
-    found: dict[str, list[tuple[int, str]]] = defaultdict(list)
-    for name in names:
-        number = _NUMBER.search(name)
-        plain = re.sub(r"[_.\-/]", " ", name)
-        if number is None or DEMANDED.search(plain):
-            continue
-        field = next((f for f, words in WORDS if re.search(words, plain, re.I)), None)
-        if field is not None:
-            found[field].append((int(number[0]), name))
-    return {
-        field: [(name, min(entries)[0]) for _, name in sorted(entries)]
-        for field, entries in found.items()
-    }
-
-
-def _template(column: str, first: int) -> str:
-    mark = "{n}" if first == 1 else "{n-1}" if first == 0 else None
-    if mark is None:
-        return column
-    out = _NUMBER.sub(mark, column, count=1)
-    unit = _UNIT.search(column)
-    if unit and unit[2] in UNITS and UNITS[unit[2]] != 1.0:
-        out += f"[{unit[2]}]"
+def guessed(
+    names: Sequence[str], n: int, joints: Sequence[str] = (), *, demanded: bool = False
+) -> list[Choice]:
+    """What the names say. joints: the robot's own names for them; demanded: look at what was asked
+    for (desired, command …), and at nothing else."""
+    out = []
+    if not demanded:
+        times = [name for name in names if _bare(name) in TIMES]
+        out = [Choice(name, "time", unit_in(name)) for name in sorted(times, key=_not_time)[:1]]
+    taken = {choice.column for choice in out}
+    open_to = [
+        name for name in names
+        if name not in taken and was_asked_for(name) == demanded
+    ]  # fmt: skip
+    for field in PER_JOINT:
+        for words in (WORDS[field], VAGUE.get(field)):
+            there = [name for name in open_to if words and _is(field, name, words)]
+            found = next(_in_order(field, there, n, joints), None)
+            if found is not None:
+                named = enumerate(found, 1)
+                out += [Choice(name, f"{field}{j}", unit_in(name)) for j, name in named]
+                break
     return out
 
 
+def was_asked_for(name: str) -> bool:
+    """Whether a column is called like something that a controller wants, not a measurement."""
+    return bool(DEMANDED.search(_plain(name)))
+
+
+def unit_in(name: str) -> str:
+    """The unit that a column's name ends in, where it is not SI."""
+    found = own_unit(name)
+    if not found and (match := _UNIT.search(name)):
+        found = match[1]
+    return found if UNITS.get(found, 1.0) != 1.0 else ""
+
+
+def _in_order(
+    field: str, names: Sequence[str], n: int, joints: Sequence[str]
+) -> Iterator[list[str]]:
+    """Ways to deal the names out to n joints, the surest first: by the fields' own names, by a
+    number that counts the joints, by the joints' names, by their order in the file."""
+    own = [f"{field}{j}" for j in range(1, n + 1)]
+    if all(name in names for name in own):
+        yield own
+    groups: dict[str, dict[int, str]] = {}
+    for name in names:
+        for number in _NUMBER.finditer(name):
+            key = f"{name[: number.start()]}\0{name[number.end() :]}"
+            groups.setdefault(key, {})[int(number[0])] = name
+    for group in groups.values():
+        for start in (1, 0):
+            if all(start + j in group for j in range(n)):
+                yield [group[start + j] for j in range(n)]
+    called = [[name for name in names if joint.lower() in name.lower()] for joint in joints]
+    if len(called) == n and all(len(found) == 1 for found in called):
+        yield [found[0] for found in called]
+    if len(names) == n and not any(_NUMBER.search(name) for name in names):
+        yield list(names)
+
+
+def _is(field: str, name: str, words: str) -> bool:
+    """Whether the first field whose words the name has is this one."""
+    plain = _plain(name)
+    if not re.search(words, plain, re.I):
+        return False
+    if words == VAGUE.get(field):
+        return not any(re.search(other, plain, re.I) for other in WORDS.values())
+    before = list(WORDS)[: list(WORDS).index(field)]
+    return not any(re.search(WORDS[other], plain, re.I) for other in before)
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[_.\-/]", " ", name)
+
+
+def _not_time(name: str) -> bool:
+    return name != "time"
+
+
 def _bare(name: str) -> str:
-    return re.sub(r"[\[(].*", "", name).strip().strip("_").lower()
+    bare = re.sub(r"[\[(].*", "", name).strip().strip("_").lower()
+    return re.sub(r"_(ms|us|ns|s)$", "", bare)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,10 +71,18 @@ class Unit:
 
 @dataclass(frozen=True)
 class Resolved:
-    """fields: column -> field; units: column -> what its numbers are in, where that is not SI."""
+    """fields: column -> field; units: column -> what its numbers are in, where that is not SI;
+    said: the same in the words of the rule."""
 
     fields: dict[str, str]
     units: dict[str, Unit]
+    said: dict[str, str] = field(default_factory=dict)
+
+
+def own_unit(name: str) -> str:
+    """What stands in brackets behind a column's name; '' where that is no unit."""
+    match = _WITH_UNIT.fullmatch(name)
+    return match[2].strip() if match and match[2].strip() in UNITS else ""
 
 
 def read_unit(text: str) -> Unit:
@@ -131,22 +139,23 @@ def resolve(rules: Sequence[Rule], names: Sequence[str], n: int, where: str) -> 
         if rule.optional and not _applies(rule, names, n, out):
             continue
         for joint in range(1, n + 1) if rule.of_every_joint else (0,):
-            written, field = rule.named(joint)
+            written, meant = rule.named(joint)
             column, unit = _column(written, names, rule.text)
             if column is None:
                 raise UserError(f"{where}: no column {written!r}, expected by --map; found {found}")
-            out.fields[column] = field
+            out.fields[column] = meant
             if unit != Unit():
                 out.units[column] = unit
+                out.said[column] = written[len(column) :].strip(" [()]") or own_unit(column)
     return out
 
 
 def _applies(rule: Rule, names: Sequence[str], n: int, taken: Resolved) -> bool:
     """Whether every column of the rule is there, and neither it nor its field is spoken for."""
     for joint in range(1, n + 1) if rule.of_every_joint else (0,):
-        written, field = rule.named(joint)
+        written, meant = rule.named(joint)
         column, _ = _column(written, names, rule.text)
-        if column is None or column in taken.fields or field in taken.fields.values():
+        if column is None or column in taken.fields or meant in taken.fields.values():
             return False
     return True
 

@@ -18,7 +18,7 @@ class Columns:
     """Column numbers from 0. A list has one entry per joint."""
 
     names: tuple[str, ...]
-    time: int
+    time: int  # -1: not known yet
     q: list[int]
     tau: list[int | None]  # None: from the motor current
     dq: list[int] | None = None
@@ -37,7 +37,8 @@ class Columns:
             self.temperature or [],
             self.current or [],
         ]
-        return [self.time, *(k for some in lists for k in some if k is not None)]
+        time = [self.time] if self.time >= 0 else []
+        return [*time, *(k for some in lists for k in some if k is not None)]
 
 
 class Header:

@@ -33,6 +33,7 @@ class CsvRecording:
     header_warnings: list[str]
     timing_warnings: list[str]
     called: Mapping[str, str] = field(default_factory=dict)  # field -> its column, if mapped
+    said: Mapping[str, str] = field(default_factory=dict)  # column -> its unit, where not SI
 
 
 def read_csv(
@@ -72,7 +73,20 @@ def read_csv(
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     called = {name: column for column, name in given.fields.items()}
-    return CsvRecording(samples, zero, timing, warnings, said, called)
+    return CsvRecording(samples, zero, timing, warnings, said, called, given.said)
+
+
+def read_columns(path: Path) -> tuple[dict[str, Array], list[str]]:
+    """Every column that holds numbers, and a sentence on those that do not; errors as ``read_csv``
+    has them."""
+    refuse_bombs(path)
+    names = Header(f"{path}:1", _first_line(path), {}).names
+    header = Columns(names, -1, [], [], extra={name: k for k, name in enumerate(names)})
+    table = _Table(path, header)
+    columns = table.extra()
+    if table.left_out:
+        return columns, [f"no numbers in {', '.join(table.left_out)}: left out"]
+    return columns, []
 
 
 def _equal_steps(path: Path, t: Array, samples: Samples) -> tuple[Timing, Samples]:

@@ -31,9 +31,15 @@ class SetAside:
     path: Path
     reason: str  # one line
 
+    @property
+    def place(self) -> str:
+        """Where it lies in the data folder."""
+        return str(self.path.relative_to(self.path.parents[1]))
+
     def document(self) -> dict[str, str]:
-        """As JSON knows it."""
-        return {"id": self.id, "name": self.name, "place": str(self.path), "reason": self.reason}
+        """As JSON knows it; to readers elsewhere the data folder's own path says nothing."""
+        reason = self.reason.replace(f"{self.path.parents[1]}/", "")
+        return {"id": self.id, "name": self.name, "place": self.place, "reason": reason}
 
 
 def _named(value: str) -> str:

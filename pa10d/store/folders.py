@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import json
 import os
 import shutil
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import Busy, UserError
+from pa10d.common.locked_file import lock_at_once
 
 NEW, TRASH = ".new-", ".trash-"
 PATIENCE = 5.0  # s for which the lock is waited for; it is held for milliseconds as a rule
@@ -33,7 +33,7 @@ def locked(folder: Path, patience: float | None = None) -> Iterator[None]:
         raise UserError(f"{path}: {error.strerror}; expected a file that can be locked") from error
     try:
         until = time.monotonic() + (PATIENCE if patience is None else patience)
-        while not hold(file):
+        while not lock_at_once(file):
             if time.monotonic() > until:
                 raise Busy(f"{folder}: {_holder(file)} has held it for too long; try again")
             time.sleep(_LOOK_AGAIN)
@@ -50,15 +50,6 @@ def _holder(file: int) -> str:
     return f"process {said}" if said.isdecimal() else "another process"
 
 
-def hold(file: Any) -> bool:
-    """Mark an open file as being written by this process; False where another one does."""
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
-
-
 def is_held(path: Path) -> bool:
     """Whether a living process writes the file."""
     try:
@@ -66,7 +57,7 @@ def is_held(path: Path) -> bool:
     except OSError:
         return False
     with os.fdopen(descriptor, "rb") as file:
-        return not hold(file)
+        return not lock_at_once(file)
 
 
 def write_json(path: Path, document: Any) -> None:
@@ -86,6 +77,17 @@ def write_text(path: Path, text: str) -> None:
         fresh.replace(path)
     finally:
         fresh.unlink(missing_ok=True)
+
+
+def write_into(entry: Path, name: str, text: str) -> None:
+    """A file of an entry, in one step; a folder that there was none of comes with it or not."""
+    entry.mkdir(exist_ok=True)
+    try:
+        write_text(entry / name, text)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            entry.rmdir()  # only where nothing is in it
+        raise
 
 
 def discard(folder: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Taken, UserError
 from pa10d.common.yamlfile import BROKEN, LARGEST, refuse_traps
 from pa10d.model import TorqueModel
 from pa10d.store.entries import SetAside, explained, read_entry
@@ -77,9 +77,7 @@ class ModelStore:
         """Before a long computation: is the name allowed and free?"""
         checked_name(name)
         if self._readable(name):
-            raise UserError(
-                f"model {name!r}: there is one already; expected another name or --replace"
-            )
+            raise Taken(f"model {name!r}: there is one already; expected another name or --replace")
 
     def save(self, model: TorqueModel, *, replace: bool = False) -> ModelInfo:
         """Store it under a new id. Where ``replace``, a model of the same name stays under its id

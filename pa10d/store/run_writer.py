@@ -10,13 +10,13 @@ from typing import BinaryIO
 
 import numpy as np
 
+from pa10d.common.locked_file import lock_at_once
 from pa10d.common.version import __version__
 from pa10d.profile import Profile
 from pa10d.store.bag_metadata import write_bag_metadata
 from pa10d.store.bag_repair import END
 from pa10d.store.bag_writer import BagWriter, MessageBlock, Stamps
 from pa10d.store.channels import Array, Channels, Samples
-from pa10d.store.folders import hold
 from pa10d.store.room import give_back, reserve
 from pa10d.store.run_info import BAG, RunInfo, Status
 from pa10d.store.run_repair import repair_run
@@ -42,7 +42,7 @@ class RunWriter:
         self.then: Callable[[RunInfo], RunInfo] | None = None  # once it has been closed
         reserve(folder)
         self._file = _open(folder / BAG)
-        hold(self._file)
+        lock_at_once(self._file)
         self._waiting: list[tuple[Stamps, dict[str, dict[str, Array]]]] = []
         self._queued = 0  # samples waiting
         self._count = 0

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Taken, UserError
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 from pa10d.store.channels import Channels
@@ -271,9 +271,7 @@ class RunStore:
 
     def _refuse_taken(self, name: str) -> None:
         if any(info.name == name for info in self.all()):
-            raise UserError(
-                f"run {name!r}: there is one already; expected another name or --replace"
-            )
+            raise Taken(f"run {name!r}: there is one already; expected another name or --replace")
 
     def _refuse_replacing(self, old: RunInfo, replace: bool) -> None:
         if not replace:

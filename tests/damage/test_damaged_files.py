@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import damaged
+from how_often import how_often
 from model_examples import textbook
 from store_data import ALL, channels, motion, plain_table, samples, write_csv
 
@@ -28,11 +29,23 @@ MOST = 20.0  # s for one file, on a machine that stands still now and then
 
 def pytest_generate_tests(metafunc):
     if "seeds" in metafunc.fixturenames:
-        count = 400 if metafunc.config.getoption("--long") else 20
+        count = how_often(metafunc.config, 20, 400)
         metafunc.parametrize("seeds", [range(count)], ids=[f"{count}-files"])
 
 
-def each(data, seeds, text, read):
+@pytest.fixture
+def each(request):
+    """What ``of_each`` does, counted in the report."""
+
+    def counted(data, seeds, text, read):
+        refused = of_each(data, seeds, text, read)
+        request.node.user_properties += [("files", len(seeds)), ("refused", refused)]
+        return refused
+
+    return counted
+
+
+def of_each(data, seeds, text, read):
     """``read(damaged bytes)`` for every seed: UserError of one line each, or nothing → how many
     were refused."""
     refused = 0
@@ -60,7 +73,8 @@ def run(tmp_path):
 
 
 @pytest.fixture(autouse=True)
-def _nothing_else_is_touched(tmp_path):
+def _nothing_else_is_touched(tmp_path, request):
+    request.node.user_properties.append(("kind", "together"))
     before = {path.name for path in tmp_path.parent.iterdir()}
     (tmp_path / "beside").write_text("kept")
     yield
@@ -68,7 +82,7 @@ def _nothing_else_is_touched(tmp_path):
     assert {path.name for path in tmp_path.parent.iterdir()} == before
 
 
-def test_bags_that_were_being_written(run, seeds):
+def test_bags_that_were_being_written(run, seeds, each):
     """Opening the store repairs them, or says why not; what it keeps can be read."""
     store, info = run
     bag, told = store.path(info) / BAG, store.path(info) / FILE
@@ -85,7 +99,7 @@ def test_bags_that_were_being_written(run, seeds):
     assert each(whole, seeds, False, read) > 0
 
 
-def test_bags_that_were_finished(run, seeds):
+def test_bags_that_were_finished(run, seeds, each):
     store, info = run
     bag = store.path(info) / BAG
 
@@ -96,7 +110,7 @@ def test_bags_that_were_finished(run, seeds):
     assert each(bag.read_bytes(), seeds, False, read) > 0
 
 
-def test_descriptions_of_runs(run, seeds):
+def test_descriptions_of_runs(run, seeds, each):
     store, info = run
     told = store.path(info) / FILE
     whole = told.read_bytes()
@@ -110,7 +124,7 @@ def test_descriptions_of_runs(run, seeds):
     assert each(whole, seeds, True, read) > 0
 
 
-def test_models(tmp_path, seeds):
+def test_models(tmp_path, seeds, each):
     store = ModelStore(tmp_path / "data")
     path = store.path(store.save(textbook()))
     whole = path.read_bytes()
@@ -124,7 +138,7 @@ def test_models(tmp_path, seeds):
     assert each(whole, seeds, True, read) > 0
 
 
-def test_profiles(tmp_path, seeds):
+def test_profiles(tmp_path, seeds, each):
     shutil.copytree(PROFILES, tmp_path / "profiles")
     path = tmp_path / "profiles" / "pa10-7c.yaml"
 
@@ -135,14 +149,14 @@ def test_profiles(tmp_path, seeds):
     assert each(path.read_bytes(), seeds, True, read) > 0
 
 
-def test_urdfs(seeds):
+def test_urdfs(seeds, each):
     urdf = PROFILES / "pa10_7c.urdf"
     whole = urdf.read_bytes()
     assert each(whole, seeds, True, lambda b: robot_from_urdf(b.decode("utf-8", "replace"))) > 0
 
 
 @pytest.mark.parametrize("name", ["r.csv", "r.csv.gz"])
-def test_csv(tmp_path, seeds, name):
+def test_csv(tmp_path, seeds, name, each):
     t, q, tau = motion(300)
     path = write_csv(tmp_path / name, plain_table(t, q, tau))
 

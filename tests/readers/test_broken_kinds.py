@@ -117,6 +117,7 @@ BROKEN = {
     "a picture as a bag": (b"\xff\xd8\xff\xe0" + bytes(300), "run.mcap", "run.mcap"),
     "a database of others": (b"SQLite format 3\0" + bytes(4080), "run.db3", "cannot be read"),
     "an asc without frames": (b"date Sun Nov 1 10:00:00 2026\nbase hex\n" * 9, "run.asc", ""),
+    "an empty line by a record separator": (b"time;q1\n\x1e\xc0\x8fcQ", "run.txt", ""),
     "a pdf": (b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n" + bytes(300), "run.pdf", ""),
     "json": (json.dumps({"q": [1, 2]}).encode(), "run.json", ""),
 }

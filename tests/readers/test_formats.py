@@ -182,9 +182,11 @@ def lerobot(folder, motion):
     return path, ("observation.state{n}=q", "observation.effort{n}=tau")
 
 
-def bag(kind="sqlite3", single=False, order=(1, 0), extra=True):
+def bag(kind="sqlite3", single=False, order=(1, 0), extra=True, packed=None):
+    """packed: FILE or MESSAGE, by zstd."""
+
     def write(folder, motion):
-        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
 
         t, q, dq, tau = motion
@@ -196,9 +198,12 @@ def bag(kind="sqlite3", single=False, order=(1, 0), extra=True):
         )
         path = folder / "bag"
         plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
-        with Writer(path, version=9, storage_plugin=plugin) as writer:
+        writer = Writer(path, version=9, storage_plugin=plugin)
+        if packed:
+            writer.set_compression(CompressionMode[packed], CompressionFormat.ZSTD)
+        with writer:
             link = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
-            for k in range(SAMPLES):
+            for k in range(len(t)):
                 ns = round(t[k] * 1e9) + 10**18
                 who = [*order, None] if extra else list(order)
                 pick = [
@@ -216,6 +221,72 @@ def bag(kind="sqlite3", single=False, order=(1, 0), extra=True):
         return file, ()
 
     return write
+
+
+def split_bag(folder, motion):
+    """Two files in one folder, as ``ros2 bag record --max-bag-duration`` leaves them."""
+    import yaml
+
+    path, halves = folder / "bag", []
+    for k, cut in enumerate((slice(0, SAMPLES // 2), slice(SAMPLES // 2, SAMPLES))):
+        (folder / f"half{k}").mkdir()
+        halves.append(bag()(folder / f"half{k}", tuple(v[cut] for v in motion))[0])
+    path.mkdir()
+    whole = yaml.safe_load((halves[0] / "metadata.yaml").read_text())
+    info = whole["rosbag2_bagfile_information"]
+    info["relative_file_paths"], info["files"], info["message_count"] = [], [], SAMPLES
+    for k, half in enumerate(halves):
+        (file,) = half.glob("*.db3")
+        file.rename(path / f"bag_{k}.db3")
+        info["relative_file_paths"].append(f"bag_{k}.db3")
+        own = yaml.safe_load((half / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+        info["files"].append({**own["files"][0], "path": f"bag_{k}.db3"})
+    info["topics_with_message_count"][0]["message_count"] = SAMPLES
+    (path / "metadata.yaml").write_text(yaml.safe_dump(whole))
+    return path, ()
+
+
+def mcap_by_others(folder, motion):
+    """One MCAP file of JointState by the mcap library: chunks packed with lz4, no folder."""
+    from mcap.writer import CompressionType
+    from mcap.writer import Writer as Plain
+    from rosbags.typesys import Stores, get_typestore
+
+    t, q, dq, tau = motion
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kind = store.types["sensor_msgs/msg/JointState"]
+    header, stamp = (
+        store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"],
+    )  # fmt: skip
+    path = folder / "log.mcap"
+    with path.open("wb") as file:
+        writer = Plain(file, compression=CompressionType.LZ4)
+        writer.start(profile="ros2", library="logger")
+        definition = store.generate_msgdef(kind.__msgtype__, ros_version=2)[0].encode()
+        schema = writer.register_schema(kind.__msgtype__, "ros2msg", definition)
+        channel = writer.register_channel("/joint_states", "cdr", schema)
+        for k in range(SAMPLES):
+            ns = round(t[k] * 1e9) + 10**18
+            head = header(stamp(ns // 10**9, ns % 10**9), "")
+            message = kind(head, list(JOINTS), q[k].copy(), dq[k].copy(), tau[k].copy())
+            data = bytes(store.serialize_cdr(message, kind.__msgtype__))
+            writer.add_message(channel, log_time=ns, publish_time=ns, data=data)
+        writer.finish()
+    return path, ()
+
+
+def zstd(text):
+    import pyarrow as pa
+
+    return bytes(pa.compress(text.encode(), codec="zstd", asbytes=True))
+
+
+def two_line_header(table, motion):
+    """Names in the first line, units in the second, which are not SI."""
+    t, q, _, tau = motion
+    turned = {"time": t * 1e3, "pos1": np.degrees(q[:, 0]), "pos2": np.degrees(q[:, 1])}
+    turned |= {"trq1": tau[:, 0], "trq2": tau[:, 1]}
+    return lines(turned, "\t").replace("\n", "\nms\tdeg\tdeg\tNm\tNm\n", 1)
 
 
 def can_log(ending):
@@ -246,6 +317,8 @@ FILES = {
     "csv": text("run.csv", lambda c, m: lines(c)),
     "csv.gz": text("run.csv.gz", lambda c, m: gzip.compress(lines(c).encode())),
     "csv.bz2": text("run.csv.bz2", lambda c, m: bz2.compress(lines(c).encode())),
+    "csv.zst": text("run.csv.zst", lambda c, m: zstd(lines(c))),
+    "semicolons, packed": text("run.csv.bz2", lambda c, m: bz2.compress(lines(c, ";").encode())),
     "semicolons": text("run.csv", lambda c, m: lines(c, ";")),
     "semicolons, decimal comma": text("run.csv", lambda c, m: lines(c, ";", decimal_comma)),
     "tabs": text("run.tsv", lambda c, m: lines(c, "\t")),
@@ -258,6 +331,13 @@ FILES = {
     "windows line ends": text("run.csv", lambda c, m: lines(c, ";").replace("\n", "\r\n")),
     "units in a second line": text(
         "run.csv", lambda c, m: lines(c, ";").replace("\n", "\ns;rad;rad;Nm;Nm\n", 1)
+    ),
+    "two-line header, other units": text(
+        "run.tsv", two_line_header,
+        ("time[ms]=time", "pos{n}[deg]=q", "trq{n}=tau"),
+    ),
+    "utf-16, decimal comma": text(
+        "run.txt", lambda c, m: lines(c, "\t", decimal_comma).encode("utf-16")
     ),
     "no header": text(
         "run.txt",
@@ -290,6 +370,10 @@ FILES = {
     "lerobot": lerobot,
     "bag folder, sqlite": bag(),
     "bag folder, mcap": bag("mcap"),
+    "bag folder, packed file": bag(packed="FILE"),
+    "bag folder, packed messages": bag(packed="MESSAGE"),
+    "bag folder, split": split_bag,
+    "one .mcap by others": mcap_by_others,
     "one .db3": bag(single=True),
     "one .mcap": bag("mcap", single=True),
     "can .log": can_log(".log"),
@@ -299,6 +383,10 @@ FILES = {
 }  # fmt: skip
 COARSE = {"can": (1e-5, 0.06)}  # an encoder's step, a per mille of the rated torque
 ROUNDED = {"asc": 1e-4, "trc": 1e-4}  # s, of stamps
+
+
+def test_there_are_enough_of_them():
+    assert len(FILES) >= 30
 
 
 @pytest.mark.parametrize("kind", FILES)

@@ -8,7 +8,10 @@ import pytest
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.profile import load_profile
-from pa10d.services.kept_mapping import replace_key
+from pa10d.services import profile_file
+from pa10d.services.kept_mapping import keep_mapping
+from pa10d.services.profile_file import as_if_written, put_profile
+from pa10d.services.tuning import undo, versions, write
 from pa10d.store.column_mapping import Rule, Unit, read_mapping, read_unit, resolve
 
 PROFILE = """\
@@ -58,6 +61,47 @@ def test_what_is_said_now_goes_before_what_is_kept(arm):
     assert load_profile(arm / "arm.yaml").map == ["pos{n}[rad]=q", *MAP]
 
 
+def test_a_kept_mapping_is_a_version_that_can_be_undone(arm):
+    data, path = arm / "data", arm / "arm.yaml"
+    write(data, path, {"limits.velocity": [4.0]})
+    tuned = path.read_text()
+    assert _import(arm, "--name", "a", "--map", *MAP) == 0
+    [newest, _] = versions(data, path)
+    assert newest["changes"] == [f"mapping: {' '.join(map(repr, MAP))}"]
+    found = undo(data, path)
+    assert [one["sentence"] for one in found["diff"]] == [f"mapping: {' '.join(MAP)} → none"]
+    assert (found["restart"], found["version"]) == (False, 2)
+    assert path.read_text() == tuned
+    undo(data, path)
+    assert path.read_text() == PROFILE
+
+
+def test_a_mapping_goes_to_the_profile_as_it_stands_by_then(arm):
+    path = arm / "arm.yaml"
+    before = load_profile(path)
+    write(arm / "data", path, {"limits.velocity": [4.0]})
+    keep_mapping(arm / "data", load_profile(path), MAP[:1])
+    keep_mapping(arm / "data", before, MAP[1:])  # read before the two edits
+    now = load_profile(path)
+    assert (now.limits.velocity, now.map) == ([4.0], [*MAP[1:], MAP[0]])
+
+
+def test_two_writers_of_one_profile_do_not_meet_in_a_draft(arm, monkeypatch):
+    path, load = arm / "arm.yaml", profile_file.load_robot
+    looked = []
+
+    def meanwhile(draft):
+        if not looked:
+            looked.append(draft)
+            as_if_written(path, PROFILE + "name: another\n")
+        return load(draft)
+
+    monkeypatch.setattr(profile_file, "load_robot", meanwhile)
+    put_profile(path, PROFILE + "name: mine\n")
+    assert looked
+    assert load_profile(path).name == "mine"
+
+
 def test_a_profile_that_is_not_ours_to_write_is_left_alone(arm, capsys):
     words = ["run", "import", str(arm / "log.csv"), "--profile", str(arm / "robot.urdf")]
     assert main(["--data", str(arm / "d"), *words, "--map", *MAP]) == 0
@@ -77,8 +121,9 @@ def test_a_profile_that_is_not_ours_to_write_is_left_alone(arm, capsys):
 def test_only_the_key_is_edited(arm, text):
     path = arm / "p.yaml"
     path.write_text(text, encoding="utf-8")
-    replace_key(path, "map", MAP)
-    assert load_profile(path).map == MAP
+    before = load_profile(path)
+    assert "the mapping is kept" in keep_mapping(arm / "data", before, MAP)
+    assert load_profile(path).map == [*MAP, *(before.map or [])]
     kept = [
         line for line in text.lstrip("\ufeff").splitlines() if "=" not in line and "map" not in line
     ]
@@ -88,10 +133,9 @@ def test_only_the_key_is_edited(arm, text):
 
 def test_a_file_that_cannot_be_edited_stays(arm):
     path = arm / "p.yaml"
-    path.write_text("{urdf: robot.urdf}\n")
-    with pytest.raises(UserError):
-        replace_key(path, "map", MAP)
-    assert path.read_text() == "{urdf: robot.urdf}\n"
+    path.write_text("urdf: robot.urdf\n...\n")
+    assert "the mapping was not kept" in keep_mapping(arm / "data", load_profile(path), MAP)
+    assert path.read_text() == "urdf: robot.urdf\n...\n"
 
 
 def test_kept_rules_apply_where_their_columns_are():
@@ -133,3 +177,12 @@ def test_a_sign_that_was_lost_comes_back():
     assert Unit(1.0, 65536.0)(np.array([0.0, 1.0, 65535.0, 32767.0, 32768.0])).tolist() == [
         0, 1, -1, 32767, -32768,
     ]  # fmt: skip
+
+
+def test_a_stored_run_is_checked_in_words_of_its_file(arm, capsys):
+    assert _import(arm, "--name", "a", "--map", "stamp=time", *MAP[1:]) == 0
+    capsys.readouterr()
+    words = ["run", "check", "a", "--profile", str(arm / "arm.yaml")]
+    main(["--data", str(arm / "data"), *words])
+    out = capsys.readouterr().out
+    assert "look like milliseconds → --map 'stamp[ms]=time'" in out

@@ -1,0 +1,210 @@
+"""Before an import: what the columns seem to be, from names, units and ranges, and how to mend."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_broken_kinds import BROKEN
+from test_formats import FILES, JOINTS, URDF, can_log, columns, lines
+
+from pa10d.cli import main
+from pa10d.common.errors import UserError
+from pa10d.services.import_preview import Preview, preview_recording, small_curve
+from pa10d.services.robots import load_robot
+from pa10d.services.runs import import_run
+from pa10d.store import RunStore
+from pa10d.store.column_choices import Choice, composed, rules_of
+from pa10d.store.column_guess import guess, guessed
+from pa10d.store.column_mapping import read_unit
+
+T = np.arange(400) / 200.0
+
+
+@pytest.fixture
+def motion():
+    q = np.stack([1.2 * np.sin(3 * T), 0.9 * np.cos(2 * T)], axis=1)
+    return T, q, np.gradient(q, T, axis=0), 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4]
+
+
+@pytest.fixture
+def robot(tmp_path):
+    (tmp_path / "robot.urdf").write_text(URDF)
+    (tmp_path / "robot.yaml").write_text("urdf: robot.urdf\n")
+    return load_robot(tmp_path / "robot.yaml")
+
+
+def written(folder, table, name="log.csv", delimiter=","):
+    path = folder / name
+    path.write_text(lines(table, delimiter))
+    return path
+
+
+def meant(preview: Preview) -> dict[str, tuple[str, str]]:
+    return {column.name: (column.field, column.unit) for column in preview.columns}
+
+
+def codes(preview: Preview) -> set[str]:
+    return {finding["code"] for finding in preview.findings}
+
+
+def test_names_units_and_ranges_make_a_guess(tmp_path, motion, robot):
+    t, q, _, tau = motion
+    table = {
+        "stamp": 1.7e12 + 1e3 * t, "axis 1 pos": np.degrees(q[:, 0]),
+        "axis 2 pos": np.degrees(q[:, 1]), "axis 1 torque[mNm]": 1e3 * tau[:, 0],
+        "axis 2 torque[mNm]": 1e3 * tau[:, 1], "axis 1 cmd torque": tau[:, 0],
+        "axis 2 cmd torque": tau[:, 1], "mode": np.ones(len(t)),
+    }  # fmt: skip
+    found = preview_recording(written(tmp_path, table), *robot)
+    assert found.problem == ""
+    assert meant(found) == {
+        "stamp": ("time", "ms"), "axis 1 pos": ("q1", "deg"), "axis 2 pos": ("q2", "deg"),
+        "axis 1 torque[mNm]": ("tau1", "mNm"), "axis 2 torque[mNm]": ("tau2", "mNm"),
+        "axis 1 cmd torque": ("", ""), "axis 2 cmd torque": ("", ""), "mode": ("", ""),
+    }  # fmt: skip
+    assert found.rules == ["stamp[ms]=time", "axis {n} pos[deg]=q", "axis {n} torque[mNm]=tau"]
+    assert found.line == "--map 'stamp[ms]=time' 'axis {n} pos[deg]=q' 'axis {n} torque[mNm]=tau'"
+    assert found.rate == pytest.approx(200, rel=1e-3)
+    positions = found.columns[1]
+    assert positions.first == pytest.approx(np.degrees(q[:5, 0]))
+    assert (positions.low, positions.high) == pytest.approx((-1.2, 1.2), rel=1e-4)
+    assert max(positions.curve) == pytest.approx(1.2, rel=1e-3)
+    assert codes(found) & {"degrees", "time_unit", "commanded"} == set()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in FILES if kind != "no header"])
+def test_a_preview_is_what_an_import_makes_of_it(kind, tmp_path, motion, robot):
+    profile, arm = robot
+    if kind.startswith("can"):
+        pytest.skip("the readers' test has a profile with drives")
+    path, mapping = FILES[kind](tmp_path, motion)
+    found = preview_recording(path, profile, arm, thorough=False)
+    if mapping and kind.startswith("lerobot"):
+        assert found.problem
+        choices = [
+            Choice(f"observation.{what}{j}", f"{field}{j}")
+            for what, field in (("state", "q"), ("effort", "tau"))
+            for j in (1, 2)
+        ]
+        found = preview_recording(path, profile, arm, [*choices, Choice("time", "time")])
+    assert found.problem == ""
+    if kind.startswith("other units,"):  # torques of N·mm are questioned, not guessed
+        (large,) = [f for f in found.findings if f["code"] == "torque_large"]
+        better = {one["column"]: Choice(**one) for one in large["mends"]}
+        old = [Choice(c.name, c.field, c.unit) for c in found.columns if c.field]
+        found = preview_recording(path, profile, arm, [better.get(c.column, c) for c in old])
+    stored = RunStore(tmp_path / "data")
+    info = import_run(stored, path, profile, arm, mapping=found.rules).info
+    assert np.allclose(stored.read(info).samples.q, motion[1], atol=1e-9)
+    assert np.allclose(stored.read(info).samples.tau, motion[3], atol=1e-9)
+
+
+def test_joints_are_known_by_the_robot_s_names(robot):
+    names = ["time", "elbow pos", "shoulder pos", "elbow eff", "shoulder eff", "gripper pos"]
+    assert {c.column: c.field for c in guessed(names, 2, JOINTS)} == {
+        "time": "time", "shoulder pos": "q1", "elbow pos": "q2", "shoulder eff": "tau1",
+        "elbow eff": "tau2",
+    }  # fmt: skip
+    assert guess(["arm1_j1_pos", "arm1_j2_pos", "raw_1_pos"], 2) == ["arm1_j{n}_pos=q"]
+    assert guess(["t_ms", "joint0", "joint1", "x1"], 2) == ["t_ms[ms]=time", "joint{n-1}=q"]
+
+
+def test_a_choice_is_corrected_and_what_is_wrong_is_said(tmp_path, motion, robot):
+    path = written(tmp_path, dict(zip("abcde", columns(*motion).values(), strict=True)))
+    found = preview_recording(path, *robot)
+    assert found.rules == []
+    assert found.problem.startswith("log.csv: no column time, q1, q2, tau1, tau2; found a, b")
+    assert found.columns[0].first == [0, 0.005, 0.01, 0.015, 0.02]
+    fields = ("time", "q1", "q2", "tau1", "tau2")
+    right = [Choice(c, f) for c, f in zip("abcde", fields, strict=True)]
+    assert preview_recording(path, *robot, right).problem == ""
+    twice = [*right[:2], Choice("c", "q1")]
+    assert "expected each column and field once" in preview_recording(path, *robot, twice).problem
+    odd = [Choice("a", "time", "fortnight"), *right[1:]]
+    assert "unit 'fortnight', expected a factor" in preview_recording(path, *robot, odd).problem
+    (tmp_path / "none.csv").write_text("")
+    with pytest.raises(UserError, match="an empty file"):
+        preview_recording(tmp_path / "none.csv", *robot)
+
+
+def test_the_profile_s_mapping_comes_first(tmp_path, motion, robot):
+    profile, arm = robot
+    path = written(tmp_path, dict(zip("abcde", columns(*motion).values(), strict=True)))
+    keep = ["a=time", "b=q1", "c[-1]=q2", "d=tau1", "e=tau2"]
+    import_run(RunStore(tmp_path / "data"), path, profile, arm, mapping=keep)
+    found = preview_recording(path, load_robot(tmp_path / "robot.yaml")[0], arm)
+    assert found.rules == keep
+    assert meant(found)["c"] == ("q2", "-1")
+
+
+def test_what_mends_a_finding_is_a_choice(tmp_path, motion, robot):
+    t, q, _, tau = motion
+    table = {"time": t, "pos1": np.degrees(q[:, 0]), "pos2": np.degrees(q[:, 1])}
+    table |= {"tau1": np.mod(np.rint(5e3 * np.sin(9 * t)), 65536), "tau2": tau[:, 1]}
+    path = written(tmp_path, table)
+    chosen = [Choice("pos1", "q1", "-1"), Choice("pos2", "q2", "-1")]
+    wrong = preview_recording(path, *robot, chosen, thorough=False)
+    by_code = {finding["code"]: finding for finding in wrong.findings}
+    degrees = {(c["column"], c["field"], c["unit"]) for c in by_code["degrees"]["mends"]}
+    assert degrees == {("pos1", "q1", "-1*deg"), ("pos2", "q2", "-1*deg")}
+    assert "--map 'pos{n}[-1*deg]=q'" in by_code["degrees"]["advice"]
+    assert [tuple(c.values()) for c in by_code["wrapped"]["mends"]] == [("tau1", "tau1", "i16")]
+    assert meant(preview_recording(path, *robot))["tau1"] == ("tau1", "i16")
+
+
+def test_units_are_put_together():
+    for old, new in (("deg", "-1"), ("-deg", "-1"), ("-1", "-1"), ("", "i16"), ("deg", "1/100")):
+        both = composed(old, new)
+        factor = (read_unit(old).factor if old else 1.0) * read_unit(new).factor
+        assert (read_unit(both).factor if both else 1.0) == pytest.approx(factor)
+    assert composed("-deg", "deg") == "-deg"  # a finding on other joints says it once more
+    assert rules_of([Choice("q[deg]", "q1"), Choice("tau", "tau1", "Nmm")], 1) == [
+        "q[deg][1]=q1", "tau[Nmm]=tau1",
+    ]  # fmt: skip
+
+
+def test_a_small_curve_touches_every_extreme():
+    values = np.sin(np.arange(5000) / 300.0)
+    values[[700, 3100]] = 9.0, -7.0
+    curve = small_curve(values)
+    assert len(curve) == 120
+    assert (max(curve), min(curve)) == (9.0, -7.0)
+    assert small_curve(values[:50]) == pytest.approx(values[:50], rel=1e-3)
+
+
+def test_a_can_log_needs_no_mapping(tmp_path, motion, robot):
+    path, _ = can_log(".blf")(tmp_path, motion)
+    with pytest.raises(UserError, match="a CAN log needs a profile with 'drives'"):
+        preview_recording(path, *robot)
+
+
+def test_the_command_line_shows_the_same(tmp_path, motion, robot, capsys):
+    t, q, _, tau = motion
+    table = {"t": t, "j1": np.degrees(q[:, 0]), "j2": np.degrees(q[:, 1])}
+    path = written(tmp_path, table | {"trq1": tau[:, 0], "trq2": tau[:, 1]})
+    words = ["--data", str(tmp_path / "data"), "run", "preview", str(path)]
+    words += ["--profile", str(tmp_path / "robot.yaml")]
+    assert main(words) == 1
+    told = capsys.readouterr().out
+    assert "trq1" in told
+    assert "no column q1, q2" in told
+    line = ["--map", "j{n}[deg]=q"]
+    assert main([*words, *line]) == 0
+    told = capsys.readouterr().out
+    assert "--map t=time 'j{n}[deg]=q' 'trq{n}=tau'" in told
+    assert not (tmp_path / "data" / "runs").exists()
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_what_is_broken_is_one_line(kind, tmp_path):
+    content, name, _ = BROKEN[kind]
+    path = tmp_path / name
+    path.write_bytes(content)
+    try:
+        found = preview_recording(path, *load_robot("ur5e"), thorough=False)
+        said = found.problem
+        found.document()
+    except UserError as error:
+        said = str(error)
+    assert name in said
+    assert "\n" not in said
