@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+from threadpoolctl import threadpool_limits
+
 from pa10d.checks.channels import check_channels
+from pa10d.checks.commanded import check_commanded
 from pa10d.checks.counters import check_counters
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
 from pa10d.checks.finding import Finding
 from pa10d.checks.geometry import check_geometry
-from pa10d.checks.timing import check_timing
+from pa10d.checks.timing import check_timing, unit_of_stamps
 from pa10d.checks.units import beyond_limits, check_units
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 
-__all__ = ["Delay", "Finding", "beyond_limits", "check_recording", "estimate_delay"]
+__all__ = [
+    "Delay",
+    "Finding",
+    "beyond_limits",
+    "check_commanded",
+    "check_recording",
+    "estimate_delay",
+    "in_order",
+    "unit_of_stamps",
+]
 
 _ORDER = {"error": 0, "warning": 1, "info": 2}
 
@@ -40,5 +52,12 @@ def check_recording(
     if robot is not None:
         findings += beyond_limits(recording, robot)
         if delay and not any(finding.severity == "error" for finding in findings):
-            findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
+            # the matrices are many and small: threads of the linear algebra would mostly wait
+            with threadpool_limits(limits=1, user_api="blas"):
+                findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
+    return in_order(findings)
+
+
+def in_order(findings: list[Finding]) -> list[Finding]:
+    """Gravest first."""
     return sorted(findings, key=lambda finding: _ORDER[finding.severity])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
-from pa10d.dynamics import Robot
+from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import RunEquation, delayed, prepare
 
@@ -49,7 +49,7 @@ def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
     part = recording.part(first, min(len(recording.t), first + wanted), "")
     part = replace(part, dq=None)  # late against the position, not against a reported velocity
     run = prepare(part, robot, min(CUTOFF, rate / 8))
-    columns = textbook_columns(run)
+    columns = textbook_columns(run, base_parameters(robot).kept)
     blocks = blocks_of(run)
     keep = run.keep & steady_sign(run)
     if keep.sum() < 3 * columns.shape[2] or len(np.unique(blocks[keep.any(axis=1)])) < 2:

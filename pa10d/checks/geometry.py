@@ -8,14 +8,14 @@ joint turned back. What the torque is measured in needs the URDF's bodies: their
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
-from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
 
@@ -57,28 +57,34 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
 
 def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
     """The joint whose turning round helps most is turned; then the others are asked again."""
-    usual = _left(part, robot, None)
-    if usual is None or len(usual[0]) < FEWEST:
+    kept = base_parameters(robot).kept
+    view = _View.of(part, robot, kept)
+    if view is None:
         return
-    left, scale = usual
+    scale = np.maximum(view.tau.std(axis=0), 1e-9)
+    left = view.left(scale)
+    if len(left) < FEWEST:
+        return
     asked = set(range(robot.n))
     while asked:
-        found = {
-            (j, signs): _left(_with_signs(part, j, signs), robot, scale)
-            for j in asked
-            for signs in TURNED
-        }
+        found = {}
+        for j in sorted(asked):
+            other = _View.of(_with_signs(part, j, (-1, 1)), robot, kept)
+            for signs in TURNED:
+                seen = view if signs[0] > 0 else other
+                if seen is not None:
+                    found[j, signs] = seen.turned(j, signs[1]).left(scale)
         shares = {
-            key: float(new[0].sum() / max(left.sum(), 1e-300))
+            key: float(new.sum() / max(left.sum(), 1e-300))
             for key, new in found.items()
-            if new is not None and len(new[0]) == len(left) and _surely_less(new[0], left)
+            if len(new) == len(left) and _surely_less(new, left)
         }
         if not shares:
             return
         (j, signs), share = min(shares.items(), key=lambda item: item[1])
         yield j, (signs, share)
         part = _with_signs(part, j, signs)
-        left = found[j, signs][0]  # type: ignore[index]
+        view, left = _View.of(part, robot, kept) or view, found[j, signs]
         asked.remove(j)
 
 
@@ -98,20 +104,39 @@ def _with_signs(part: Recording, joint: int, signs: tuple[int, int]) -> Recordin
     return replace(part, q=q, tau=tau)
 
 
-def _left(part: Recording, robot: Robot, scale: Array | None) -> tuple[Array, Array] | None:
-    """Per block the sum of squares that the textbook model leaves, each joint by the size of its
-    torque (n,), which comes back too; None where there is too little motion."""
-    run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
-    columns = textbook_columns(run)
-    keep = run.keep & steady_sign(run)
-    if keep.sum() < 3 * columns.shape[2]:
-        return None
-    if scale is None:
-        scale = np.maximum(run.tau.std(axis=0), 1e-9)
-    parameters, _ = fit_textbook(columns, run.tau, keep, 1.0 / scale)
-    left = np.where(keep, (run.tau - columns @ parameters) / scale, 0.0)
-    sums = np.bincount(blocks_of(run), (left**2).sum(axis=1))
-    return np.asarray(sums, dtype=np.float64), scale
+@dataclass(frozen=True)
+class _View:
+    """Both sides of the textbook equation: columns (M, n, p), tau (M, n), which samples count, and
+    the block (M,) that each lies in."""
+
+    columns: Array
+    tau: Array
+    keep: NDArray[np.bool_]
+    blocks: NDArray[np.int64]
+
+    @staticmethod
+    def of(part: Recording, robot: Robot, kept: NDArray[np.int64]) -> _View | None:
+        """None where there is too little motion."""
+        run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
+        columns = textbook_columns(run, kept)
+        keep = run.keep & steady_sign(run)
+        if keep.sum() < 3 * columns.shape[2]:
+            return None
+        return _View(columns, run.tau, keep, blocks_of(run))
+
+    def turned(self, joint: int, sign: int) -> _View:
+        """The same with a joint's torque times ``sign``: nothing else depends on it."""
+        tau = self.tau.copy()
+        tau[:, joint] *= sign
+        return replace(self, tau=tau)
+
+    def left(self, scale: Array) -> Array:
+        """Per block the sum of squares that the textbook model leaves, each joint by its torque's
+        size ``scale`` (n,)."""
+        parameters, _ = fit_textbook(self.columns, self.tau, self.keep, 1.0 / scale)
+        left = np.where(self.keep, (self.tau - self.columns @ parameters) / scale, 0.0)
+        sums = np.bincount(self.blocks, (left**2).sum(axis=1))
+        return np.asarray(sums, dtype=np.float64)
 
 
 def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:

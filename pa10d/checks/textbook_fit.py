@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.dynamics import base_parameters
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
@@ -14,10 +13,11 @@ BLOCK = 1.0  # s whose residuals are taken as one: longer than any filter rememb
 SLOW = 0.03  # of the fast speed: there friction may be anything
 
 
-def textbook_columns(run: RunEquation) -> Array:
-    """(M, n, p): rigid bodies, and per joint rotor inertia, Coulomb, viscous friction, offset."""
+def textbook_columns(run: RunEquation, kept: NDArray[np.int64]) -> Array:
+    """(M, n, p): rigid bodies' base parameters ``kept``, and per joint rotor inertia, Coulomb,
+    viscous friction, offset."""
     c = run.context
-    rigid = run.rigid_columns(base_parameters(c.robot).kept)
+    rigid = run.rigid_columns(kept)
     parts = (c.ddq, np.sign(c.dq), c.dq, np.ones_like(c.dq))
     n = c.robot.n
     joint = np.zeros((run.lowpass.kept, n, len(parts) * n))

@@ -12,6 +12,20 @@ SLOW, TOO_SLOW, TOO_FAST = 50.0, 10.0, 20_000.0  # Hz
 UNEVEN = 0.1  # of a period: later stamps than this cost accuracy at the usual cut-offs
 SHORT = 5.0  # s
 
+STAMPS = {
+    "ms": (1e3, "milliseconds"),
+    "us": (1e6, "microseconds"),
+    "ns": (1e9, "nanoseconds"),
+}  # of them in a second
+
+
+def unit_of_stamps(rate: float) -> str | None:
+    """What stamps are in that give so few samples per "second"; None: seconds, or no guess."""
+    for unit, (factor, _) in STAMPS.items():
+        if rate < TOO_SLOW and SLOW <= rate * factor <= TOO_FAST:
+            return unit
+    return None
+
 
 def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Finding]:
     """``timing``: how the stamps were before they became equal steps."""
@@ -33,15 +47,14 @@ def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Findin
 
 
 def _plausible(rate: float) -> Iterator[Finding]:
-    for factor, unit in ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")):
-        if rate < TOO_SLOW and SLOW <= rate * factor <= TOO_FAST:
-            yield Finding(
-                "error",
-                "time_unit",
-                f"{rate:.3g} Hz: the stamps look like {unit}",
-                f"divide the column time by {factor:g}",
-            )
-            return
+    if (unit := unit_of_stamps(rate)) is not None:
+        yield Finding(
+            "error",
+            "time_unit",
+            f"{rate:.3g} Hz: the stamps look like {STAMPS[unit][1]}",
+            f"--map 'time[{unit}]=time'",
+        )
+        return
     if rate < SLOW:
         yield Finding(
             "error" if rate < TOO_SLOW else "warning",
@@ -54,7 +67,7 @@ def _plausible(rate: float) -> Iterator[Finding]:
             "warning",
             "fast",
             f"{rate:.3g} Hz is faster than robots are sampled",
-            "check that the column time is in seconds",
+            "check that the stamps are seconds",
         )
 
 

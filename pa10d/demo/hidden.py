@@ -116,7 +116,7 @@ def _placed(
         return random_effect(rng, name, figures)
     if ALL[name].where == "robot":
         raise UserError(f"--hide {asked}: {name} is of the whole arm, expected no joint")
-    if not joint.isdigit() or not 1 <= int(joint) <= figures.n:
+    if not joint.isdecimal() or not 1 <= int(joint) <= figures.n:
         raise UserError(f"--hide {asked}: joint {joint!r}, expected a number from 1 to {figures.n}")
     seen: set[int] = set()
     for _ in range(DRAWS):

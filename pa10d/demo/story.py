@@ -76,13 +76,13 @@ def settling(chapter: Document) -> list[Document]:
 def play(bench: Bench, hidden: Hidden, seed: int, tell: Tell, progress: Progress) -> Told:
     """From a hidden effect to the truth."""
     tell("2. What is missing in its model? It is moved, over HTTP and CAN, and investigated.")
-    chapters = [_chapter(bench.client, tell, progress)]
+    chapters = [chapter(bench.client, tell, progress)]
     # nobody changes an arm that somebody else simulates, and a model that is known to lack
     # something is no reference
     if chapters[0]["verdict"] == "none" and not hidden.foreign:
         tell("3. Time passes; the arm is switched on again. Has it changed?")
         bench.time_passes()
-        chapters.append(_chapter(bench.client, tell, progress, since=chapters[0]["model"]))
+        chapters.append(chapter(bench.client, tell, progress, since=chapters[0]["model"]))
     found = chapters[-1]
     right = judged(hidden, found["findings"], found["unexplained"])
     truth = verdict_on(hidden, found["findings"], found["unexplained"])
@@ -91,8 +91,8 @@ def play(bench: Bench, hidden: Hidden, seed: int, tell: Tell, progress: Progress
     return Told(hidden, tuple(chapters), right, truth, seed)
 
 
-def _chapter(arm: Client, tell: Tell, progress: Progress, **asked: Any) -> Document:
-    """One question, asked and answered step by step."""
+def chapter(arm: Client, tell: Tell, progress: Progress, **asked: Any) -> Document:
+    """One question, asked and answered step by step → the investigation's document."""
     planned = arm.prepare_investigation(progress, **asked)
     known = {step["id"]: "waiting" for step in planned["steps"]}
 

@@ -58,6 +58,7 @@ MOST_STEPS = 8  # effects that one search adds
 PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
 SEARCH_THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
+CLOSER_LOOKS = 2  # starts of an effect whose gain is rough in its shape, looked around once more
 START_THIN = 10  # samples of which one is looked at for where a shape may start
 ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
 MORE_ROUNDS = 4  # of settling, beyond the usual
@@ -93,6 +94,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 # -- chosen, and no record says on which data ------------------------------------------------------
 
 MATERIAL_REST = MATERIAL  # times the noise floor: policy, one for all that judge
+SEEN_SHARE = 0.2  # of an effect's largest torque: policy; a fit that saw less extrapolates it
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, or be predicted, to claim
 MAP_SHARE = 0.06  # of it, where the map knows, that a map must remove to be a claim
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse

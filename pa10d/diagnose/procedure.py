@@ -12,11 +12,12 @@ from threadpoolctl import threadpool_limits
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt, term_covariance
+from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.steps import Judged, Search, Suspects
@@ -64,7 +65,7 @@ def diagnose(
     model = in_band(model)
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
-    state = State.start(model, train, held, frozen)
+    state = SearchState.start(model, train, held, frozen)
     given = len(state.terms)
     as_given = held_out(model, state)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
@@ -129,7 +130,7 @@ def add(
     say(0.0, "filtering")
     model = in_band(model)
     train, held, _ = two_sides(model, fit, validate)
-    state = State.start(model, train, held)
+    state = SearchState.start(model, train, held)
     as_given = held_out(model, state)
     given = len(state.terms)
     search = Search(state, suspicion((effect_id, joints), model.robot.n), given)
@@ -161,7 +162,8 @@ def add(
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), as_given)
-    return replace(made, name=name, change=f"added {added}"), [*warnings, *said(made)]
+    warnings += [*tails(made, state.terms[given:], state.train.runs), *said(made)]
+    return replace(made, name=name, change=f"added {added}"), warnings
 
 
 def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
@@ -219,7 +221,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     )
 
 
-def _size(state: State, index: int, judged: Judged) -> Value:
+def _size(state: SearchState, index: int, judged: Judged) -> Value:
     """RMS of the torque where it acts most; its error follows from the held-out slope."""
     columns = state.blocks[index][1]
     torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}

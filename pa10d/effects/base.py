@@ -127,7 +127,8 @@ class Value:
         if not self.determined:
             return "not determined"
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.value:.4g} ± {self.std_error:.2g}{unit}"
+        doubt = f" ± {self.std_error:.2g}" if self.std_error > 0.0 else ""  # a choice has none
+        return f"{self.value:.4g}{doubt}{unit}"
 
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""
@@ -195,6 +196,9 @@ class Effect(ABC):
     # (an identification asks the data for that of every joint's dry friction)
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
+    seen_by_shared_bodies: ClassVar[bool] = False  # a change that a new fit does not hide: the
+    # equations of several joints ask different things of one body. Asked for where the question
+    # is what is missing, too; any joint may show it, and it takes no rival's place on its own
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines
@@ -271,7 +275,13 @@ class Effect(ABC):
     def speaks_on(self, joints: Sequence[int]) -> list[int] | slice:
         """Joints whose error speaks for or against it: of an effect of one equation its own. What
         it shifts elsewhere, by way of parameters that joints share, is no evidence for it."""
-        return list(joints) if joints and not self.reaches_other_joints else slice(None)
+        everywhere = self.reaches_other_joints or self.seen_by_shared_bodies
+        return list(joints) if joints and not everywhere else slice(None)
+
+    def shown_by(self, parameter: str) -> str:
+        """The experiment, in words, that determines one of its parameters."""
+        rounds = any(s.name == parameter and s.smoothing for s in self.shapes)
+        return "Slow reversals" if rounds else self.experiment.rstrip(".")
 
     def shapes_in(self, shape: Mapping[str, object]) -> list[ShapeParameter]:
         """The shape parameters that this case of the effect has."""

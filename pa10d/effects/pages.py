@@ -21,6 +21,8 @@ QUESTIONS = {
     "chosen": "is never looked for: you choose it (`pa10d add … smooth_map --over …`)",
 }
 
+SHARED = "and *what is missing?*, as far as joints that carry the same bodies contradict each other"
+
 
 def page(kind: Effect, titles: Mapping[str, str], picture: Portrait | None) -> str:
     """Markdown of one effect. titles: id -> title of all effects that may be named; picture:
@@ -28,7 +30,8 @@ def page(kind: Effect, titles: Mapping[str, str], picture: Portrait | None) -> s
     return "\n\n".join(
         [
             f"# {kind.title}",
-            f"`{kind.id}` · sits on {SCOPES[kind.scope]} · {QUESTIONS[kind.question]}",
+            f"`{kind.id}` · sits on {SCOPES[kind.scope]} · {QUESTIONS[kind.question]}"
+            + (f"; {SHARED}" if kind.seen_by_shared_bodies else ""),
             kind.meaning,
             "## Equation",
             f"```\n{kind.equation}\n```",

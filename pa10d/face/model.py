@@ -15,7 +15,7 @@ from pa10d.export.endings import Format
 from pa10d.export.formats import export as exported
 from pa10d.face.values import Array, ByContent, bits, frozen, listed, settled
 from pa10d.model import Parameters, TorqueModel
-from pa10d.services.models import write_file
+from pa10d.services.models import write_export, write_file
 from pa10d.store.model_parse import read_model
 from pa10d.store.model_text import model_text
 from pa10d.store.models import new_info
@@ -169,11 +169,12 @@ def export(
     format: Format = "urdf",
     parameters: Parameters = "feasible",
 ) -> tuple[str, ...]:
-    """Write the model for other programs → what the format cannot hold, a sentence each.
+    """Write the model for other programs → what the format cannot hold, a sentence each. path: a
+    file; a folder for the formats ros2_control and tables.
 
     format: one of those of ``pa10d model export``; parameters: "feasible", bodies that can exist,
     or "free", the unconstrained fit as ``compare`` judges it.
     """
     made = exported(model.inner, format, parameters)
-    write_file(Path(path), made.text)
+    write_export(made, Path(path))
     return (*made.not_carried, *made.warnings)

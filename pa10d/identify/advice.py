@@ -132,6 +132,12 @@ def _timing(shift: Shift) -> Iterator[str]:
             f"torque is {abs(shift.seconds) * 1e3:.2f} ± {shift.std_error * 1e3:.2f} ms {word} "
             "against position on the whole robot; the fit and the model account for it"
         )
+    if np.isfinite(shift.slow):
+        yield (
+            f"slow parts of the motion ask for another shift in time ({shift.slow * 1e3:.2f} ms) "
+            f"than fast ones ({shift.estimate * 1e3:.2f} ms): the torque is low-passed, or the "
+            "model lacks something that poses as a delay"
+        )
 
 
 def _motion_for(

@@ -25,6 +25,7 @@ from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass
 from pa10d.measurement.standstill import fast_speed
+from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, decimation, prepare
 from pa10d.regression.layout import Layout
 
@@ -50,6 +51,7 @@ class Pieces:
     faster_than: Array | None = None
     _kept: dict[int, Piece] = field(default_factory=dict)
     _bytes: int = 0
+    _model: TorqueModel | None = None
     _counted: set[int] = field(default_factory=set)
     gram: Array = field(default_factory=lambda: np.zeros(()))
 
@@ -88,6 +90,11 @@ class Pieces:
         """Take every torque ``seconds`` later from now on."""
         self.shift += seconds
         self._kept = {i: piece.shifted(seconds) for i, piece in self._kept.items()}
+
+    def look_through(self, model: TorqueModel) -> None:
+        """Let loads and torques that effects depend on be those of this model from now on."""
+        self._model = model
+        self._kept = {i: piece.through(model) for i, piece in self._kept.items()}
 
     def condition_number(self) -> float:
         """Of the textbook columns of all raw samples (see ``condition``)."""
@@ -143,7 +150,8 @@ class Pieces:
             self._count(i, raw, run, first, last)
         rigid = run.rigid_rows(self.layout.base.kept, seen, raw)
         inside = run.inside[:, None] & counts
-        return Piece(run, keep, moving, inside, rigid, self._fast[number])
+        piece = Piece(run, keep, moving, inside, rigid, self._fast[number])
+        return piece if self._model is None else piece.through(self._model)
 
     def _slow(self, run: RunEquation) -> NDArray[np.bool_]:
         """(M, n) rows that the caller wants left out."""

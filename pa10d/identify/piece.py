@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context
 from pa10d.measurement.signals import delayed
-from pa10d.model import Term
+from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
@@ -48,6 +48,11 @@ class Piece:
         raw = delayed(run.raw_tau, -seconds, run.lowpass.rate)
         moved = replace(run, tau=run.lowpass(raw), raw_tau=raw, shift=run.shift + seconds)
         return replace(self, equation=moved)
+
+    def through(self, model: TorqueModel) -> Piece:
+        """The same stretch with the loads and torques of a model."""
+        seen = replace(self.equation, context=model.contextualise(self.context))
+        return replace(self, equation=seen, _columns={})
 
     def filtered(self, terms: Sequence[Term], joint: int) -> Array:
         """(M, Σk) filtered columns of effects in one joint's equation; they are remembered."""

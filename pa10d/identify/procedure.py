@@ -15,7 +15,8 @@ from pa10d.identify.blocks import Pieces, middle
 from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
-from pa10d.identify.fit import plain_fit, weighted_fit
+from pa10d.identify.fit import weighted_fit
+from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
@@ -88,6 +89,7 @@ def _identify(
     check_length(recordings, cutoff)
     pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick, faster_than)
     seen = check_motion(excitation(pieces), recordings, faster_than)
+    look_through_textbook(pieces, layout)
     layout = with_starting_shapes(layout, pieces)
     say(0.2, "smoothing speed of the friction sign")
     smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
@@ -99,6 +101,7 @@ def _identify(
         smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
         layout = with_smoothing(layout, smoothing)
     say(0.6, "least squares")
+    look_through_all(pieces, layout)
     fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout)
@@ -130,15 +133,4 @@ def _cut_off(
     check_motion(excitation(pieces), parts)
     smoothing = find_smoothing(pieces, layout)
     wide = with_smoothing(layout, smoothing)
-    beta = plain_fit(pieces, wide)
-    model = TorqueModel(
-        name="probe",
-        robot=robot,
-        base=layout.base,
-        h=wide.rigid(beta),
-        terms=wide.fitted(beta),
-        covariance=np.zeros((0, 0)),
-        noise=np.zeros(robot.n),
-        cutoff=pieces.cutoff,
-    )
-    return choose_cutoff(model, parts)
+    return choose_cutoff(first_model(pieces, wide), parts)

@@ -14,11 +14,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from pa10d.common.errors import UserError
+from pa10d.common.locked_file import lock_at_once
 from pa10d.investigation.course import put_back
 from pa10d.investigation.state import Investigation
 from pa10d.services.documents import Diagnose
 from pa10d.store.entries import SetAside, explained, read_entry, refuse_links
-from pa10d.store.folders import hold, is_held, write_text
+from pa10d.store.folders import is_held, write_into
 from pa10d.store.location import data_folder
 from pa10d.store.names import free_name, resolve
 
@@ -68,10 +69,8 @@ class Archive:
 
     def save(self, state: Investigation) -> None:
         """The whole state, in one step."""
-        place = self.place(state.id)
-        place.mkdir(exist_ok=True)
         text = state.model_dump_json(indent=1, by_alias=True)
-        write_text(place / STATE, text + "\n")
+        write_into(self.place(state.id), STATE, text + "\n")
 
     def free_name(self, wanted: str) -> str:
         """``wanted``, or with the first number that is free."""
@@ -93,7 +92,7 @@ class Archive:
         except OSError as error:
             raise UserError(f"{path}: {error.strerror}; expected a file of its own") from error
         try:
-            if not hold(file):
+            if not lock_at_once(file):
                 raise UserError(
                     f"investigation {investigation}: another process is carrying it out"
                 )

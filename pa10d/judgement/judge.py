@@ -28,6 +28,10 @@ between plus and minus stiction: an error there says nothing about the model."""
 MATERIAL = 1.2
 """Times the noise floor: policy and no statistics. An error of no more is worth no experiment."""
 
+MOST = 900_000
+"""Samples in all by which a model is judged: half an hour at 500 Hz. All of them have to be in
+memory, in some ten channels per joint."""
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -66,16 +70,49 @@ def judge(
 def judge_alike(
     models: Sequence[TorqueModel], recordings: Sequence[Recording], cutoff: float | None = None
 ) -> list[Judgement]:
-    """Several models on the same runs in one band (default: the narrowest of their own)."""
+    """Several models on the same runs in one band (default: the narrowest of their own); of very
+    long ones by the middle of each, which the mask says."""
     if not recordings:
         raise UserError("nothing to judge by: expected at least one run")
     cutoff = common_band(models) if cutoff is None else cutoff
     seen = [in_band(model, cutoff) for model in models]
-    return [judged(m.name, [run_residual(m, run) for run in recordings]) for m in seen]
+    mask = (
+        MASK
+        if (most := longest(MOST, recordings)) is None
+        else (f"{MASK}, of each run no more than its {most} middle samples")
+    )
+    recordings = no_more_than(MOST, recordings)
+    return [judged(m.name, [run_residual(m, run) for run in recordings], mask) for m in seen]
 
 
-def judged(model: str, runs: Sequence[RunResidual]) -> Judgement:
+def longest(most: int, recordings: Sequence[Recording]) -> int | None:
+    """Samples that each run may have where all together are to have no more than ``most``: runs
+    that have fewer leave theirs to the others. None where there are no more."""
+    lengths = sorted(len(one.t) for one in recordings)
+    if sum(lengths) <= most:
+        return None
+    for k, samples in enumerate(lengths):
+        share = most // (len(lengths) - k)
+        if samples > share:
+            return share
+        most -= samples
+    raise AssertionError("unreachable: all lengths together are more than most")
+
+
+def no_more_than(most: int, recordings: Sequence[Recording]) -> Sequence[Recording]:
+    """The runs; where they have more samples in all, the middle of the longest of them."""
+    share = longest(most, recordings)
+    if share is None:
+        return recordings
+    out = []
+    for one in recordings:
+        spare = max(0, len(one.t) - share)
+        out.append(one.part(spare // 2, spare // 2 + share, "") if spare else one)
+    return out
+
+
+def judged(model: str, runs: Sequence[RunResidual], mask: str = MASK) -> Judgement:
     """The same of runs that a model was held against already."""
     cutoff = runs[0].equation.lowpass.cutoff
     names = tuple(run.name for run in runs)
-    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs))
+    return Judgement(model, names, cutoff, scores(runs).rms, noise_floor(runs), mask)

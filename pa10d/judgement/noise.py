@@ -138,8 +138,7 @@ def _above(run: RunResidual, joint: int) -> _Seen:
         least = float(np.median(power[:, beyond].mean(axis=1)))
         seen.append((float(np.median(each)), least, each, _fall(f[band], power[:, band])))
     level, least, each, fall = min(seen, key=lambda s: s[0])
-    separate = TOP[0] * lowpass.rate > top
-    if separate and level > FALLS * least:
+    if level > FALLS * least:
         return NOTHING
     if level * 0.5 * lowpass.rate < COARSE * _step(run.equation.raw_tau[:, joint]) ** 2 / 12.0:
         return NOTHING

@@ -43,9 +43,10 @@ class Stretch:
 
     @classmethod
     def of(cls, run: RunEquation, residual: Array, keep: NDArray[np.bool_]) -> Stretch:
-        """What a fit leaves of a run, or of a piece of it."""
+        """What a fit leaves of a run, or of a piece of it. Copies: views would keep the raw motion
+        of every piece in memory."""
         context, factor = run.context, run.lowpass.factor
-        return cls(residual, keep, context.q[::factor], context.dq[::factor])
+        return cls(residual, keep, context.q[::factor].copy(), context.dq[::factor].copy())
 
 
 def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:

@@ -44,6 +44,11 @@ class Layout(Unknowns):
             out.append(np.concatenate([np.flatnonzero(self.seen[j]), *own]).astype(np.int64))
         return tuple(out)
 
+    @property
+    def follows_model(self) -> bool:
+        """Whether columns of some term change with the model's loads and torques."""
+        return any(term.effect.uses_model for term in self.terms)
+
     def with_shapes(self, shapes: dict[int, dict[str, float]]) -> Layout:
         """The same unknowns with other shapes for some terms (by index)."""
         terms = [replace(t, shape=shapes.get(i, t.shape)) for i, t in enumerate(self.terms)]

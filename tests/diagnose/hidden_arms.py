@@ -13,7 +13,7 @@ from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effec
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose, one_thread
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.steps import Search, rms
 from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.effects import effect
@@ -34,7 +34,7 @@ SAME: dict[str, dict[str, str]] = {
     "coulomb_asymmetry": {"dFc": "dFc", "dFv": "dFv"},
     "stribeck": {"Fs": "Fs", "vs": "vs", "delta": "delta"},
     "nonlinear_viscous": {"Fp": "Fp", "p": "p"},
-    "load_friction": {"mu": "mu"},
+    "load_friction": {"mu": "mu", "dmu": "dmu"},
     "thermal_friction": {"T": "T"},
     "position_friction": {"A": "height", "qc": "centre", "w": "width"},
     "torque_ripple": {"N": "N", "a": "sin", "b": "cos"},
@@ -133,7 +133,7 @@ class Arm:
 
     def error_as_given(self) -> np.ndarray:
         """(n,) N·m held out, of the model without the hidden effects (refitted unless frozen)."""
-        state = State.start(*self._start(), frozen=self.frozen)
+        state = SearchState.start(*self._start(), frozen=self.frozen)
         Search(state, [], len(state.terms))._align()
         return rms(state.held_residual())
 
@@ -170,7 +170,7 @@ def error_when_told(found: Arm) -> np.ndarray:
     """
     errors = []
     for refine in (False, True):
-        state = State.start(*found._start(), frozen=found.frozen)
+        state = SearchState.start(*found._start(), frozen=found.frozen)
         given = len(state.terms)
         search = Search(state, [], given)
         search._align()

@@ -72,11 +72,14 @@ def test_a_new_model_never_has_friction_below_nothing():
         assert term.effect_id != "coulomb" or term.coefficients[0] > 0
 
 
-def said(kind: str, frozen: bool, size: float = 1.0, rivals: tuple[str, ...] = ()) -> str:
+def said(
+    kind: str, frozen: bool, size: float = 1.0, rivals: tuple[str, ...] = (), rms: float = 1.0
+) -> str:
     one = effect(kind)
     joints = {"joint": (3,), "pair": (4, 5), "robot": ()}[one.scope]
     term = Term(kind, joints, np.full(len(one.coefficients), size))
-    before, after = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 0.0, 0.5])
+    before = np.array([0.0, 0.0, 0.0, rms])
+    after = before / 2
     doubts = [Confusion(other, joints, "alike") for other in rivals]
     return sentence(term, before, after, Value(0.4321, 0.01, "N·m"), doubts, frozen)
 
@@ -97,6 +100,20 @@ def test_a_sentence_says_what_where_how_much_and_what_it_takes_away():
     assert doubtful.endswith(
         "This data cannot yet tell it from a contact at one end of its range or a torque offset."
     )
+
+
+def test_what_other_terms_stand_in_for_is_not_called_lacking():
+    """Hysteresis is as large as the dry friction whose place it takes; an error is much less."""
+    text = said("presliding_hysteresis", False, rms=0.1)
+    assert "about 0.43 N·m, of which the model lacks 0.087 N·m; with it 75 %" in text
+    assert "lacks" not in said("backlash", False, rms=0.1)
+
+
+def test_the_same_effect_elsewhere_is_a_rival_with_its_place():
+    one = Confusion("torque_gain", (1,), "alike")
+    term, before = Term("torque_gain", (0,), np.array([0.1])), np.array([0.2, 0.1])
+    text = sentence(term, before, before / 2, Value(0.4, 0.01, "N·m"), [one], False)
+    assert text.endswith("This data cannot yet tell it from the same on joint 2.")
 
 
 @pytest.mark.parametrize("kind", sorted(all_effects()))

@@ -35,7 +35,8 @@ def test_a_clean_arm_is_cleared(seed, noise):
     assert claims(arm(seed, noise=noise, seconds=15.0, cutoff=12.0).diagnose()) == []
 
 
-def test_a_clean_small_arm_is_cleared_under_any_noise():
+@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 24), marks=pytest.mark.long)])
+def test_a_clean_small_arm_is_cleared_under_any_noise(seeds):
     colours = {
         "white": None,
         "coloured": lambda rng, n: ar1(rng, n, 0.99),
@@ -43,7 +44,7 @@ def test_a_clean_small_arm_is_cleared_under_any_noise():
     }
     said, searches = {}, 0
     for name, colour in colours.items():
-        for seed in range(8):
+        for seed in seeds:
             runs = recordings(40 + seed, colour=colour)
             found = diagnose(
                 textbook(runs),

@@ -8,7 +8,7 @@ from bare_sides import bare_side, stacked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.regression.fit import Fit, Prior, iterated_fit, weighted_fit
+from pa10d.diagnose.regression.least_squares import LeastSquares, Prior, iterated_fit, weighted_fit
 
 SIGMA = np.array([0.5, 2.0, 1.0])
 
@@ -99,7 +99,7 @@ def test_without_equals_a_refit_without_the_columns(seed, width, data):
     )
 
 
-def _same_span(one: Fit, other: Fit) -> None:
+def _same_span(one: LeastSquares, other: LeastSquares) -> None:
     """What either basis absorbs of any vector is the same."""
     rng = np.random.default_rng(0)
     vector = {j: rng.standard_normal(len(q)) for j, q in one.basis.items()}

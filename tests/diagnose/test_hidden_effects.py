@@ -76,6 +76,17 @@ def _as_good_as_told(found: Diagnosis, told: np.ndarray) -> None:
     )
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(("joint", "dmu"), [(2, 0.05), (4, 0.06), (4, 0.0)])
+def test_load_friction_says_whether_the_motor_drives_where_it_matters(joint, dmu):
+    hidden = {"effect": "load_friction", "joint": joint, "mu": 0.08} | ({"dmu": dmu} if dmu else {})
+    hidden_in = arm(520 + joint, [hidden])
+    found = hidden_in.diagnose()
+    assert places(found) == [("load_friction", joints_of(hidden))]
+    assert ("dmu" in found.findings[0].parameters) is bool(dmu)
+    _within_errors(found, hidden_in)
+
+
 TWO_AT_ONCE = [
     ("stribeck", "spring", 1),
     ("load_friction", "torque_ripple", 2),
@@ -131,4 +142,8 @@ def test_what_no_library_has_is_called_unknown(name, seed):
     found = hidden_in.diagnose()
     assert places(found) == []
     assert found.verdict == "unknown"
-    assert [u.joint + 1 for u in found.unexplained] == [joint]
+    first, *others = found.unexplained
+    assert first.joint + 1 == joint
+    assert first.variables
+    # shared bodies bend towards it: what that leaves on other joints is real, and follows nothing
+    assert not any(u.variables for u in others)

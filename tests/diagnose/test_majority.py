@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bare_sides import bare_side
 
-from pa10d.diagnose.regression.fit import weighted_fit
+from pa10d.diagnose.regression.least_squares import weighted_fit
 from pa10d.diagnose.regression.majority import agreed
 
 TRUE = np.array([2.0, -1.0, 0.5])

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import json
 import re
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
-from two_links import CUTOFF, URDF, recordings
+from two_links import CUTOFF, URDF, recordings, textbook
 
 from pa10d.cli import main
 from pa10d.daemon.jobs import tasks
-from pa10d.judgement import judge
+from pa10d.judgement import MASK, judge
 from pa10d.services import plots
 from pa10d.services.library import open_library
 
@@ -112,3 +113,15 @@ def same(one, other) -> bool:
 def words(page: Path) -> str:
     """What a reader sees of a page."""
     return re.sub(r"<[^>]+>", " ", page.read_text(encoding="utf-8"))
+
+
+def test_a_judgement_says_that_it_saw_the_middle_only(monkeypatch):
+    runs = recordings(1)
+    model, pair = textbook(runs), [runs["fit_a"], runs["fit_b"].part(0, 2000, "")]
+    assert judge(model, pair).mask == MASK
+    monkeypatch.setattr(import_module("pa10d.judgement.judge"), "MOST", 5000)
+    found = judge(model, pair)
+    assert found.mask == f"{MASK}, of each run no more than its 3000 middle samples"
+    middle = [pair[0].part(1500, 4500, ""), pair[1]]
+    monkeypatch.undo()
+    assert found.rms == pytest.approx(judge(model, middle).rms)

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from pa10d.diagnose.regression.fit import weighted_fit
+from pa10d.diagnose.regression.least_squares import weighted_fit
 from pa10d.diagnose.regression.partial import bounded, partials
 
 SIGMA = np.array([0.5, 2.0])

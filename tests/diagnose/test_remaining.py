@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pa10d.diagnose.unknown.remaining import remaining, unnamed
+from pa10d.diagnose.unknown.remaining import Unnamed, remaining, unnamed
 from pa10d.judgement import Judgement, NoiseFloor, Repeatable
 
 SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
@@ -34,6 +34,17 @@ def test_what_comes_again_is_claimed_from_where_it_matters(ratio):
     (said,) = claims(judged(ratio), [SURE])
     assert said.joint == 0
     assert line(ratio, SURE).significant
+
+
+def test_a_map_of_a_small_part_does_not_speak_for_the_rest():
+    left = judged(8.6)
+
+    def sentence(share: float) -> str:
+        seen = Unnamed(0, share, 0.1, 1e-9, "motion", ("dq1", "dq2"))
+        return remaining(left, [None], [seen], ["N·m"])[0].sentence
+
+    assert "what the rest, 8.2 times that floor, depends on is not known" in sentence(0.08)
+    assert "the rest" not in sentence(0.99)
 
 
 def test_what_does_not_come_again_or_does_not_matter_is_no_claim():

@@ -131,7 +131,7 @@ def test_improve_draws_none_unless_asked_to_and_with_it_nothing_is_left(run, une
 def test_words_for_a_person(diagnosis, unexplained):
     over = ",".join(unexplained["depends_on"])
     said = in_words(diagnosis)
-    assert "a smooth map removes it, and explains nothing" in said
+    assert "a smooth map removes that part, and explains nothing" in said
     assert f"smooth_map --joint 1 --over '{over}'" in said
 
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pa10d.diagnose.asked.stiffness import Problem, stiffness
+from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 
 K, ROWS = 20, 3000
 
 
-def problem(seed: int, truth: np.ndarray, noise: float) -> tuple[Problem, np.ndarray]:
+def problem(seed: int, truth: np.ndarray, noise: float) -> tuple[NormalEquations, np.ndarray]:
     rng = np.random.default_rng(seed)
     x = rng.normal(size=(ROWS, K))
     y = x @ truth + noise * rng.normal(size=ROWS)
     steps = np.diff(np.eye(K), axis=0)
     penalty = steps.T @ steps + 1e-3 * np.eye(K)
-    return Problem(x.T @ x, x.T @ y, float(y @ y), ROWS, penalty), y
+    return NormalEquations(x.T @ x, x.T @ y, float(y @ y), ROWS, penalty), y
 
 
-def unlikelihood(found: Problem, ratio: float) -> float:
+def unlikelihood(found: NormalEquations, ratio: float) -> float:
     """-2 log of the probability of the data where coefficients are drawn as the penalty says,
     written down without any decomposition; the noise's variance at its best."""
     inside = found.gram + ratio * found.penalty
@@ -58,7 +58,7 @@ def test_noise_alone_is_drawn_flat():
 def test_samples_that_say_the_same_count_once():
     """Every row ten times: with that said, the same answer; without, a rougher one."""
     given, _ = problem(3, np.zeros(K), 1.0)
-    tenfold = Problem(
+    tenfold = NormalEquations(
         10 * given.gram, 10 * given.rhs, 10 * given.power, 10 * given.rows, given.penalty
     )
     once, said = stiffness(given, 1.0), stiffness(tenfold, 10.0)

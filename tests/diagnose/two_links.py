@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
 from pa10d.identify.procedure import identify
@@ -80,10 +80,12 @@ def textbook(runs: dict[str, Recording], cutoff: float = CUTOFF) -> TorqueModel:
     return identify([runs["fit_a"], runs["fit_b"]], robot(), name="m0", cutoff=cutoff)
 
 
-def state_of(runs: dict[str, Recording], model: TorqueModel | None = None, **options) -> State:
+def state_of(
+    runs: dict[str, Recording], model: TorqueModel | None = None, **options
+) -> SearchState:
     """The textbook model fitted to two runs, judged on the other two."""
     model = model or textbook(runs)
     train, held, _ = two_sides(
         model, [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
     )
-    return State.start(model, train, held, **options)
+    return SearchState.start(model, train, held, **options)

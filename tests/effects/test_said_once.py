@@ -12,6 +12,8 @@ BESIDE = {
     ("pa10d/diagnose/search/timing.py", "torque_delay"),  # measures each joint's delay by it
     ("pa10d/api/schemas.py", "stribeck"),  # an example in the API's description
     ("pa10d/case_study/arm.py", "stribeck"),  # an entry for the simulator
+    ("pa10d/daemon/hanging.py", "payload"),  # likewise
+    ("pa10d/services/weighing/apply.py", "torque_gain"),  # a key of profiles
 }
 
 

@@ -177,6 +177,22 @@ def test_with_torque_offset():
     assert len(model.parameter_names()) == len(model.covariance)
 
 
+def test_an_effect_that_follows_the_load_sees_the_load():
+    """Nothing is known of the load before a first fit: friction with it would have no columns."""
+    truth, mu = pa10_truth(3), np.array([0.0, 0.10, 0.0])
+    bare = replace(truth, rotor=0 * truth.rotor, coulomb=0 * mu, viscous=0 * mu)
+    motion = fourier(3, 24.0, RATE)
+    _, q, dq, ddq = motion
+    rubs = mu * np.abs(bare.torque(q, dq, ddq)) * np.tanh(dq / truth.v0)
+    noise = 0.05 * np.random.default_rng(1).normal(size=q.shape)
+    run = recording(truth, motion, rubs + noise)
+    model = identify([run], truth.robot, name="m", cutoff=10.0, with_effects=["load_friction"])
+    found = [t for t in model.terms if t.effect_id == "load_friction"]
+    assert float(found[1].coefficients[0]) == pytest.approx(mu[1], rel=0.05)
+    plain = identify([run], truth.robot, name="m", cutoff=10.0)
+    assert model.noise[1] < 0.2 * plain.noise[1]
+
+
 def test_an_effect_with_a_shape_gets_the_best_of_its_starts():
     truth = pa10_truth(2)
     model = identify(

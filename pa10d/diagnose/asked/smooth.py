@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.diagnose.asked.stiffness import Problem, stiffness
+from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 from pa10d.diagnose.constants import (
     ALIKE,
     LONGEST_MEMORY,
@@ -20,10 +20,10 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import Evidence, judge
-from pa10d.diagnose.regression.fit import Fit
+from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.timing import align
 from pa10d.diagnose.search.versions import held_out, snapshot
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SMOOTHING, smooth_map
@@ -67,7 +67,7 @@ def add_map(
     model = in_band(model)
     train, held, _ = two_sides(model, fit, validate)
     say(0.2, "fitting the given model")
-    state = State.start(model, train, held)
+    state = SearchState.start(model, train, held)
     as_given = held_out(model, state)
     align(state)
     say(0.5, f"drawing the map over {' and '.join(names)}")
@@ -120,7 +120,7 @@ def ranges(side: Side, joint: int, names: Sequence[str]) -> dict[str, tuple[floa
     return out
 
 
-def _fit_in(state: State, term: Term) -> None:
+def _fit_in(state: SearchState, term: Term) -> None:
     """As the last term of the state, as stiff as it is most likely to be.
 
     Twice: how noisy each joint is, and how alike its samples are, shows only once the map has
@@ -142,7 +142,7 @@ def _fit_in(state: State, term: Term) -> None:
             state.refit()
 
 
-def _smoothing(state: State, fit: Fit, term: Term, alike: float) -> float:
+def _smoothing(state: SearchState, fit: LeastSquares, term: Term, alike: float) -> float:
     """1/(N·m)², of a term beside a fit that does not have it."""
     shape = {**term.shape, SMOOTHING: 1.0}
     columns = state.train.columns(term.effect, term.joints, [shape])
@@ -157,7 +157,7 @@ def _smoothing(state: State, fit: Fit, term: Term, alike: float) -> float:
         power, rows = power + float(fit.residual[j] @ fit.residual[j]), rows + len(own)
     root = term.effect.penalty(shape)
     assert root is not None
-    found = stiffness(Problem(gram, rhs, power, rows, root.T @ root), alike)
+    found = stiffness(NormalEquations(gram, rhs, power, rows, root.T @ root), alike)
     return found.ratio / found.variance
 
 
@@ -170,7 +170,7 @@ def _alike(side: Side, joint: int, residual: Array) -> float:
     return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
 
 
-def _evidence(state: State) -> Evidence:
+def _evidence(state: SearchState) -> Evidence:
     """What the last term changes on data that the fit has not seen."""
     index = len(state.terms) - 1
     rest, term = state.fit.without(state.place(index)), state.terms[index]

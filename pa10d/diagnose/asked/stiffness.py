@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Problem:
+class NormalEquations:
     """What the data say of k coefficients, in units of the noise, the model projected out.
 
     gram (k, k), rhs (k,): normal equations; power: squares of the target; rows: how many
@@ -46,7 +46,7 @@ class Stiffness:
     freedom: float
 
 
-def stiffness(problem: Problem, alike: float) -> Stiffness:
+def stiffness(problem: NormalEquations, alike: float) -> Stiffness:
     """The most likely one; alike: how many neighbouring samples say the same thing, as the noise
     is correlated."""
     root = scipy.linalg.cholesky(problem.penalty, lower=True)

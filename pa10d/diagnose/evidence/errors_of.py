@@ -12,19 +12,21 @@ from numpy.typing import NDArray
 from pa10d.diagnose.constants import LONGEST_MEMORY
 from pa10d.diagnose.evidence.held_out import Doubt
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
-from pa10d.diagnose.regression.fit import Fit
+from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import normal_equations
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.regression.lacking import Stretch, lacking, weight_of
 from pa10d.regression.spectrum import colour, coloured_gram
 
 Array = NDArray[np.float64]
 
 
-def full_covariance(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Array:
+def full_covariance(
+    state: SearchState, fit: LeastSquares | None = None, noise: PerJoint | None = None
+) -> Array:
     """(p, p) of all coefficients: (XᵀX)⁻¹ XᵀΣX (XᵀX)⁻¹ with Σ from the residuals themselves.
 
     fit: another one of the same columns, some of them left out; noise: weighted residuals (m_j,)
@@ -34,7 +36,7 @@ def full_covariance(state: State, fit: Fit | None = None, noise: PerJoint | None
     return _covariance(state, fit, noise_grams(state.train, noise or fit.residual, fit.basis))
 
 
-def honest_covariance(state: State) -> Array:
+def honest_covariance(state: SearchState) -> Array:
     """(p, p) of all coefficients as a model states them: what it lacks itself included. The search
     asks whether there is more than noise; who reads a model asks how far off it may be."""
     fit = state.fit
@@ -52,11 +54,11 @@ class Doubts:
     best of many candidates takes next to nothing away.
     """
 
-    state: State
+    state: SearchState
     grams: dict[int, Array]
 
     @classmethod
-    def of(cls, state: State, changes: Iterable[PerJoint]) -> Doubts:
+    def of(cls, state: SearchState, changes: Iterable[PerJoint]) -> Doubts:
         """changes: what each candidate changes on the fit side (weighted), on its own joints."""
         left = dict(state.fit.residual)
         for change in changes:
@@ -75,13 +77,15 @@ class Doubts:
         return Doubt(self.state.held_matrix, covariance)
 
 
-def doubt_under(state: State, grams: dict[int, Array]) -> Doubt:
+def doubt_under(state: SearchState, grams: dict[int, Array]) -> Doubt:
     """How uncertain the model is on the held-out side, with each joint's noise given as
     ``held_noise_gram`` has it."""
     return Doubt(state.held_matrix, _covariance(state, state.fit, grams))
 
 
-def held_noise_gram(state: State, joint: int, noise: Array, heard: NDArray[np.bool_]) -> Array:
+def held_noise_gram(
+    state: SearchState, joint: int, noise: Array, heard: NDArray[np.bool_]
+) -> Array:
     """QᵀΓQ of the fit side with a joint's noise as the held-out side has it.
 
     noise: (m_j,) N·m held out; heard: the samples of it that count. What bends so freely that it
@@ -95,12 +99,14 @@ def held_noise_gram(state: State, joint: int, noise: Array, heard: NDArray[np.bo
     return _coloured(state.train, joint, state.fit.basis[joint], gamma)
 
 
-def doubt_of(state: State, fit: Fit | None = None, noise: PerJoint | None = None) -> Doubt:
+def doubt_of(
+    state: SearchState, fit: LeastSquares | None = None, noise: PerJoint | None = None
+) -> Doubt:
     """How uncertain the model is on the held-out side."""
     return Doubt(state.held_matrix, full_covariance(state, fit, noise))
 
 
-def moved_by_doubt(state: State, level: float) -> Array:
+def moved_by_doubt(state: SearchState, level: float) -> Array:
     """(n,) N·m RMS that the uncertainty of the model's own coefficients leaves on the held-out side
     of each joint, exceeded by chance in a share ``level`` of cases only: a sum of squares of
     normal numbers with the variances of the prediction, taken for a χ² (Satterthwaite 1946)."""
@@ -113,7 +119,7 @@ def moved_by_doubt(state: State, level: float) -> Array:
     return out
 
 
-def _covariance(state: State, fit: Fit, grams: dict[int, Array]) -> Array:
+def _covariance(state: SearchState, fit: LeastSquares, grams: dict[int, Array]) -> Array:
     middle = np.sum(list(grams.values()), axis=0)
     if state.knowledge is not None:
         # what was known already is as certain as it said
@@ -122,7 +128,7 @@ def _covariance(state: State, fit: Fit, grams: dict[int, Array]) -> Array:
     return np.asarray(fit.to_beta @ middle @ fit.to_beta.T)
 
 
-def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
+def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, float]]:
     """Covariance (k, k) of a term's coefficients with its shape free, and the shape's errors."""
     term = state.terms[index]
     place = state.place(index)
@@ -160,7 +166,7 @@ def term_covariance(state: State, index: int) -> tuple[Array, dict[str, float]]:
     return covariance[:k, :k], shape_errors
 
 
-def _with_lack(state: State, grams: dict[int, Array], columns: PerJoint) -> dict[int, Array]:
+def _with_lack(state: SearchState, grams: dict[int, Array], columns: PerJoint) -> dict[int, Array]:
     """The same Gram matrices, with what the model lacks besides the noise (see ``lacking``)."""
     side, sigma = state.train, state.fit.sigma
     there = side.scatter(state.fit.residual)

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from pa10d.diagnose.constants import BLIND, WIDER
 from pa10d.diagnose.regression.partial import solve
 from pa10d.diagnose.regression.side import PerJoint
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.measurement.standstill import standstill
 
 Array = NDArray[np.float64]
 
 
-def moved_by_reversals(state: State, index: int, slopes: PerJoint, variance: Array) -> Array:
+def moved_by_reversals(state: SearchState, index: int, slopes: PerJoint, variance: Array) -> Array:
     """(k + s,) squares of what the k coefficients and s shapes of a term are off by, beyond their
     noise, for the samples near reversals.
 
@@ -50,7 +50,7 @@ def moved_by_reversals(state: State, index: int, slopes: PerJoint, variance: Arr
     return np.asarray(np.where(tells, np.maximum((there - here) ** 2 - lost, 0.0), 0.0))
 
 
-def _far_from_standstill(state: State) -> dict[int, NDArray[np.bool_]]:
+def _far_from_standstill(state: SearchState) -> dict[int, NDArray[np.bool_]]:
     """joint -> (m_j,) of the training side's rows: which lie far from any standstill."""
     side = state.train
     near = [

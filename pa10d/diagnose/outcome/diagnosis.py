@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import plain
+from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
 from pa10d.diagnose.unknown.structure import Structure
@@ -116,7 +117,8 @@ class Diagnosis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
-        return tuple(warnings(self.model)) if self.findings else ()
+        found = [finding.term for finding in self.findings]
+        return (*tails(self.model, found, self.fitted), *warnings(self.model)) if found else ()
 
     def document(self) -> dict[str, Any]:
         """JSON of ``diagnose``."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.diagnose.constants import LONGEST_PLAN, PLAN_RATE, WORTH_AN_EXPERIMENT
 from pa10d.diagnose.search.candidates import Candidate
+from pa10d.dynamics import regressor
 from pa10d.effects import Context
 from pa10d.model import Term, TorqueModel
 from pa10d.trajectory.kinds import KINDS, Kind, validated
@@ -89,11 +90,15 @@ def requests(model: TorqueModel, first: Candidate, rivals: Sequence[Candidate]) 
 
 
 def _evidence(model: TorqueModel, context: Context, first: Term, second: Term) -> float:
-    """Standard errors by which ``first``'s torque differs from the nearest that the model with
-    ``second`` could make of it."""
+    """Standard errors by which ``first``'s torque differs from the nearest that the model, its
+    bodies included, with ``second`` could make of it."""
     moving = np.abs(context.dq) > 0.01 * np.quantile(np.abs(context.dq), 0.99, axis=0)
     target = first.torque(context) / model.noise
-    columns = [second.full_columns(context) / model.noise[:, None]]
+    motion, bodies = (context.q, context.dq, context.ddq), model.base.kept
+    columns = [
+        regressor(model.robot, *motion, bodies) / model.noise[:, None],
+        second.full_columns(context) / model.noise[:, None],
+    ]
     for term in model.terms:
         if (term.effect_id, term.joints, term.shape) == (
             first.effect_id,

@@ -29,14 +29,28 @@ def sentence(
     before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed
     """
     own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
-    worst = int(own[np.argmax((before**2 - after**2)[own])])
-    share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
-    said = (changed if frozen else missing)(term, f"about {size.value:.2g} {size.unit}")
+    gone = 1.0 - (after / np.maximum(before, 1e-300)) ** 2
+    worst = int(own[np.argmax(gone[own])])
+    share = percent(gone[worst])
+    about = f"about {size.value:.2g} {size.unit}"
+    if frozen:
+        said = changed(term, about)
+    else:
+        lacks = float(np.sqrt(max(before[worst] ** 2 - after[worst] ** 2, 0.0)))
+        said = missing(term, about + _lacking(size, lacks if len(own) == 1 else None))
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
     if confusions:
-        others = sorted({effect(c.effect).named for c in confusions})
+        others = sorted({_other(term, c) for c in confusions})
         text += f" This data cannot yet tell it from {listed(others, 'or')}."
     return text
+
+
+def _other(term: Term, rival: Confusion) -> str:
+    """A rival of a finding, with its place where only that differs."""
+    if rival.effect != term.effect_id:
+        return effect(rival.effect).named
+    joints = listed([str(j + 1) for j in rival.joints])
+    return f"the same on joint{'s' if len(rival.joints) > 1 else ''} {joints}"
 
 
 def nothing(
@@ -83,7 +97,18 @@ def _gone_by_refit(ratio: Array) -> str:
 def missing(term: Term, size: str) -> str:
     """``Joint 4 shows Stribeck friction (extra friction at low speed): … that the model lacks``."""
     verb = "show" if len(term.joints) > 1 else "shows"
-    return f"{_place(term)} {verb} {_explained(term.effect)}: {size} that the model lacks"
+    return f"{_place(term)} {verb} {_explained(term.effect)}: {size}"
+
+
+def _lacking(size: Value, lacks: float | None) -> str:
+    """How much of it the model is without: its own terms stand in for the rest. None: it acts on
+    several joints, whose torques are no one number."""
+    if lacks is None:
+        return " where it acts most"
+    part = f"{lacks:.2g}"
+    if lacks >= size.value or part == f"{size.value:.2g}":
+        return " that the model lacks"
+    return f", of which the model lacks {part} {size.unit}"
 
 
 def changed(term: Term, size: str) -> str:

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import BIWEIGHT, HUBER, MAJORITY_ROUNDS, MAJORITY_THIN
-from pa10d.diagnose.regression.fit import Fit
+from pa10d.diagnose.regression.least_squares import LeastSquares
 
 Array = NDArray[np.float64]
 
 
-def agreed(fit: Fit) -> Array:
+def agreed(fit: LeastSquares) -> Array:
     """(p,) coefficients by iteratively reweighted least squares from this fit on."""
     basis = {j: q[::MAJORITY_THIN] for j, q in fit.basis.items()}
     residual = {j: r[::MAJORITY_THIN] for j, r in fit.residual.items()}

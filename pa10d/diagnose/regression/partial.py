@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import ABSORBED
-from pa10d.diagnose.regression.fit import Fit
+from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import PerJoint
 from pa10d.effects import Effect
 
@@ -34,7 +34,7 @@ class Partial:
 
 
 def partials(
-    fit: Fit, columns: PerJoint, effect: Effect, width: int, *, falls: bool = False
+    fit: LeastSquares, columns: PerJoint, effect: Effect, width: int, *, falls: bool = False
 ) -> list[Partial]:
     """Judge several shapes of one effect at once: their columns lie side by side in ``columns``,
     ``width`` = number of coefficients each; falls: they are the change of what is there already,
@@ -66,7 +66,7 @@ def partials(
     return out
 
 
-def normal_equations(fit: Fit, columns: PerJoint) -> tuple[Array, Array]:
+def normal_equations(fit: LeastSquares, columns: PerJoint) -> tuple[Array, Array]:
     """Gram matrix (k, k) and right side (k,) of what ``fit`` leaves over of k columns."""
     weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
     seen = sum(fit.basis[j].T @ c for j, c in weighted.items())

@@ -7,6 +7,7 @@ solved in closed form, so only the shape itself is searched.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import scipy
@@ -23,6 +24,20 @@ Move = Callable[[dict[str, float]], NDArray[np.float64]]
 def free_shapes(effect: Effect, shape: Shape) -> list[ShapeParameter]:
     """What may vary: all but choices (sides, signs)."""
     return [s for s in effect.shapes if s.scale != "choice" and s.name in shape]
+
+
+def around(effect: Effect, shape: Shape) -> list[dict[str, float]]:
+    """Shapes up to a step of the search away in every parameter that is free, five of each."""
+    free = free_shapes(effect, shape)
+    out = []
+    for shares in product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=len(free)):
+        trial = dict(shape)
+        for s, share in zip(free, shares, strict=True):
+            far = share * s.step_at(shape)
+            value = shape[s.name] * np.exp(far) if s.scale == "log" else shape[s.name] + far
+            trial[s.name] = float(np.clip(value, s.lower, s.upper))
+        out.append(trial)
+    return out
 
 
 def refine(effect: Effect, start: Shape, gain: Gain, evaluations: int = 15) -> dict[str, float]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import SLOPE_STEP
-from pa10d.diagnose.regression.fit import Fit
+from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import normal_equations, solve
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import PerJoint, Side
@@ -36,7 +36,7 @@ def with_slopes(side: Side, term: Term) -> PerJoint:
     return out
 
 
-def newton_move(side: Side, rest: Fit, term: Term) -> Array:
+def newton_move(side: Side, rest: LeastSquares, term: Term) -> Array:
     """(s,) by how much each free shape would have to change if the torque were linear in it
     (Gauss-Newton); the term's coefficients and all that ``rest`` has move along."""
     gram, rhs = normal_equations(rest, with_slopes(side, term))

@@ -8,7 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.regression.fit import Fit, Prior, iterated_fit, predict, weighted_fit
+from pa10d.diagnose.regression.least_squares import (
+    LeastSquares,
+    Prior,
+    iterated_fit,
+    predict,
+    weighted_fit,
+)
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.effects import Effect
@@ -18,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class State:
+class SearchState:
     """Fit and held-out side of one model; columns are kept, so a step computes only new ones."""
 
     model: TorqueModel
@@ -27,14 +33,16 @@ class State:
     rigid: tuple[PerJoint, PerJoint]
     terms: list[Term]
     blocks: list[tuple[PerJoint, PerJoint]] = field(default_factory=list)
-    fit: Fit = None  # type: ignore[assignment]
+    fit: LeastSquares = None  # type: ignore[assignment]
     held_matrix: PerJoint = field(default_factory=dict)
     prior: Prior | None = None
     weights: Array | None = None  # σ per joint where it is not to follow the residual
     loads: Array | None = None  # base parameters of the model that the columns look at
 
     @classmethod
-    def start(cls, model: TorqueModel, train: Side, held: Side, frozen: bool = False) -> State:
+    def start(
+        cls, model: TorqueModel, train: Side, held: Side, frozen: bool = False
+    ) -> SearchState:
         """Columns of the given model, refitted to the training side.
 
         frozen: the model may move only as far as its own uncertainty allows.
@@ -81,7 +89,7 @@ class State:
         """Remove a term; the caller refits."""
         del self.terms[index], self.blocks[index]
 
-    def copy(self) -> State:
+    def copy(self) -> SearchState:
         """As it is now: going on with one of the two leaves the other alone."""
         return replace(
             self,
@@ -91,7 +99,7 @@ class State:
             blocks=list(self.blocks),
         )
 
-    def bare(self, count: int, own_weights: bool = False) -> State:
+    def bare(self, count: int, own_weights: bool = False) -> SearchState:
         """A refitted copy with the first ``count`` terms only.
 
         own_weights: joints are weighted with what this smaller model leaves, as they would be had
@@ -151,7 +159,7 @@ class State:
                     out[j][:, place] = columns[side][j]
         return out
 
-    def held_residual(self, fit: Fit | None = None) -> PerJoint:
+    def held_residual(self, fit: LeastSquares | None = None) -> PerJoint:
         """joint -> (m_j,) N·m left over on the held-out side."""
         predicted = predict(self.held_matrix, (fit or self.fit).beta)
         return {j: self.held.tau[j] - predicted[j] for j in predicted}
@@ -177,7 +185,7 @@ class State:
             counts += near.sum(axis=0)
         return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
 
-    def change(self, fit: Fit, columns: PerJoint, seen: Array, theta: Array) -> PerJoint:
+    def change(self, fit: LeastSquares, columns: PerJoint, seen: Array, theta: Array) -> PerJoint:
         """What adding a candidate changes on the held-out side, the model refitted around it.
 
         columns: of the candidate on the held-out side; seen: what ``fit`` absorbs of it.

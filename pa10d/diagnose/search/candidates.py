@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -11,13 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
-from pa10d.diagnose.constants import SEARCH_THREADS, START_THIN, TOGETHER, WORTH_JUDGING
+from pa10d.diagnose.constants import (
+    CLOSER_LOOKS,
+    SEARCH_THREADS,
+    START_THIN,
+    TOGETHER,
+    WORTH_JUDGING,
+)
 from pa10d.diagnose.regression.partial import Partial, partials
-from pa10d.diagnose.regression.shapes import refine
+from pa10d.diagnose.regression.shapes import around, refine
 from pa10d.diagnose.regression.side import PerJoint
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.ripple import order_peaks
-from pa10d.effects import Context, Effect, all_effects
+from pa10d.effects import Context, Effect, Shape, all_effects
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
@@ -52,7 +58,8 @@ def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
     out: list[tuple[Effect, tuple[int, ...]]] = []
     for effect in all_effects().values():
         changed = effect.question == "changed" or effect.also_changes
-        if not (changed if frozen else effect.question == "missing"):
+        missing = effect.question == "missing" or effect.seen_by_shared_bodies
+        if not (changed if frozen else missing):
             continue
         out += [(effect, joints) for joints in places(effect, n)]
     return out
@@ -68,7 +75,7 @@ def places(effect: Effect, n: int) -> Iterable[tuple[int, ...]]:
 
 
 def scan(
-    state: State,
+    state: SearchState,
     pairs: Sequence[tuple[Effect, tuple[int, ...]]],
     tick: Callable[[float], None] = lambda share: None,
 ) -> list[Candidate]:
@@ -85,7 +92,7 @@ def scan(
     return sorted(found, key=lambda c: -c.gain)
 
 
-def sharpened(state: State, candidates: Sequence[Candidate]) -> list[Candidate]:
+def sharpened(state: SearchState, candidates: Sequence[Candidate]) -> list[Candidate]:
     """The same candidates with their shapes refined on the fit side, strongest first."""
     refined = shared_map(lambda c: _refined(state, c), candidates)
     found = [
@@ -95,7 +102,7 @@ def sharpened(state: State, candidates: Sequence[Candidate]) -> list[Candidate]:
     return sorted(found, key=lambda c: -c.gain)
 
 
-def _prepare(state: State, effects: Iterable[Effect]) -> None:
+def _prepare(state: SearchState, effects: Iterable[Effect]) -> None:
     """What many suspects look at, before two processes would compute it each for themselves."""
     if any(e.uses_model and e.reaches_other_joints for e in effects):
         # compiled code that leaves the interpreter
@@ -103,7 +110,7 @@ def _prepare(state: State, effects: Iterable[Effect]) -> None:
             list(pool.map(lambda context: context.sensitivity(0), state.train.contexts))
 
 
-def _refined(state: State, candidate: Candidate) -> Best:
+def _refined(state: SearchState, candidate: Candidate) -> Best:
     known: dict[tuple[float, ...], Partial] = {}
     kind, falls = candidate.effect, state.may_fall(candidate.effect)
 
@@ -118,7 +125,7 @@ def _refined(state: State, candidate: Candidate) -> Best:
     return shape, partial_of(shape)
 
 
-def held_columns(state: State, candidate: Candidate) -> PerJoint:
+def held_columns(state: SearchState, candidate: Candidate) -> PerJoint:
     """Columns of a candidate on the held-out side."""
     return state.held.columns(candidate.effect, candidate.joints, [candidate.shape])
 
@@ -148,27 +155,55 @@ def all_motion(contexts: Sequence[Context]) -> Context:
     )
 
 
-def _best_starts(state: State, effect: Effect, joints: tuple[int, ...]) -> list[Best]:
-    width, falls = len(effect.coefficients), state.may_fall(effect)
+def _best_starts(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list[Best]:
     own = effect.starts_by_own_equation
+    found = _tried(state, effect, joints, _starts(state, effect, joints), own)
+    if own:
+        if any(s.blur for s in effect.shapes):  # rough in its shape: the best lies between starts
+            best = _strongest(found, CLOSER_LOOKS)
+            closer = [s for shape, _ in best for s in around(effect, shape)]
+            found += _tried(state, effect, joints, closer, own)
+        return _in_all_equations(state, effect, joints, _best_of_variants(effect, found))
+    best = _best_of_variants(effect, found)
+    most = max((partial.gain for _, partial in best), default=0.0)
+    return [(shape, partial) for shape, partial in best if partial.gain >= WORTH_JUDGING * most]
+
+
+def _tried(
+    state: SearchState,
+    effect: Effect,
+    joints: tuple[int, ...],
+    shapes: Sequence[Shape],
+    own: bool,
+) -> list[Best]:
+    """Those of the shapes that the fit side can tell, with what each adds."""
+    width, falls = len(effect.coefficients), state.may_fall(effect)
+    out: list[Best] = []
+    for start in range(0, len(shapes), TOGETHER):
+        part = shapes[start : start + TOGETHER]
+        columns = state.train.columns(effect, joints, part, own)
+        found = partials(state.fit, columns, effect, width, falls=falls)
+        out += [(dict(s), p) for s, p in zip(part, found, strict=True) if p.identifiable]
+    return out
+
+
+def _strongest(found: Sequence[Best], count: int) -> list[Best]:
+    return sorted(found, key=lambda best: -best[1].gain)[:count]
+
+
+def _best_of_variants(effect: Effect, found: Sequence[Best]) -> list[Best]:
+    """The strongest of every combination of choices (side, sign, law)."""
     choices = [s.name for s in effect.shapes if s.scale == "choice"]
     variants: dict[tuple[float | None, ...], Best] = {}
-    for shapes in _starts(state, effect, joints):
-        columns = state.train.columns(effect, joints, shapes, own)
-        found = partials(state.fit, columns, effect, width, falls=falls)
-        for shape, partial in zip(shapes, found, strict=True):
-            variant = tuple(shape.get(name) for name in choices)
-            best = variants.get(variant)
-            if partial.identifiable and (best is None or partial.gain > best[1].gain):
-                variants[variant] = dict(shape), partial
-    if own:
-        return _in_all_equations(state, effect, joints, list(variants.values()))
-    most = max((partial.gain for _, partial in variants.values()), default=0.0)
-    return [best for best in variants.values() if best[1].gain >= WORTH_JUDGING * most]
+    for shape, partial in found:
+        variant = tuple(shape.get(name) for name in choices)
+        if variant not in variants or partial.gain > variants[variant][1].gain:
+            variants[variant] = shape, partial
+    return list(variants.values())
 
 
 def _in_all_equations(
-    state: State, effect: Effect, joints: tuple[int, ...], found: list[Best]
+    state: SearchState, effect: Effect, joints: tuple[int, ...], found: list[Best]
 ) -> list[Best]:
     """The same shapes, judged on all joints that they reach."""
     out = []
@@ -182,15 +217,12 @@ def _in_all_equations(
     return out
 
 
-def _starts(state: State, effect: Effect, joints: tuple[int, ...]) -> Iterator[list]:
-    """Shapes to begin with, in groups that fit into memory together."""
+def _starts(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list[Shape]:
+    """Shapes to begin with."""
     if effect.line_order:
         peaks = order_peaks(state.train, state.train_residual(), joints[0])
-        shapes: list = [{effect.line_order: order} for order in peaks]
-    else:
-        # what reaches other joints asks for inertias, which the first run has at hand
-        one_run = effect.reaches_other_joints
-        context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
-        shapes = list(effect.starts(context, joints))
-    for start in range(0, len(shapes), TOGETHER):
-        yield shapes[start : start + TOGETHER]
+        return [{effect.line_order: order} for order in peaks]
+    # what reaches other joints asks for inertias, which the first run has at hand
+    one_run = effect.reaches_other_joints
+    context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
+    return list(effect.starts(context, joints))

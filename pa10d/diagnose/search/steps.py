@@ -27,12 +27,12 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
-from pa10d.diagnose.regression.fit import Fit, predict
+from pa10d.diagnose.regression.least_squares import LeastSquares, predict
 from pa10d.diagnose.regression.partial import Partial, partials
 from pa10d.diagnose.regression.shapes import approach, free_shapes, refine
 from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.slopes import newton_move
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, held_columns, scan, sharpened
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
 from pa10d.diagnose.search.timing import align
@@ -101,7 +101,7 @@ class Step:
 class Search:
     """The course of a search: ``state`` is the model as far as it has come."""
 
-    state: State
+    state: SearchState
     suspects: Suspects
     fixed: int
     steps: list[Step] = field(default_factory=list)
@@ -212,7 +212,8 @@ class Search:
         per_joint: dict[int, set[str]] = {}
         out = []
         for candidate in found:
-            there = [per_joint.setdefault(j, set()) for j in candidate.joints or (-1,)]
+            beside = candidate.joints if not candidate.effect.seen_by_shared_bodies else ()
+            there = [per_joint.setdefault(j, set()) for j in beside or (-1,)]
             kind = candidate.effect.id
             if all(len(kinds) >= PER_JOINT and kind not in kinds for kinds in there):
                 continue
@@ -235,7 +236,7 @@ class Search:
         return Judged(candidate, found, p, change)
 
     def _corrected(
-        self, fit: Fit, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
+        self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
     ) -> float:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
@@ -269,13 +270,14 @@ class Search:
         return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
 
     def settle(self, rounds: int = 2) -> None:
-        """Refit; loads of the new model; shapes of all nonlinear terms anew. Where loads and shapes
-        draw each other on (a gap, a spring), as many more rounds as bring something."""
+        """Refit; loads of the new model; shapes of all nonlinear terms anew; as many more rounds as
+        bring something. The best of them counts. Where loads and shapes draw each other on (a gap,
+        a spring), one that brings nothing does not end it."""
         self.state.refit()
         self._align()
         drawn = self.state.drawn_by_loads
         best, least, idle = self.state, np.inf, 0
-        for _ in range(rounds + MORE_ROUNDS * drawn):
+        for number in range(1, rounds + MORE_ROUNDS + 1):
             self._relinearise()
             self.state.relook()
             self.state.refit()
@@ -286,9 +288,9 @@ class Search:
             self.state.refit()
             left = float(np.sum(np.log(self.state.fit.rms())))
             idle = 0 if left < least - WORTH_A_ROUND else idle + 1
-            if left < least or not drawn:
+            if left < least:
                 best, least = self.state.copy(), left
-            if idle == 2:
+            if number >= rounds and idle > drawn:
                 break
         self.state = best
 
@@ -391,7 +393,7 @@ class Search:
             self.state.refit()
 
 
-def _seen_change(fit: Fit, columns: PerJoint, candidate: Candidate) -> PerJoint:
+def _seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:
     """joint -> (m_j,) weighted: what a candidate changes on the fit side, the model refitted."""
     partial = candidate.partial
     absorbed = partial.seen @ partial.theta
@@ -401,7 +403,7 @@ def _seen_change(fit: Fit, columns: PerJoint, candidate: Candidate) -> PerJoint:
     return change
 
 
-def harmful(before: State, after: State) -> bool:
+def harmful(before: SearchState, after: SearchState) -> bool:
     """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
     on one joint? The same with reversals, which no fit looks at, where a joint did not get worse
     without them already.
@@ -435,6 +437,6 @@ def rms(residual: dict[int, Array]) -> Array:
     return np.array([float(np.sqrt(np.mean(residual[j] ** 2))) for j in sorted(residual)])
 
 
-def explained(state: State) -> Array:
+def explained(state: SearchState) -> Array:
     """(n,) RMS of the model's torque on the held-out side, N·m."""
     return rms(predict(state.held_matrix, state.fit.beta))

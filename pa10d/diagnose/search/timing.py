@@ -18,13 +18,13 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.partial import partials
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import effect
 
 Array = NDArray[np.float64]
 
 
-def align(state: State) -> float:
+def align(state: SearchState) -> float:
     """Take the common offset out of both sides; returns it in s (0 where insignificant)."""
     taken = 0.0
     for _ in range(TIMING_ROUNDS):
@@ -47,19 +47,19 @@ def align(state: State) -> float:
     return taken
 
 
-def _move(state: State, seconds: float) -> None:
+def _move(state: SearchState, seconds: float) -> None:
     state.train.shift(seconds)
     state.held.shift(seconds)
     state.refit()
 
 
-def _sizes(state: State) -> Array:
+def _sizes(state: SearchState) -> Array:
     """Of the held-out error, every joint by its own measure: without reversals and with them."""
     without = sum(np.log(np.mean(r**2)) for r in state.held_residual().values())
     return np.array([without, np.sum(np.log(state.moving_rms() ** 2))])
 
 
-def joint_delays(state: State) -> tuple[Array, Array]:
+def joint_delays(state: SearchState) -> tuple[Array, Array]:
     """(n,) s: each joint's own best delay beside the present model, and its standard error."""
     kind, n = effect("torque_delay"), state.train.n
     delays, errors = np.zeros(n), np.full(n, np.inf)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.diagnose.evidence.errors_of import honest_covariance, term_covariance
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.delivery import delivery
 from pa10d.diagnose.search.steps import rms
 from pa10d.identify.feasibility import nearest_feasible
@@ -18,7 +18,7 @@ from pa10d.model import TorqueModel
 
 
 def versions_of(
-    given: TorqueModel, state: State, count: int, as_given: Sequence[RunResidual]
+    given: TorqueModel, state: SearchState, count: int, as_given: Sequence[RunResidual]
 ) -> tuple[TorqueModel, ...]:
     """One model per addition, each with its errors on the same held-out data and, unless it is not
     refitted, with the possible bodies nearest to its own.
@@ -29,13 +29,13 @@ def versions_of(
     return tuple(snapshot(given, state, size, as_given) for size in sizes)
 
 
-def held_out(model: TorqueModel, state: State) -> list[RunResidual]:
+def held_out(model: TorqueModel, state: SearchState) -> list[RunResidual]:
     """The held-out side as a model sees it."""
     return [residual_of(model, run) for run in state.held.runs]
 
 
 def snapshot(
-    given: TorqueModel, state: State, size: int, as_given: Sequence[RunResidual]
+    given: TorqueModel, state: SearchState, size: int, as_given: Sequence[RunResidual]
 ) -> TorqueModel:
     """The model with the first ``size`` terms, as the search fitted and judged it. Its note
     ``delivery`` has what the search promised and what the model as it is stored achieves."""
@@ -75,7 +75,7 @@ def snapshot(
     return model if frozen else _with_bodies(model, part)
 
 
-def _with_bodies(model: TorqueModel, part: State) -> TorqueModel:
+def _with_bodies(model: TorqueModel, part: SearchState) -> TorqueModel:
     bodies = nearest_feasible(
         part.fit.triangle, part.fit.target, part.unknowns, model.robot, part.rms_of
     )

@@ -31,7 +31,7 @@ from pa10d.diagnose.constants import (
     FORETOLD_WORK,
 )
 from pa10d.diagnose.regression.side import Side
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.remaining import Unnamed
 from pa10d.diagnose.unknown.structure import (
     KNOWN_GROUND,
@@ -61,7 +61,7 @@ class Foretold:
         return Unnamed(self.joint, self.share, self.rms, self.p_value, witness="motion")
 
 
-def foretold(state: State, joints: Sequence[int]) -> list[Foretold]:
+def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
     """Of these joints, the ones whose held-out residual motion foretells."""
     if not joints:
         return []
@@ -133,7 +133,7 @@ def _quantities(side: Side) -> Motion:
     return out
 
 
-def _of_joint(state: State, motions: tuple[Motion, Motion], joint: int) -> list[Prediction]:
+def _of_joint(state: SearchState, motions: tuple[Motion, Motion], joint: int) -> list[Prediction]:
     tried = [_fitted(state, motions[0], joint, names) for names in sets_of(joint, state.train.n)]
     good = sorted((t for t in tried if t.gain > 0), key=lambda t: -t.gain)[:FORETOLD_TRIED]
     predictions = [t.predict(state, motions[1]) for t in good]
@@ -187,7 +187,7 @@ class _Fitted:
     absorbed: Array
     gain: float
 
-    def predict(self, state: State, motion: Motion) -> Prediction:
+    def predict(self, state: SearchState, motion: Motion) -> Prediction:
         x = _stacked(state.held, motion, self.names, self.joint)
         inside = self.features.inside(x)
         said = (self.features(x) / self.scale) @ self.theta
@@ -199,7 +199,7 @@ def _stacked(side: Side, motion: Motion, names: Sequence[str], joint: int) -> Ar
     return np.column_stack([rows_of(side, motion, name, joint) for name in names])
 
 
-def _fitted(state: State, motion: Motion, joint: int, names: tuple[str, ...]) -> _Fitted:
+def _fitted(state: SearchState, motion: Motion, joint: int, names: tuple[str, ...]) -> _Fitted:
     fit = state.fit
     x = _stacked(state.train, motion, names, joint)[::FORETOLD_THIN]
     features = _Features.of(x, joint)

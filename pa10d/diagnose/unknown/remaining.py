@@ -171,14 +171,21 @@ def _with_sentence(
     if left is not None and left.variables:
         text = (
             f"{size}; {percent(left.share)} of its squared error depends on "
-            f"{listed(left.variables)}, as no effect of the library does"
+            f"{listed(left.variables)}, and no effect that was looked for explains it"
         )
+        rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
+        if rest > MATERIAL_REST:
+            text += f"; what the rest, {times(rest)} that floor, depends on is not known"
     elif isinstance(left, Unnamed) and left.witness == "size":
         text = (
-            f"{size}: far more than the noise that can be seen, but it follows no quantity of the "
+            f"{size}: more than the noise that can be seen, but it follows no quantity of the "
             "motion clearly enough to say what it depends on. A cause that is not in the "
-            "recording, or noise that is slow. Record one motion twice: what comes again is no "
-            "noise"
+            "recording, or noise that is slow"
+        )
+        text += (
+            ""
+            if line.source == REPEATS
+            else ". Record one motion twice: what comes again is no noise"
         )
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (

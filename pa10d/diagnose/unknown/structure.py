@@ -34,7 +34,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import doubt_under, held_noise_gram
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
 from pa10d.diagnose.regression.side import PerJoint, Side
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects.variables import remembered
 from pa10d.regression.equation import RunEquation
 
@@ -69,7 +69,7 @@ class Structure:
         return other > factor * self.left
 
 
-def find_structure(state: State) -> list[Structure]:
+def find_structure(state: SearchState) -> list[Structure]:
     """The best significant map of every joint, strongest first.
 
     What one joint leaves unexplained draws the bodies that all joints share towards itself, and
@@ -86,12 +86,12 @@ def find_structure(state: State) -> list[Structure]:
     return certain
 
 
-def _best_maps(state: State, joints: Iterable[int]) -> list[Structure]:
+def _best_maps(state: SearchState, joints: Iterable[int]) -> list[Structure]:
     found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, joints)]
     return sorted(found, key=lambda m: -m.share)
 
 
-def _without(state: State, joints: list[int]) -> State:
+def _without(state: SearchState, joints: list[int]) -> SearchState:
     """Fitted to the other joints: these have next to no weight."""
     rest = state.copy()
     rest.weights = rest.fit.rms()
@@ -100,7 +100,7 @@ def _without(state: State, joints: list[int]) -> State:
     return rest
 
 
-def all_maps(state: State, joints: Iterable[int]) -> Iterator[list[Structure]]:
+def all_maps(state: SearchState, joints: Iterable[int]) -> Iterator[list[Structure]]:
     """The significant maps of each of the joints that have any."""
     motions = motion_variables(state.train.runs), motion_variables(state.held.runs)
     residual = state.held_residual()
@@ -167,7 +167,7 @@ def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -
 
 
 def _fit_map(
-    state: State, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
+    state: SearchState, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
 ) -> _Map:
     fit = state.fit
     x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in names]
@@ -204,7 +204,7 @@ class Prediction:
 
 
 def _strongest(
-    state: State, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
+    state: SearchState, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
 ) -> list[Prediction]:
     """The maps of one joint that help the fit side most, among those that know enough ground."""
     maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
@@ -213,7 +213,7 @@ def _strongest(
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
 
-def _predict(state: State, motion: list[dict[str, Array]], m: _Map) -> Prediction:
+def _predict(state: SearchState, motion: list[dict[str, Array]], m: _Map) -> Prediction:
     x = [rows_of(state.held, motion, name, m.joint) for name in m.names]
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
@@ -227,7 +227,7 @@ class Noise:
     """How uncertain the model is, each joint's noise being the least that any prediction of it
     leaves."""
 
-    state: State
+    state: SearchState
     grams: dict[int, Array]
     own: dict[int, Array]
 
@@ -237,7 +237,7 @@ class Noise:
         return doubt_under(self.state, {**self.grams, **own})
 
 
-def noise_beside(state: State, residual: PerJoint, predictions: list[Prediction]) -> Noise:
+def noise_beside(state: SearchState, residual: PerJoint, predictions: list[Prediction]) -> Noise:
     """residual: joint -> (m_j,) N·m held out."""
     power = {j: float(np.mean(r**2)) for j, r in residual.items()}
     grams = {
@@ -264,7 +264,7 @@ class Claim:
 
 
 def evidence_of(
-    state: State,
+    state: SearchState,
     residual: PerJoint,
     prediction: Prediction,
     among: int,
@@ -290,7 +290,7 @@ def evidence_of(
 
 
 def _judge(
-    state: State, residual: PerJoint, prediction: Prediction, among: int, noise: Noise
+    state: SearchState, residual: PerJoint, prediction: Prediction, among: int, noise: Noise
 ) -> Structure | None:
     claim, m = evidence_of(state, residual, prediction, among, noise), prediction.map
     if claim is None or m is None:

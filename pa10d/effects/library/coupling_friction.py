@@ -21,7 +21,7 @@ class CouplingFriction(Effect):
     equation = "τ_i = F·sign(v) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
     scope = "pair"
     reaches_other_joints = True
-    coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad"))
+    coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad", lower=0.0))
     shapes = (
         ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),
         ShapeParameter("viscous", "1", 0.0, 1.0, "choice", optional=True),

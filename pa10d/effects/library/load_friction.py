@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
 from pa10d.effects.rotor import ROTOR, link_load, rotor_starts
 
 
@@ -10,14 +10,21 @@ class LoadFriction(Effect):
     """The torque that passes through gear teeth and bearings presses them together, and what is
     pressed harder rubs more. mu is the share of the load that is lost to friction; the load is
     what the links ask for, without rotor and friction (rotor: the inertia that a rigid model
-    cannot tell from the link, on axes that are fixed)."""
+    cannot tell from the link, on axes that are fixed). Where it is directional, the share is
+    larger while the motor drives the load than while the load drives the motor; uneven is dmu/mu.
+    """
 
     id = "load_friction"
     title = "Load-dependent friction"
-    equation = "τ = μ·|τ_load - rotor·q̈|·tanh(q̇/v0)"
+    equation = "τ = μ·|τ_load - rotor·q̈|·tanh(q̇/v0),  μ = mu + dmu·sign(τ_load·q̇)"
     uses_model = True
     coefficients = (Coefficient("mu", "1", lower=0.0),)
-    shapes = (ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True), ROTOR)
+    shapes = (
+        ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True),
+        ROTOR,
+        ShapeParameter("directional", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter("uneven", "1", 0.0, 1.0, optional=True),
+    )
     signature = (
         "The level of friction (half the difference between going there and coming back) follows "
         "the torque that the gear passes on to the links."
@@ -40,11 +47,21 @@ class LoadFriction(Effect):
     def columns(self, context, joints, shape):
         j = joints[0]
         load = link_load(context, j, shape.get("rotor", 0.0))
-        return (np.abs(load) * context.sign(context.dq[:, j], shape["v0"]))[:, None]
+        sign = context.sign(context.dq[:, j], shape["v0"])
+        return (np.abs(load) * sign + shape.get("uneven", 0.0) * load * sign**2)[:, None]
 
     def starts(self, context, joints):
-        return [
+        alike = [
             {"v0": v0} | rotor
             for rotor in rotor_starts(context, joints[0], (0.05, 0.35, 0.7))
             for v0 in (0.01, 0.05)
         ]
+        return alike + [s | {"directional": 1.0, "uneven": 0.0} for s in alike]
+
+    def values(self, coefficients, covariance, shape, shape_errors):
+        out = super().values(coefficients, covariance, shape, shape_errors)
+        if "uneven" in out:
+            mu, uneven = out["mu"], out["uneven"]
+            error = float(np.hypot(mu.value * uneven.std_error, uneven.value * mu.std_error))
+            out["dmu"] = Value(mu.value * uneven.value, error, "1", determined=uneven.determined)
+        return out

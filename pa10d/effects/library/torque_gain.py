@@ -5,7 +5,9 @@ from pa10d.effects.base import Coefficient, Effect, Example
 
 class TorqueGain(Effect):
     """The torque reading is off by a factor: a wrong torque constant or gear ratio, or magnets
-    that have become weaker. gain is how much too high it reads: 0.1 means 10 %."""
+    that have become weaker. gain is how much too high it reads: 0.1 means 10 %. A model of before
+    shows it on each joint; where the model is fitted anew, joints that carry the same bodies show
+    how far their gains differ, but not which of them is right."""
 
     id = "torque_gain"
     title = "Torque gain"
@@ -13,6 +15,7 @@ class TorqueGain(Effect):
     plainly = "it reads too high or too low by a factor"
     equation = "τ = gain·τ_model"
     question = "changed"
+    seen_by_shared_bodies = True
     sensing = True
     uses_model = True
     coefficients = (Coefficient("gain", "1", -0.9, 9.0),)

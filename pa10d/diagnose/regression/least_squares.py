@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class Fit:
+class LeastSquares:
     """Least squares of τ on given columns over one side, weighted by 1/σ_j per joint.
 
     basis     joint -> (m_j, r): rows of the orthonormal basis of the weighted columns
@@ -47,7 +47,7 @@ class Fit:
             [float(np.sqrt(np.mean(self.residual[j] ** 2))) * self.sigma[j] for j in range(n)]
         )
 
-    def without(self, columns: slice) -> Fit:
+    def without(self, columns: slice) -> LeastSquares:
         """The same least squares with some columns left out, by downdating the basis.
 
         The directions that only these columns reach are basis @ to_betaᵀ[columns]; a column of
@@ -66,7 +66,7 @@ class Fit:
         rest = coordinates - lost @ back
         triangle = self.triangle.copy()
         triangle[:, columns] = 0.0
-        return Fit(
+        return LeastSquares(
             sigma=self.sigma,
             basis=basis,
             to_beta=kept,
@@ -97,7 +97,9 @@ class Prior:
         return matrix, self.root @ self.mean
 
 
-def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | None = None) -> Fit:
+def weighted_fit(
+    side: Side, columns: PerJoint, sigma: Array, prior: Prior | None = None
+) -> LeastSquares:
     """One weighted least-squares solution with near-null directions truncated."""
     parts = [columns[j] / sigma[j] for j in range(side.n)]
     targets = [side.tau[j] / sigma[j] for j in range(side.n)]
@@ -126,7 +128,7 @@ def weighted_fit(side: Side, columns: PerJoint, sigma: Array, prior: Prior | Non
     cuts = np.cumsum([len(side.tau[j]) for j in range(side.n)])
     to_beta = turn / scale[:, None]
     to_beta[empty] = 0.0
-    return Fit(
+    return LeastSquares(
         sigma=sigma,
         basis=dict(enumerate(np.split(basis, cuts)[: side.n])),
         to_beta=to_beta,
@@ -145,7 +147,7 @@ def iterated_fit(
     sigma: Array | None = None,
     prior: Prior | None = None,
     rounds: int = 3,
-) -> Fit:
+) -> LeastSquares:
     """Weighted fit with each joint's σ estimated from its own residual."""
     weights = np.array([max(float(np.std(side.tau[j])), 1e-9) for j in range(side.n)])
     if sigma is not None:

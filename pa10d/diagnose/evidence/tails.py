@@ -1,0 +1,55 @@
+"""Effects of which the fit saw no more than a tail: their size elsewhere is extrapolated.
+
+Friction at low speed is largest where joints turn round, and there nothing is fitted or judged,
+because the sign of friction is not known. A fit that saw fast reversals only can follow the foot of
+such a curve to the last digit and still be wrong about its peak by any factor; standard errors do
+not tell, because they believe in the law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import SEEN_SHARE
+from pa10d.model import Term, TorqueModel
+from pa10d.regression.equation import RunEquation
+
+Array = NDArray[np.float64]
+
+
+def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]) -> list[str]:
+    """A line per term whose largest torque in the fitted samples is a small share of what it claims
+    where its joint turns round or rests."""
+    peaks = np.max([_peaks(model, terms, run) for run in runs], axis=0)
+    return [
+        line
+        for term, (seen, out) in zip(terms, peaks, strict=True)
+        for line in _tail(model, term, seen, out)
+    ]
+
+
+def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> list[str]:
+    j = int(np.argmax(left_out))
+    if seen[j] >= SEEN_SHARE * left_out[j]:
+        return []
+    unit = model.robot.torque_unit(j)
+    most = f"up to {seen[j]:.2g} {unit}" if seen[j] > 1e-3 * left_out[j] else "next to nothing"
+    return [
+        f"{term.label}: only its tail was seen, {most} in the samples that are fitted; the "
+        f"{left_out[j]:.2g} {unit} that it claims where the joint turns round or rests are "
+        f"extrapolated, whatever the standard errors say. "
+        f"To see it: {term.effect.experiment.rstrip('.')}"
+    ]
+
+
+def _peaks(model: TorqueModel, terms: Sequence[Term], run: RunEquation) -> Array:
+    """(terms, 2, n) N·m: each term's largest torque in samples that are fitted, and in those that
+    are not because the joint turns round or rests."""
+    seen = model.contextualise(run.context)
+    masks = np.stack([run.keep, run.inside[:, None] & ~run.keep])
+    masks = np.repeat(masks, run.lowpass.factor, axis=1)[:, : len(run.context.t)]
+    torques = np.stack([np.abs(term.torque(seen)) for term in terms])
+    return np.asarray((torques[:, None] * masks).max(axis=2))

@@ -1,0 +1,34 @@
+"""An arm that carries a weight at its last joint, as plans and pre-checks see it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.dynamics.robot import Robot, rigid_body
+
+Array = NDArray[np.float64]
+
+IRON = 7850.0  # kg/m³: what weights are made of
+
+
+@dataclass(frozen=True)
+class CarryingRobot(Robot):
+    """bare: the arm without it; centre (3,) m in the last joint's frame; radius: m of a ball of
+    iron of that mass, as nobody said what shape it has."""
+
+    bare: Robot | None = None
+    centre: Array | None = None
+    radius: float = 0.0
+
+
+def carrying(robot: Robot, mass: float, com: Array) -> CarryingRobot:
+    """The arm with a weight (kg) whose centre (3,) m is given in the last joint's frame."""
+    parameters = robot.parameters.copy()
+    parameters[-1] += rigid_body(mass, com)
+    radius = float(np.cbrt(3.0 * mass / (4.0 * np.pi * IRON)))
+    fields = {name: getattr(robot, name) for name in Robot.__dataclass_fields__}
+    loaded = CarryingRobot(**fields, bare=robot, centre=np.asarray(com, float), radius=radius)
+    return replace(loaded, parameters=parameters)

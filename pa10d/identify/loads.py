@@ -1,0 +1,46 @@
+"""Effects that follow the model's own loads and torques: seen through a first fit.
+
+Load friction needs the load, a saturating drive the torque; both are known once the rest of the
+model is. A first fit is enough to begin with, and what all terms together give replaces it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pa10d.identify.blocks import Pieces
+from pa10d.identify.fit import plain_fit
+from pa10d.identify.smoothing import find_smoothing, with_smoothing
+from pa10d.model import TorqueModel
+from pa10d.regression.layout import Layout, textbook
+
+ROUNDS = 2  # the first takes off what a textbook fit had wrong for want of these terms
+
+
+def first_model(pieces: Pieces, layout: Layout) -> TorqueModel:
+    """What a weighted fit to some of the data says."""
+    beta = plain_fit(pieces, layout)
+    return TorqueModel(
+        name="probe",
+        robot=layout.robot,
+        base=layout.base,
+        h=layout.rigid(beta),
+        terms=layout.fitted(beta),
+        covariance=np.zeros((0, 0)),
+        noise=np.zeros(layout.robot.n),
+        cutoff=pieces.cutoff,
+    )
+
+
+def look_through_textbook(pieces: Pieces, layout: Layout) -> None:
+    """Before anything is known of the terms that follow the model."""
+    if layout.follows_model:
+        plain = textbook(layout.robot)
+        plain = with_smoothing(plain, find_smoothing(pieces, plain))
+        pieces.look_through(first_model(pieces, plain))
+
+
+def look_through_all(pieces: Pieces, layout: Layout) -> None:
+    """Shapes, smoothing and timing are found: let loads and torques be those of all terms."""
+    for _ in range(ROUNDS if layout.follows_model else 0):
+        pieces.look_through(first_model(pieces, layout))

@@ -1,0 +1,64 @@
+"""Shapes are settled for as many rounds as bring something, and looked at closely where rough."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hidden_arms import arm, drawn
+from two_links import recordings, textbook, textbook_torque
+
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.regression.shapes import around
+from pa10d.effects import effect
+
+NOISE = 0.05  # N·m
+
+
+def read_too_high(c3: float):
+    """What the first joint's drive reads on top: x with x - c3·x³ = τ, by Newton's method."""
+
+    def extra(t, q, dq, ddq):
+        true = textbook_torque(q, dq, ddq)[:, 0]
+        read = true.copy()
+        for _ in range(60):
+            read -= (read - c3 * read**3 - true) / (1 - 3 * c3 * read**2)
+        assert np.max(np.abs(read - c3 * read**3 - true)) < 1e-9
+        return np.column_stack([read - true, np.zeros(len(t))])
+
+    return extra
+
+
+def test_a_strong_saturation_is_explained_to_the_noise():
+    """Two rounds, of a secant that swings about the answer, left several times the noise."""
+    c3 = 1.15e-4  # a third more is read than there is at the peaks
+    runs = recordings(3, read_too_high(c3), NOISE)
+    found = diagnose(
+        textbook(runs), [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    )
+    assert [f.term.effect_id for f in found.findings] == ["torque_saturation"]
+    value = found.findings[0].parameters["c3"]
+    assert value.value == pytest.approx(c3, rel=0.005)
+    assert found.findings[-1].rms_after[0] < 1.15 * found.noise_floor[0]
+
+
+def test_looking_around_stays_within_bounds_and_changes_no_choice():
+    kind = effect("backlash")
+    shapes = around(kind, {"b": 0.01, "rotor": 0.5})
+    assert len(shapes) == 25
+    assert {"b": 0.01, "rotor": 0.5} in shapes
+    assert max(s["b"] for s in shapes) == pytest.approx(0.01 * np.exp(0.12))
+    assert min(s["rotor"] for s in shapes) == pytest.approx(0.375)
+    lower = kind.shapes[0].lower
+    assert min(s["b"] for s in around(kind, {"b": lower})) == lower
+    coupled = around(effect("coupling_friction"), {"ratio": -1.0, "viscous": 1.0})
+    assert coupled == [{"ratio": -1.0, "viscous": 1.0}]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1200)
+def test_a_gap_between_two_starts_is_named_first():
+    """Of the starting grid none was right enough for its knocks to come when they came."""
+    hidden = drawn("backlash", 71)
+    found = arm(71008, [hidden]).diagnose()
+    assert found.findings[0].term.effect_id == "backlash"
+    assert found.findings[0].term.joints == (hidden["joint"] - 1,)

@@ -1,0 +1,69 @@
+"""A delay is one for slow and fast parts of the motion; fast ones are believed otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pa10d.dynamics import robot_from_urdf
+from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
+
+URDF = """<robot name="pendulum"><link name="base"/>
+<joint name="swing" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="50" velocity="10"/></joint>
+<link name="rod"><inertial><mass value="2"/><origin xyz="0 0 -0.4"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+def pendulum(seed: int, c3: float = 0.0) -> Recording:
+    """A slow pendulum whose drive reads x where x - c3·x³ is there."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0, 40.0, 1 / 200)
+    w = 2 * np.pi * rng.uniform(0.04, 0.4, 5)
+    a, p = rng.uniform(0.2, 0.5, 5), rng.uniform(0, 6, 5)
+    s = np.outer(t, w) + p
+    q, dq, ddq = np.sin(s) @ a, np.cos(s) @ (a * w), -np.sin(s) @ (a * w**2)
+    true = 0.35 * ddq + 7.848 * np.sin(q) + 0.8 * np.tanh(dq / 0.005) + 0.3 * dq
+    read = true.copy()
+    for _ in range(60):  # Newton's method
+        read -= (read - c3 * read**3 - true) / (1 - 3 * c3 * read**2)
+    read += rng.normal(0, 0.02, len(t))
+    return Recording(t=t, q=q[:, None], tau=read[:, None], name=f"run{seed}")
+
+
+def late(run: Recording, seconds: float) -> Recording:
+    return replace(run, tau=np.interp(run.t - seconds, run.t, run.tau[:, 0])[:, None])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_delay_is_found(seed):
+    model = identify([late(pendulum(seed), 8e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert model.shift == pytest.approx(8e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
+def test_a_saturation_hardly_poses_as_a_delay(seed):
+    """The slow motion asks for 34 to 62 ms, give or take 3 to 7."""
+    model = identify([pendulum(seed, 1.25e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert abs(model.shift) < 10e-3
+    assert [w for w in model.notes["warnings"] if "slow parts of the motion" in w]
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_delay_beside_what_the_model_lacks_is_taken(seed):
+    run = late(pendulum(seed, 1.25e-4), 8e-3)
+    model = identify([run], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert model.shift == pytest.approx(8e-3, abs=3e-3)
+
+
+def test_a_low_pass_of_the_torque_is_a_delay():
+    """A sensor's first order at 20 ms: its delay is that for slow motion, less for fast."""
+    run = pendulum(1)
+    tau, step = run.tau.copy(), 1.0 - np.exp(-5e-3 / 20e-3)
+    for k in range(1, len(tau)):
+        tau[k] = tau[k - 1] + step * (run.tau[k] - tau[k - 1])
+    model = identify([replace(run, tau=tau)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert 12e-3 < model.shift < 23e-3
