@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-Format = Literal["urdf", "mjcf", "sdf", "python", "c", "matlab", "json"]
+Format = Literal[
+    "urdf", "mjcf", "sdf", "python", "c", "matlab", "json", "ros2_control", "tables"
+]  # fmt: skip
 FORMATS: tuple[Format, ...] = get_args(Format)
 ENDINGS: dict[Format, str] = {
     "urdf": "urdf",
@@ -12,5 +14,13 @@ ENDINGS: dict[Format, str] = {
     "sdf": "sdf",
     "python": "py",
     "c": "h",
+    "matlab": "m",
     "json": "json",
+    "ros2_control": "zip",
+    "tables": "zip",
 }
+FOLDERS: tuple[Format, ...] = ("ros2_control", "tables")
+"""Formats of several files: a folder on disk, packed where one file has to do."""
+
+Files = dict[str, str]
+"""Path within such a folder -> text."""

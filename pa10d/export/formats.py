@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pa10d.common.errors import UserError
 from pa10d.effects import Context
 from pa10d.export.c_header import c_header
-from pa10d.export.endings import FORMATS, Format
+from pa10d.export.endings import FORMATS, Files, Format
 from pa10d.export.json_document import json_document
 from pa10d.export.loss import Loss, loss
 from pa10d.export.matlab import matlab_function
 from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
+from pa10d.export.ros2_control import ros2_control
 from pa10d.export.sdf import sdf
+from pa10d.export.tables import tables
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.model import Parameters, TorqueModel
 from pa10d.model.impossible import impossible
@@ -24,11 +26,10 @@ WRITTEN = {
     "free": "free parameters: the unconstrained fit, which no arm need be able to have",
 }
 
+Write = Callable[[TorqueModel, str], tuple[str | Files, list[str]]]
+"""The text of a model or the files of a folder, and one line per thing that they cannot carry."""
 
-Write = Callable[[TorqueModel, str], tuple[str, list[str]]]
-"""The text of a model, and one line per effect that it cannot carry."""
-
-WRITERS: dict[Format, Write] = {
+WRITERS: Mapping[Format, Write] = {
     "urdf": urdf_with_inertia,
     "mjcf": mjcf,
     "sdf": sdf,
@@ -36,6 +37,8 @@ WRITERS: dict[Format, Write] = {
     "c": c_header,
     "matlab": matlab_function,
     "json": json_document,
+    "ros2_control": ros2_control,
+    "tables": tables,
 }
 BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf", "sdf")
 """Formats of bodies, which base parameters alone do not make."""
@@ -43,8 +46,9 @@ BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf", "sdf")
 
 @dataclass(frozen=True)
 class Exported:
-    """text; parameters: of which fit; not_carried: one line per effect that the format has no place
-    for; warnings: what of a free fit no arm can have; loss: what that amounts to, where known."""
+    """text: of the one file; files: of a folder, where the format is one; parameters: of which fit;
+    not_carried: one line per thing that the format has no place for; warnings: what of a free fit
+    no arm can have; loss: what that amounts to, where known."""
 
     text: str
     format: Format
@@ -52,6 +56,7 @@ class Exported:
     not_carried: tuple[str, ...]
     warnings: tuple[str, ...]
     loss: Loss | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 def export(
@@ -82,6 +87,7 @@ def export(
     about = f"{about or model.name}; {WRITTEN[parameters]}"
     if missed is not None:
         about += f"; {missed.sentence}"
-    text, lost = WRITERS[format](chosen, about)
+    written, lost = WRITERS[format](chosen, about)
     warnings = impossible(chosen) if parameters == "free" else ()
-    return Exported(text, format, parameters, tuple(lost), warnings, missed)
+    text, files = ("", written) if isinstance(written, dict) else (written, {})
+    return Exported(text, format, parameters, tuple(lost), warnings, missed, files)

@@ -13,12 +13,13 @@ from pa10d.export.endings import Format
 from pa10d.export.mjcf import PROPERTIES
 from pa10d.export.python_module import writable
 from pa10d.export.straight_line import traceable
+from pa10d.export.tabulated import Tabulated
 from pa10d.export.urdf import CARRIED
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
 
-HELD: dict[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
+HELD: Mapping[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
     "urdf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in CARRIED),
     "mjcf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in PROPERTIES),
     "sdf": lambda model: tuple(t for t in model.terms if t.effect.joint_property in CARRIED),
@@ -26,11 +27,14 @@ HELD: dict[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
     "c": lambda model: traceable(model)[0].terms,
     "matlab": lambda model: traceable(model)[0].terms,
     "json": lambda model: model.terms,
+    "ros2_control": lambda model: traceable(model)[0].terms,
+    "tables": lambda model: traceable(model)[0].terms,
 }
 """The effects that a format holds."""
 
 NOTHING = 1e-6  # N·m
-FORGETFUL: tuple[Format, ...] = ("c", "matlab")  # each call stands for itself
+FORGETFUL: tuple[Format, ...] = ("c", "matlab", "ros2_control")  # each call stands for itself
+RESTING: tuple[Format, ...] = ("tables",)  # held only at rest, and by each joint's own speed
 
 
 @dataclass(frozen=True)
@@ -43,18 +47,30 @@ class Loss:
 
 
 def loss(model: TorqueModel, format: Format, motions: Mapping[str, Context]) -> Loss | None:
-    """None where everything is held, or there is no motion to say it by."""
+    """None where everything is held, or there is no motion to say it by. What tables round and
+    average is not in it: each tells its own error."""
     held = HELD[format](model)
     forgets = format in FORGETFUL and any(t.effect.remembers for t in held)
-    if not motions or (len(held) == len(model.terms) and not forgets):
+    whole = len(held) == len(model.terms) and not forgets and format not in RESTING
+    if not motions or whole:
         return None
-    kept, squares, count = replace(model, terms=held), np.zeros(model.robot.n), 0
+    deliver = _delivery(replace(model, terms=held), format)
+    squares, count = np.zeros(model.robot.n), 0
     for seen in motions.values():
-        delivered = kept.predict(replace(seen, apart=seen.apart or format in FORGETFUL))
-        squares += np.sum((model.predict(seen) - delivered) ** 2, axis=0)
+        squares += np.sum((model.predict(seen) - deliver(seen)) ** 2, axis=0)
         count += len(seen.q)
     rms = np.sqrt(squares / count)
-    return Loss(tuple(motions), rms, _sentence(model, tuple(motions), rms))
+    beside = ", beside what each table is off by" if format in RESTING else ""
+    return Loss(tuple(motions), rms, _sentence(model, tuple(motions), rms) + beside)
+
+
+def _delivery(kept: TorqueModel, format: Format) -> Callable[[Context], Array]:
+    """What the export makes of a motion."""
+    if format in RESTING:
+        tabulated = Tabulated(kept)
+        return lambda seen: tabulated.torque(seen.q, seen.dq)
+    forgetful = format in FORGETFUL
+    return lambda seen: kept.predict(replace(seen, apart=seen.apart or forgetful))
 
 
 def _sentence(model: TorqueModel, runs: tuple[str, ...], rms: Array) -> str:

@@ -80,6 +80,7 @@ def statements(wanted: Traced, language: Language) -> str:
 
 
 def predicted(module: TracedModule) -> tuple[Traced, Traced]:
+    """Torque of a moving sample and of the bodies at rest."""
     q, dq, ddq = (trace.inputs(name, module.n) for name in ("q", "dq", "ddq"))
     return module.torque(q, dq, ddq), module.gravity(q)
 
@@ -124,7 +125,7 @@ def forgotten(model: TorqueModel) -> list[str]:
         if term.effect.remembers:
             at_work.setdefault(term.effect_id, []).append(term)
     return [
-        f"{label} remembers {terms[0].effect.remembers}: here each call stands for itself"
+        f"{label} remembers {terms[0].effect.remembers}: here each sample stands for itself"
         for terms in at_work.values()
         for label in grouped(terms)
     ]

@@ -7,7 +7,7 @@ numbers, in which equal ones are one and known ones are carried out: what a code
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, Union
 
@@ -198,6 +198,26 @@ def in_order(wanted: Iterable[Any]) -> list[Node]:
             inner = [a for a in node.args if isinstance(a, Node)]
             waiting += [(node, True), *((a, False) for a in reversed(inner))]
     return list(found)
+
+
+def inputs_of(wanted: Iterable[Any]) -> set[tuple[str, int]]:
+    """Name and joint of every input that these depend on."""
+    return {node.args for node in in_order(wanted) if node.op == "input"}
+
+
+def evaluated(wanted: Any, given: Mapping[str, np.ndarray]) -> np.ndarray:
+    """(N,) of one symbol at N samples; given: (N, n) per input's name."""
+    values: dict[Node, Any] = {}
+    samples = len(next(iter(given.values())))
+    for node in in_order([wanted]):
+        if node.op == "input":
+            name, joint = node.args
+            values[node] = given[name][:, joint]
+        else:
+            inner = (values[a] if isinstance(a, Node) else a for a in node.args)
+            values[node] = getattr(np, node.op)(*inner)
+    found = values[wanted] if isinstance(wanted, Node) else wanted
+    return np.broadcast_to(np.asarray(found, dtype=float), (samples,))
 
 
 def derivatives(wanted: Sequence[Any], by: Node) -> list[Number]:

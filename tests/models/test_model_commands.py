@@ -152,16 +152,24 @@ def test_list_show_history(ask):
     assert len(line[0]["noise_floor"]) == 3
 
 
+def files_in(folder):
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
 @pytest.mark.parametrize("kind", FORMATS)
-def test_export_writes_a_file_once(ask, tmp_path, kind):
+def test_export_writes_once(ask, tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)
+    status, found, _ = ask("model", "export", "m0", "--format", kind)
+    assert (status, Path(found["file"]).parent) == (0, tmp_path)  # by a name of its own
     out = tmp_path / "out"
     status, found, _ = ask("model", "export", "m0", "--format", kind, "--out", str(out))
     assert (status, found["file"]) == (0, str(out))
-    written = out.read_text()
+    assert sorted(found["files"]) == [str(p.relative_to(out)) for p in files_in(out)]
+    written = [path.read_text() for path in files_in(out) or [out]]
     status, found, _ = ask("model", "export", "m0", "--format", kind, "--out", str(out))
     assert status == 1
     assert "there is such a file already" in found["error"]
-    assert out.read_text() == written
+    assert [path.read_text() for path in files_in(out) or [out]] == written
     assert ask("model", "export", "m0", "--format", kind, "--out", str(out), "--replace")[0] == 0
 
 
