@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import logging
 import os
 import signal
@@ -10,9 +11,13 @@ import socket
 from pathlib import Path
 
 from backends.registry import open_backend
+from pa10d.common.errors import UserError
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
+from pa10d.control.faults import LONGEST
+from pa10d.control.guard import BackendBroke, asked
 from pa10d.control.loop import Loop
+from pa10d.control.mailbox import Mailbox
 from pa10d.control.realtime import prepare
 from pa10d.control.ring import Ring
 from pa10d.dynamics import robot_from_profile
@@ -20,7 +25,7 @@ from pa10d.profile import Profile
 
 
 def main() -> None:
-    """Attach to the ring, say ready, run the loop."""
+    """Run the loop for as long as the daemon lives; what ends it before that is told in words."""
     parser = argparse.ArgumentParser(prog="pa10d-control")
     parser.add_argument("--profile", type=Path, required=True, help="JSON of a loaded profile")
     parser.add_argument("--ring", type=Path, required=True)
@@ -28,11 +33,23 @@ def main() -> None:
     given = parser.parse_args()
     logging.basicConfig(level=logging.WARNING, format="control: %(message)s")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    faulthandler.enable()  # where it hung stands in the log, when the daemon ends it for that
     connection = socket.socket(fileno=given.pipe)
-    profile = Profile.model_validate_json(given.profile.read_text())
+    try:
+        control(given.profile, given.ring, connection)
+    except Exception as error:
+        known = isinstance(error, UserError | BackendBroke)
+        why = str(error) if known else f"{type(error).__name__}: {error}"
+        Mailbox(connection).tell({"event": "ends", "why": why[:LONGEST]})
+        raise
+
+
+def control(about: Path, shared: Path, connection: socket.socket) -> None:
+    """Attach to the ring, say ready, run the loop."""
+    profile = Profile.model_validate_json(about.read_text())
     robot = robot_from_profile(profile)
-    backend = open_backend(profile)
-    ring = Ring.attach(given.ring)
+    backend = asked("open_backend", open_backend, profile)
+    ring = Ring.attach(shared)
     ring.writer = os.getpid()
     arm = build_arm(profile, robot, backend, ring)
     commands = Commands(arm, robot, servo_factory(profile, robot, backend.period))

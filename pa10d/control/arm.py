@@ -14,10 +14,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.error_history import DriveErrors, KeepsErrors
 from backends.protocol import Backend
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.faults import Fault, Violation, blamed_on_time, fault_from
+from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
@@ -29,7 +31,6 @@ from pa10d.control.stop import Progress, Stop
 from pa10d.control.torque_path import TorquePath
 
 Array = NDArray[np.float64]
-State = ArmState
 
 GIVE = 5e-3  # rad that a load may turn a joint in its closed brake; more, and somebody moved it
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
@@ -52,7 +53,7 @@ class Arm:
         self.backend, self.journal = backend, journal
         compile_motion_check(limits)
         self.path = TorquePath(limits, backend.period, make_servo)
-        self.state = State.OFFLINE
+        self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
         self.motion: MotionUnderWay | None = None
         self.starved: Callable[[], Starved | None] = lambda: None  # who paces the loop knows
@@ -74,60 +75,67 @@ class Arm:
 
     def connect(self) -> None:
         """offline → inactive, with a first look at where the arm stands."""
-        require("connect", self.state, State.OFFLINE)
+        require("connect", self.state, ArmState.OFFLINE)
         try:
-            self.backend.open()
+            asked("open", self.backend.open)
         except Exception as error:
             wrong = isinstance(error, UserError)  # the profile, not a drive
             why = str(error) if wrong else self._as_fault(error).sentence
             with contextlib.suppress(Exception):
-                self.backend.close()
-            raise Refused("connect", self.state, (State.OFFLINE,), why) from error
+                asked("close", self.backend.close)
+            raise Refused("connect", self.state, (ArmState.OFFLINE,), why) from error
         self.path.forget()
         self._held_at, self._asked_off = None, False
-        self.state = State.INACTIVE
+        self.state = ArmState.INACTIVE
         self.cycle()
 
-    def disconnect(self) -> None:
-        """Any unpowered state → offline."""
-        states = (State.OFFLINE, State.INACTIVE, State.FAULT, State.RESETTING)
+    def disconnect(self) -> str | None:
+        """Any unpowered state → offline; what went wrong with it, where something did."""
+        states = (ArmState.OFFLINE, ArmState.INACTIVE, ArmState.FAULT, ArmState.RESETTING)
         require("disconnect", self.state, *states)
-        with contextlib.suppress(Exception):
-            self.backend.close()
-        self.state = State.OFFLINE
+        wrong = None
+        try:
+            asked("close", self.backend.close)
+        except Exception as error:
+            wrong = self._as_fault(error).sentence
+            log.warning("leaving the bus: %s", wrong, exc_info=error.__cause__)
+        self.state = ArmState.OFFLINE
         self._clear_fault()
         self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
+        return wrong
 
     def enable(self) -> None:
         """inactive → enabling → holding at the measured position."""
-        if self.state in (State.ENABLING, State.HOLDING):
+        if self.state in (ArmState.ENABLING, ArmState.HOLDING):
             return
-        require("enable", self.state, State.INACTIVE)
+        require("enable", self.state, ArmState.INACTIVE)
         self._require_inside()
         self._admit("enable", self.path.controller)
         self.path.power_up(self._gravity(self.path.q))
         self._stood_at = self.path.q.copy()
         self._open_since = self.path.time
-        self._switch(State.ENABLING)
+        self._switch(ArmState.ENABLING)
         try:
-            self.backend.begin_enable()
+            asked("begin_enable", self.backend.begin_enable)
         except Exception as error:
             self._on_fault(error)
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
-        if self.state in (State.ENABLING, State.HOLDING):
+        if self.state in (ArmState.ENABLING, ArmState.HOLDING):
             self._power_off()
-        elif self.state == State.RUNNING:
-            self._begin_stop(State.INACTIVE)
-        elif self._stop is not None and self._stop.after == State.HOLDING:
-            self._stop.after = State.INACTIVE
+        elif self.state == ArmState.RUNNING:
+            self._begin_stop(ArmState.INACTIVE)
+        elif self._stop is not None and self._stop.after == ArmState.HOLDING:
+            self._stop.after = ArmState.INACTIVE
 
-    def stop(self) -> None:
-        """For everyone, always: from any motion to rest along the limits, then held."""
-        if self.state == State.RUNNING:
-            self._begin_stop(State.HOLDING)
-        elif self.state == State.ENABLING:
+    def stop(self, why: str = "") -> None:
+        """For everyone, always: from any motion to rest along the limits, then held. why: where
+        nobody has asked for it, for whoever records the motion."""
+        if self.state == ArmState.RUNNING:
+            self.journal.stopped(why)
+            self._begin_stop(ArmState.HOLDING)
+        elif self.state == ArmState.ENABLING:
             self._power_off()
 
     def reset(self) -> None:
@@ -135,28 +143,43 @@ class Arm:
 
         From inactive, too: drives that somebody else has left in fault are not heard of before.
         """
-        if self.state in (State.RESETTING, State.OFFLINE):
+        if self.state in (ArmState.RESETTING, ArmState.OFFLINE):
             return
-        require("reset", self.state, State.FAULT, State.INACTIVE)
-        self._switch(State.RESETTING)
+        require("reset", self.state, ArmState.FAULT, ArmState.INACTIVE)
+        self._switch(ArmState.RESETTING)
         try:
-            self.backend.begin_reset()
+            asked("begin_reset", self.backend.begin_reset)
         except Exception as error:
             self._on_fault(error)
 
+    def drive_errors(self, clear: bool = False) -> list[DriveErrors]:
+        """What each drive remembers of its errors, or is left of it once it was emptied; no cycle
+        runs meanwhile."""
+        states = (ArmState.OFFLINE, ArmState.INACTIVE, ArmState.FAULT)
+        require("errors", self.state, *states)
+        if not isinstance(self.backend, KeepsErrors):
+            raise Refused("errors", self.state, states, "these drives keep no history of errors")
+        if self.maybe_powered:
+            raise Refused("errors", self.state, states, "the drives do not switch off: see to that")
+        try:
+            do = self.backend.clear_errors if clear else self.backend.read_errors
+            return asked("errors", do)
+        except Exception as error:
+            raise Refused("errors", self.state, states, self._as_fault(error).sentence) from error
+
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque, or refused."""
-        require("controller", self.state, State.INACTIVE, State.HOLDING)
+        require("controller", self.state, ArmState.INACTIVE, ArmState.HOLDING)
         self._admit("controller", controller)
         before = self.path.controller
         self.path.use(controller)
-        if self.state == State.HOLDING and (wrong := self.path.bump()) is not None:
+        if self.state == ArmState.HOLDING and (wrong := self.path.bump()) is not None:
             self.path.controller = before
             raise Refused("controller", self.state, (self.state,), wrong)
 
     def run(self, motion: MotionUnderWay) -> None:
         """holding → running."""
-        require("run", self.state, State.HOLDING)
+        require("run", self.state, ArmState.HOLDING)
         path = self.path
         wrong = wrong_with_rows(
             motion.rows, motion.first, motion.last, path.reference.q, path.limits,
@@ -165,10 +188,11 @@ class Arm:
         if wrong is None and isinstance(path.controller, HasModel):
             wrong = wrong_along(path.controller, motion.rows, path.limits, self.backend.period)
         if wrong is not None:
-            raise Refused("run", self.state, (State.HOLDING,), wrong)
+            raise Refused("run", self.state, (ArmState.HOLDING,), wrong)
         self._admit("run", path.controller)
+        self.journal.stopped("")  # what ended another motion has nothing to do with this one
         self.motion = motion
-        self.state = State.RUNNING
+        self.state = ArmState.RUNNING
 
     def emergency(self, kind: str, cause: str) -> None:
         """Something outside the loop ends the motion: stop and power off, latched."""
@@ -179,10 +203,10 @@ class Arm:
 
     def cycle(self) -> None:
         """One period: read, think, write, note down."""
-        if self.state == State.OFFLINE:
+        if self.state == ArmState.OFFLINE:
             return
         try:
-            self.path.measure(self.backend.read())
+            self.path.measure(asked("read", read, self.backend))
             self._act()
         except Exception as error:
             self._on_fault(error)
@@ -190,30 +214,36 @@ class Arm:
         self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
 
     def _act(self) -> None:
-        if self.state == State.RUNNING:
+        if self.state == ArmState.RUNNING:
             self._follow()
         elif self._stop is not None:
             self._stop_further(self._stop)
         elif self.state in SWITCHING or self.maybe_powered:
             self._switch_further()
-        if self.state == State.ENABLING:
+        if self.state == ArmState.ENABLING:
             self.path.watch_standing()
         elif self.state in POWERED:
             self.path.watch(stopping_for_fault=self.fault is not None)
         if self.state in POWERED:
-            self.backend.write(self.path.torque(self.state))
-        elif self.state == State.RESETTING or self.maybe_powered:
-            self.backend.write(np.zeros_like(self.path.sent))
+            asked("write", self.backend.write, self.path.torque(self.state))
+        elif self.state == ArmState.RESETTING or self.maybe_powered:
+            asked("write", self.backend.write, np.zeros_like(self.path.sent))
 
     def _switch_further(self) -> None:
         """What the drives were asked for: is it done?"""
-        if self.state != State.RESETTING and self.state != State.ENABLING and not self._asked_off:
+        if (
+            self.state != ArmState.RESETTING
+            and self.state != ArmState.ENABLING
+            and not self._asked_off
+        ):
             self._ask_off()
+            if self.state == ArmState.DISABLING and self.path.time > self._switch_by:
+                self._give_up()
             return
-        under_way = self.backend.switching
+        under_way = asked("switching", lambda: self.backend.switching)
         if under_way and self.state in SWITCHING and self.path.time > self._switch_by:
             raise Violation("switching", f"the drives have not switched within {PATIENCE:g} s")
-        if self.state == State.ENABLING:
+        if self.state == ArmState.ENABLING:
             if under_way:
                 self._open_since = self.path.time
                 return
@@ -223,12 +253,12 @@ class Arm:
                 self._hold()
         elif under_way:
             return
-        elif self.state == State.RESETTING:
+        elif self.state == ArmState.RESETTING:
             self.path.forget()
             self._held_at = None
             self._clear_fault()
             self.maybe_powered = False
-            self.state = State.INACTIVE
+            self.state = ArmState.INACTIVE
         else:
             self.maybe_powered = False
             self._rest_unpowered()
@@ -253,7 +283,7 @@ class Arm:
             raise stop.overdue()
         if progress == Progress.MOVING:
             return
-        if stop.after == State.HOLDING:
+        if stop.after == ArmState.HOLDING:
             self._hold()
         else:
             self._power_off()
@@ -263,7 +293,7 @@ class Arm:
         self.path.time += self.backend.period
         if self._stop is not None and self._stop.by_drives and self._stop.overtime:
             self._power_off()
-        elif self.state == State.DISABLING and self.path.time > self._switch_by:
+        elif self.state == ArmState.DISABLING and self.path.time > self._switch_by:
             self._give_up()
 
     # -- ways to rest -----------------------------------------------------------------------
@@ -271,43 +301,43 @@ class Arm:
     def _hold(self) -> None:
         self.path.hold()
         self.motion, self._stop = None, None
-        self.state = State.HOLDING
+        self.state = ArmState.HOLDING
 
     def _begin_stop(self, after: ArmState, by_drives: bool = False) -> None:
         self.motion = None
         self._stop = Stop(self.path, self.backend.period, after, by_drives)
-        self.state = State.STOPPING
+        self.state = ArmState.STOPPING
 
     def _on_fault(self, error: Exception) -> None:
         """A first fault stops along the limits; one during that stop asks the drives to."""
         fault, again = self._as_fault(error), self.fault is not None
-        if self.state == State.RESETTING:
+        if self.state == ArmState.RESETTING:
             self.fault = None  # what is there now counts, not what was to be acknowledged
-        self._latch(fault)
+        self._latch(fault, error)
         if fault.dead_axis is not None:
             self.path.live[fault.dead_axis] = False
-        if self.state == State.DISABLING:
+        if self.state == ArmState.DISABLING:
             self._brake_on(fault)
         elif self.state not in POWERED:
-            self.state = State.FAULT
+            self.state = ArmState.FAULT
             self._asked_off = False  # whoever shall be off is told again
         elif again or fault.runs_away or fault.whole_bus or not self.path.live.any():
             self._leave_it_to_the_drives()
-        elif self.state == State.ENABLING:
+        elif self.state == ArmState.ENABLING:
             self.path.stand()
             self._power_off()
         else:
             self.path.fall_back(soft=fault.kind == "oscillation")
-            self._begin_stop(State.FAULT)
+            self._begin_stop(ArmState.FAULT)
 
     def _leave_it_to_the_drives(self) -> None:
         """No torque of ours any more; their own quick stop brakes."""
         self.path.let_go()
         if self._stop is not None and self._stop.by_drives:
             return
-        self._begin_stop(State.FAULT, by_drives=True)
+        self._begin_stop(ArmState.FAULT, by_drives=True)
         with contextlib.suppress(Exception):
-            self.backend.quick_stop()
+            asked("quick_stop", self.backend.quick_stop)
 
     def _brake_on(self, fault: Fault) -> None:
         """A fault while brakes close: they go on closing, without torque where that is wrong."""
@@ -324,10 +354,10 @@ class Arm:
 
     def _power_off(self) -> None:
         """Brakes on, power off: the end of every stop but one that is held."""
-        if self.state == State.HOLDING:
+        if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
         self.motion, self._stop = None, None
-        self._switch(State.DISABLING)
+        self._switch(ArmState.DISABLING)
         self._ask_off()
 
     def _switch(self, state: ArmState) -> None:
@@ -335,25 +365,27 @@ class Arm:
 
     def _rest_unpowered(self) -> None:
         self.path.power_down()
-        self.state = State.FAULT if self.fault else State.INACTIVE
+        self.state = ArmState.FAULT if self.fault else ArmState.INACTIVE
 
     def _ask_off(self) -> None:
         try:
-            self.backend.begin_disable()
+            asked("begin_disable", self.backend.begin_disable)
             self._asked_off = True
         except Exception as error:
             self._asked_off = False  # in the next cycle again
-            self._latch(self._as_fault(error))
+            self._latch(self._as_fault(error), error)
             with contextlib.suppress(Exception):
-                self.backend.quick_stop()
+                asked("quick_stop", self.backend.quick_stop)
 
     def _as_fault(self, error: Exception) -> Fault:
-        return fault_from(error, self.state.label, self.path.time, self.journal.count)
+        n, now = self.backend.n, self.path.time
+        return fault_from(error, n, self.state.label, now, self.journal.count)
 
-    def _latch(self, fault: Fault) -> None:
+    def _latch(self, fault: Fault, error: Exception) -> None:
         if self.fault is None:
             fault = blamed_on_time(fault, self.starved())
-            log.warning("fault while %s: %s", fault.state, fault.sentence)
+            broke = error.__cause__ if isinstance(error, BackendBroke) else None
+            log.warning("fault while %s: %s", fault.state, fault.sentence, exc_info=broke)
             self.fault = fault
             self.journal.fault(fault)
 
@@ -367,7 +399,7 @@ class Arm:
         if not isinstance(controller, HasModel):
             return
         path = self.path
-        held = path.sent if self.state == State.HOLDING else self._gravity(path.q)
+        held = path.sent if self.state == ArmState.HOLDING else self._gravity(path.q)
         wrong = wrong_with_torque(controller, path.q, held, path.limits)
         if wrong is not None:
             raise Refused(command, self.state, (self.state,), wrong)
@@ -379,4 +411,4 @@ class Arm:
                 f"joint {j + 1} stands at {q[j]:.4f} rad, expected {limits.lower[j]:.4f} to "
                 f"{limits.upper[j]:.4f}: move it inside by hand, or correct its zero_offset"
             )
-            raise Refused("enable", self.state, (State.INACTIVE,), why)
+            raise Refused("enable", self.state, (ArmState.INACTIVE,), why)

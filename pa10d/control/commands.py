@@ -10,7 +10,7 @@ import numpy as np
 
 from pa10d.control.admission import wrong_with_model
 from pa10d.control.arm import Arm
-from pa10d.control.computed_torque import ComputedTorque
+from pa10d.control.computed_torque import WITH_MODEL, ComputedTorque
 from pa10d.control.gains import PidGains
 from pa10d.control.live_model import LiveModel
 from pa10d.control.pid import Controller, Pid
@@ -24,14 +24,17 @@ class Commands:
 
     def __init__(self, arm: Arm, robot: Robot, make_servo: Callable[[], Pid]) -> None:
         self._arm, self._robot, self._make_servo = arm, robot, make_servo
-        self._plain = {
+        self._plain: dict[str, Callable[[], str | None]] = {
             name: getattr(arm, name)
             for name in ("connect", "disconnect", "enable", "disable", "stop", "reset")
         }
 
     def carry_out(self, message: dict[str, Any]) -> dict[str, Any]:
-        """→ ``{reply, ok}`` or ``{reply, ok: False, command, state, needed, detail, remedy}``."""
+        """→ ``{reply, ok, state}``, with ``said`` where something went wrong all the same, and with
+        ``drives`` where they were asked what they remember, or
+        ``{reply, ok: False, command, state, needed, detail, remedy}``."""
         number, what = message.get("id"), str(message.get("do"))
+        more: dict[str, Any] = {}
         try:
             if what == "run":
                 self._arm.run(load_motion(message))
@@ -39,8 +42,12 @@ class Commands:
                 self._arm.use(self._controller(message))
             elif what == "gains":
                 self._take_gains(message)
+            elif what == "errors":
+                found = self._arm.drive_errors(clear=bool(message.get("clear")))
+                more = {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}
             elif what in self._plain:
-                self._plain[what]()
+                if (said := self._plain[what]()) is not None:
+                    more = {"said": said}
             else:
                 raise ValueError(f"unknown command {what!r}")
         except Refused as refusal:
@@ -56,7 +63,7 @@ class Commands:
         except Exception as error:
             detail = f"{what}: {type(error).__name__}: {error}"
             return {"reply": number, "ok": False, "command": what, "detail": detail}
-        return {"reply": number, "ok": True, "state": self._arm.state.label}
+        return {"reply": number, "ok": True, "state": self._arm.state.label, **more}
 
     def _take_gains(self, message: dict[str, Any]) -> None:
         """Other gains for every servo from now on; the law at work stays what it is."""
@@ -65,8 +72,7 @@ class Commands:
         self._make_servo = lambda: Pid(gains, limit, period)
         law: Controller = self._arm.path.controller
         servo = self._make_servo()
-        model = law.model if isinstance(law, ComputedTorque) else None
-        law = servo if model is None else ComputedTorque(self._robot, model, servo)
+        law = type(law)(self._robot, law.model, servo) if isinstance(law, ComputedTorque) else servo
         if self._arm.state == ArmState.HOLDING:
             # held from where it is: stiffer gains make more of the same distance from its place
             self._arm.path.reference.rest(self._arm.path.q.copy())
@@ -85,7 +91,7 @@ class Commands:
         if wrong is not None:
             state = self._arm.state
             raise Refused("controller", state, (state,), f"model '{model.name}': {wrong}")
-        return ComputedTorque(self._robot, model, servo)
+        return WITH_MODEL[message["name"]](self._robot, model, servo)
 
 
 def load_motion(message: dict[str, Any]) -> MotionUnderWay:

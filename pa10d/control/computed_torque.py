@@ -1,4 +1,7 @@
-"""Computed torque: the model's inverse dynamics, and the joint servo's gains for what is left."""
+"""Control by a model: its torque ahead, and the joint servo's gains for what is left.
+
+Computed torque asks the model where the arm is, feed-forward where it shall be.
+"""
 
 from __future__ import annotations
 
@@ -51,3 +54,18 @@ class ComputedTorque:
             self._robot, q[None], dq[None], reference.dq[None], reference.ddq[None]
         )
         return np.asarray(live[0])
+
+
+class FeedForward(ComputedTorque):
+    """Model torque of the desired motion alone, plus PID feedback: what a controller does that
+    takes a torque along with each point of a motion."""
+
+    name = "feed_forward"
+
+    def _forward(self, reference: Reference, q: Array, dq: Array) -> Array:
+        return super()._forward(reference, reference.q, reference.dq)
+
+
+WITH_MODEL: dict[str, type[ComputedTorque]] = {
+    law.name: law for law in (ComputedTorque, FeedForward)
+}

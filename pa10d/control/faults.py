@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
+from numbers import Integral
 from typing import Any
 
 from backends.protocol import BackendFault
+from pa10d.common.errors import UserError
+from pa10d.control.guard import BackendBroke
 from pa10d.control.punctuality import Starved
 
 REMEDIES = {
@@ -20,6 +23,8 @@ REMEDIES = {
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
     "the profile turns angle and torque together and does not mend this",
     "stale": "check cabling, termination and bus load; the axis stopped answering",
+    "no_number": "look at what this backend reads; the drive's encoder and its scaling",
+    "backend": "report it to whoever wrote this backend, with the daemon's log; 'reset' tries anew",
     "controller": "report it with the recorded run; the arm was stopped by the joint servo",
     "switching": "look at supply, safe-torque-off and brakes: the drives did not do as asked",
     "stop": "look at brakes and drives before the next motion: the arm did not stop as asked",
@@ -78,6 +83,7 @@ class Violation(Exception):
         self.kind, self.cause, self.axis, self.hertz = kind, cause, axis, hertz
 
 
+LONGEST = 2000  # characters of a cause: it goes through pipe and ring in one piece
 FROM_STARVING = {"following_error", "velocity_limit", "position_limit", "not_held", "stale", "stop",
                  "silent"}  # fmt: skip
 OF_DRIVES = {"emcy", "drive_fault"}  # where they missed SYNC or our heartbeat
@@ -98,16 +104,24 @@ def _missed_us(cause: str) -> bool:
     return "SYNC" in cause or "heartbeat of the control PC" in cause
 
 
-def fault_from(error: Exception, state: str, time: float, sequence: int) -> Fault:
-    """Any exception as a fault."""
-    device = isinstance(error, BackendFault)
+def fault_from(error: Exception, n: int, state: str, time: float, sequence: int) -> Fault:
+    """Any exception as a fault of an arm of ``n`` joints; what a backend says of itself is taken
+    as plain text and numbers, whatever it is."""
+    device, axis, hertz = isinstance(error, BackendFault), None, 0.0
     if isinstance(error, BackendFault):
-        kind, cause, axis, remedy = error.kind, error.cause, error.axis, error.remedy
+        kind, cause, remedy = str(error.kind), str(error.cause), str(error.remedy)
+        axis = int(error.axis) if isinstance(error.axis, Integral) else None
+        axis = None if axis is None or not 0 <= axis < n else axis
     elif isinstance(error, Violation):
-        kind, cause, axis, remedy = error.kind, error.cause, error.axis, REMEDIES[error.kind]
+        kind, cause, remedy = error.kind, error.cause, REMEDIES[error.kind]
+        axis, hertz = error.axis, error.hertz
+    elif isinstance(error, BackendBroke | UserError):
+        kind, cause, remedy = "backend", str(error), REMEDIES["backend"]
     else:
-        text = " ".join(str(error).split())[:300]
-        kind, cause, axis = "controller", f"{type(error).__name__}: {text}", None
+        kind, cause = "controller", f"{type(error).__name__}: {' '.join(str(error).split())}"
         remedy = REMEDIES[kind]
-    hertz = error.hertz if isinstance(error, Violation) else 0.0
-    return Fault(kind, cause, axis, remedy, state, time, sequence, device, hertz)
+    return Fault(kind, _short(cause), axis, _short(remedy), state, time, sequence, device, hertz)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]} …"

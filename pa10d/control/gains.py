@@ -34,6 +34,7 @@ from pa10d.control.servo_design import (
     LoopTiming,
     asked_gains,
     fitting_gains,
+    sensitivity,
     swinging_inertia,
 )
 from pa10d.dynamics import Robot, inverse_dynamics
@@ -121,10 +122,22 @@ def fitted_gains(
     made = []
     for j in range(robot.n):
         asked = asked_gains(float(span.usual[j]), float(figures.viscous[j]), float(bandwidth[j]))
-        delay = BUS_DELAY / control.rate + float(figures.delay[j])
-        timing = LoopTiming(1.0 / control.rate, delay)
+        timing = _timing(control, figures, j)
         made.append(fitting_gains(asked, _cases(span, figures, j), timing, float(pull[j])))
     return FittedGains(_together(made), np.array([one.sensitivity for one in made]))
+
+
+def loop_sensitivity(
+    robot: Robot, control: Control, figures: JointFigures, gains: PidGains
+) -> Array:
+    """(n,) peak of the sensitivity that gains have in the worst pose, inf where the loop swings up
+    there; by the inertias as they are known, whatever the doubt about them."""
+    known = figures.but(doubt=np.ones(robot.n))
+    span, worst = inertias(robot, known), np.zeros(robot.n)
+    for j in range(robot.n):
+        used, timing = _of_joint(gains, j), _timing(control, figures, j)
+        worst[j] = max(sensitivity(used, case, timing) for case in _cases(span, known, j))
+    return worst
 
 
 def first_gains(
@@ -170,10 +183,8 @@ def after_swing(
 ) -> JointFigures:
     """The same joints, but one that swung at ``hertz`` with these gains: it is at least as light
     (where it swings faster than its servo should, else as heavy) as would explain that."""
-    delay = BUS_DELAY / control.rate + float(figures.delay[axis])
-    kp, ki, kd = (float(values[axis]) for values in (gains.kp, gains.ki, gains.kd))
-    used = JointGains(kp, ki, kd, np.nan)
-    seen = swinging_inertia(used, LoopTiming(1.0 / control.rate, delay), hertz)
+    used = _of_joint(gains, axis)
+    seen = swinging_inertia(used, _timing(control, figures, axis), hertz)
     swung, before = figures.swung.copy(), float(figures.swung[axis])
     light = seen < inertias(robot, figures).usual[axis]
     if before and light:
@@ -182,6 +193,15 @@ def after_swing(
         seen = max(seen, before / AGAIN)
     swung[axis] = seen
     return figures.but(swung=swung)
+
+
+def _timing(control: Control, figures: JointFigures, j: int) -> LoopTiming:
+    return LoopTiming(1.0 / control.rate, BUS_DELAY / control.rate + float(figures.delay[j]))
+
+
+def _of_joint(gains: PidGains, j: int) -> JointGains:
+    kp, ki, kd = (float(values[j]) for values in (gains.kp, gains.ki, gains.kd))
+    return JointGains(kp, ki, kd, np.nan)
 
 
 def _cases(span: Inertias, figures: JointFigures, j: int) -> list[Case]:

@@ -92,6 +92,11 @@ class JointFigures:
         """With other values."""
         return replace(self, **values)
 
+    def after(self, before: JointFigures) -> JointFigures:
+        """With the swings seen before these were measured; where a spring was found since, the
+        rotor in front of it is what swung, and no free joint as light as that."""
+        return self.but(swung=np.where(np.isfinite(self.stiffness), self.swung, before.swung))
+
 
 PER_JOINT = tuple(name for name in JointFigures.__dataclass_fields__ if name != "bodies")
 

@@ -63,3 +63,7 @@ class Journal:
     def fault(self, fault: Fault | None) -> None:
         """Last words, kept even where this process ends next."""
         self.ring.say(None if fault is None else fault.document())
+
+    def stopped(self, why: str) -> None:
+        """Why a motion without a fault ends before its end, where there is more to say."""
+        self.ring.say({"sentence": why} if why else None)

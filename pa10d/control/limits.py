@@ -45,9 +45,8 @@ def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
                 f"expected a limit in {unit}; without it the arm may not be moved"
             )
     safety = profile.safety
-    rate = safety.torque_rate or (robot.effort / FULL_TORQUE_IN).tolist()
-    usual = np.maximum(FOLLOWING_ERROR, FOLLOWING_TIME * robot.velocity)
-    following = safety.following_error or usual.tolist()
+    rate = safety.torque_rate or usual_torque_rate(robot).tolist()
+    following = safety.following_error or usual_following_error(robot).tolist()
     return ArmLimits(
         lower=robot.lower.copy(),
         upper=robot.upper.copy(),
@@ -58,3 +57,13 @@ def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
         following_error=np.array(following, dtype=float),
         stale_cycles=safety.stale_cycles,
     )
+
+
+def usual_following_error(robot: Robot) -> Array:
+    """(n,) rad (m), where the profile names none."""
+    return np.maximum(FOLLOWING_ERROR, FOLLOWING_TIME * robot.velocity)
+
+
+def usual_torque_rate(robot: Robot) -> Array:
+    """(n,) N·m/s (N/s), where the profile names none."""
+    return np.asarray(robot.effort / FULL_TORQUE_IN)

@@ -10,6 +10,7 @@ from typing import Any
 from pa10d.control.arm import Arm
 from pa10d.control.clock import Clock
 from pa10d.control.commands import Commands
+from pa10d.control.guard import asked
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
@@ -17,6 +18,9 @@ from pa10d.control.states import POWERED, SWITCHING, ArmState
 IDLE = 0.05  # s between looks at the pipe while offline
 SILENCE = 5.0  # s without a word from the daemon: it hangs
 PATIENCE = 2.0  # s that simulated time waits for a recorder that does not keep up
+RECORDER_STOOD_STILL = (
+    f"the recorder took nothing for {PATIENCE:g} s: its process or disk stood still"
+)
 SETTLE = 1.0  # s of simulated time that pass after each command and each change of state
 
 
@@ -96,17 +100,18 @@ class Loop:
         ring, until = self._ring, time.monotonic() + PATIENCE
         while ring.taken >= 0 and ring.written - ring.taken > ring.capacity // 2:
             if time.monotonic() > until:
-                self._arm.stop()
+                self._arm.stop(RECORDER_STOOD_STILL)
                 return
             time.sleep(0.001)
 
     def _listen(self) -> None:
         if self._stop:
             self._stop = False
-            self._commands.carry_out({"do": "stop"})
+            self._arm.stop("stopped by a signal (SIGUSR1)")
         while (message := self._mailbox.take()) is not None:
             self._heard = time.monotonic()
             if message.get("do") == "alive":
+                self._mailbox.tell({"event": "alive"})
                 continue
             if message.get("do") == "look":  # something is wrong out there, says the daemon
                 self._unsettled = self._settle
@@ -151,6 +156,13 @@ def describe(arm: Arm) -> dict[str, Any]:
         "fault": None if arm.fault is None else arm.fault.document(),
         "controller": arm.path.controller.name,
         "model": None if model is None else model.name,
-        "warnings": list(arm.backend.warnings),
+        "warnings": _warnings(arm),
         "sequence": arm.journal.count,
     }
+
+
+def _warnings(arm: Arm) -> list[str]:
+    try:
+        return [str(warning) for warning in asked("warnings", lambda: arm.backend.warnings)]
+    except Exception as error:
+        return [str(error)]

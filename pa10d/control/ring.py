@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 MAGIC, VERSION = 0x70613130_72696E67, 1
 SLOTS = 32  # int64 in the header
-NOTE = 4096  # bytes for the last words (the fault, in JSON)
+NOTE = 1 << 16  # bytes for the last words (the fault, in JSON): more than the longest has
 _MAGIC, _VERSION, _JOINTS, _CAPACITY, _WRITTEN, _TAKEN, _WRITER, _PERIOD_NS, _NOTE_LENGTH = range(9)
 
 

@@ -77,7 +77,8 @@ class LoopTiming:
 
 @dataclass(frozen=True)
 class JointGains:
-    """N·m/rad, N·m/(rad·s), N·m·s/rad, and the peak of the sensitivity that comes with them."""
+    """N·m/rad, N·m/(rad·s), N·m·s/rad, and the peak of the sensitivity that comes with them; it is
+    infinite where nothing stable holds the joint."""
 
     kp: float
     ki: float
@@ -104,7 +105,8 @@ def fitting_gains(
 ) -> JointGains:
     """``asked``, or the stiffest below that keep the margins in every case.
 
-    least: N·m/rad that kp must have, as gravity pulls a joint away that it stands on.
+    least: N·m/rad that kp must have, as gravity pulls a joint away that it stands on. Where no
+    gains are both stable and as stiff as that, calm ones, with an infinite sensitivity.
     """
     w = timing.frequencies()
     whole = np.array([[asked.kp, asked.ki, asked.kd]])
@@ -120,9 +122,14 @@ def fitting_gains(
     strong = tried[:, 0] >= min(least, asked.kp)
     fine = (peaks <= SENSITIVITY) & strong
     rest = np.where(strong, peaks, np.inf)
-    best = int(np.argmax(np.where(fine, stiff, -1.0)) if fine.any() else np.argmin(rest))
+    holds = np.isfinite(rest).any()
+    best = int(
+        np.argmax(np.where(fine, stiff, -1.0))
+        if fine.any()
+        else np.argmin(rest if holds else peaks)
+    )
     chosen = [float(k) for k in tried[best]]
-    return JointGains(chosen[0], chosen[1], chosen[2], float(peaks[best]))
+    return JointGains(chosen[0], chosen[1], chosen[2], float(peaks[best]) if holds else np.inf)
 
 
 def sensitivity(gains: JointGains, case: Case, timing: LoopTiming) -> float:

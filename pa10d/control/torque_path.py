@@ -74,7 +74,8 @@ class TorquePath:
         return min(known, default=1.0)
 
     def measure(self, feedback: Feedback) -> None:
-        """Take in one cycle's feedback."""
+        """Take in one cycle's feedback; what is no number is not taken in."""
+        _require_numbers(feedback)
         self.time, self.age, self.status = feedback.time, feedback.age, feedback.status
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
@@ -203,3 +204,11 @@ class TorquePath:
         """After a reset: every axis is live, and was at rest until now."""
         self.live[:], self.limp = True, False
         self._speed.restart()
+
+
+def _require_numbers(feedback: Feedback) -> None:
+    """A value that is none would stay in the estimate of the speed for ever."""
+    for values, what in ((feedback.q, "position"), (feedback.tau, "torque")):
+        if not np.isfinite(values).all():
+            axis = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise Violation("no_number", f"its {what} was read as {values[axis]:g}", axis)

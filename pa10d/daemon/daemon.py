@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import listed
 from pa10d.daemon.events import Events
+from pa10d.daemon.hanging import with_weight
 from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report
 from pa10d.daemon.jobs.shelf import Shelf
 from pa10d.daemon.night import Night, Secret
@@ -24,19 +26,29 @@ from pa10d.daemon.robot.lease import Lease
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.daemon.robot.telemetry import Telemetry
 from pa10d.dynamics import Robot
+from pa10d.identify.scale import Body
 from pa10d.investigation.archive import Archive
-from pa10d.profile import Profile
+from pa10d.profile import Profile, load_profile
 from pa10d.services.joints import kept_joints
+from pa10d.services.robots import load_robot
+from pa10d.services.tuning import own_profile
+from pa10d.services.weighing.archive import Weighings
 from pa10d.store import RunStore
 from pa10d.store.models import ModelStore
 
-MOVING = ("experiment", "series", "improvement", "investigation")  # kinds of jobs that move the arm
+MOVING = ("experiment", "series", "tracking", "improvement", "investigation", "weighing")
+"""Kinds of jobs that move the arm."""
+
+# of a profile, while it is served:
+TUNED = ("path", "drives", "limits", "control", "safety", "environment")
 SWITCHED, CONNECTED = 5.0, 60.0  # s for an arm to be off, and on again
+HANGS = "a weight hangs on the virtual arm: {}; 'pa10d weigh record NAME' takes it off"
 LOOK_EVERY = 0.5  # s between looks at the virtual arm
 END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm takes
 BEFORE_JOBS = 5  # niceness of what a request waits for
 FOR_THE_ARM = 4.0  # s of it are kept for control, should jobs not end at once
 
+Document = dict[str, Any]
 log = logging.getLogger("pa10d.daemon")
 
 
@@ -67,6 +79,7 @@ class Daemon:
         self.workers = Workers(of_a_job())
         self.desk = Workers(of_an_answer(), most=2, niceness=BEFORE_JOBS)
         self.viewer = Workers(of_an_answer(), most=1, niceness=0)
+        self.weighings = Weighings(data)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
         self.robot.joints = kept_joints(data, profile)
@@ -76,6 +89,9 @@ class Daemon:
         self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
         self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
+        self._arm = profile  # the virtual one, without a weight
+        self._hung: Body | None = None
+        self._changing = asyncio.Lock()  # the profile, or the virtual arm
         self.night = Night(secret if self.simulator is not None else None)
         self._tasks: list[asyncio.Task[None]] = []
         self._ending: asyncio.Future[None] | None = None
@@ -96,6 +112,7 @@ class Daemon:
             loop.create_task(self.workers.warm_up()),
             loop.create_task(self.desk.warm_up()),
             loop.create_task(self._open_eyes()),
+            loop.create_task(self._judge_weighings()),
             loop.create_task(_feed_watchdog()),
         ]
         notify("READY=1", f"STATUS=serving {self.profile.name}")
@@ -155,23 +172,63 @@ class Daemon:
             await self.simulator.start()
             self.robot.remark = None
 
+    def busy(self) -> str | None:
+        """Why nothing else may move or change the arm now, None where it may."""
+        if self._changing.locked():
+            return "the profile, or the virtual arm, is being changed"
+        job = next((job for job in self.jobs.running() if job.kind in MOVING), None)
+        return None if job is None else f"a job that moves the arm is running: {job.kind}"
+
     async def pass_night(self) -> None:
         """The virtual arm is switched off and on again, as it is on the next day."""
-        await self.night.passes(self._switch_arm)
+        await self.night.passes(self._next_arm)
         self.events.publish("story", self.night.document())
 
-    async def _switch_arm(self, profile: Profile) -> None:
+    async def _next_arm(self, profile: Profile) -> None:
+        await self._switch_arm(profile, None)
+        self._arm = profile
+
+    async def hang(self, body: Body | None) -> None:
+        """Bolt a weight on the virtual arm, or take it off: switched off meanwhile, as a real one
+        would be."""
+        if body != self._hung:
+            await self._switch_arm(
+                self._arm if body is None else with_weight(self._arm, body), body
+            )
+
+    async def _switch_arm(self, profile: Profile, hung: Body | None) -> None:
+        """To its end, whatever becomes of who asked: half of it would leave no arm at all, or one
+        with a weight that nobody knows of."""
+        switching = asyncio.ensure_future(self._switch_whole_arm(profile, hung))
+        try:
+            await asyncio.shield(switching)
+        except asyncio.CancelledError:
+            await asyncio.wait([switching])
+            raise
+
+    async def _switch_whole_arm(self, profile: Profile, hung: Body | None) -> None:
         assert self.simulator is not None
-        await self.robot.disconnect()
-        await self.robot.until("offline", timeout=SWITCHED)
-        await self.simulator.become(profile)
-        await self.robot.connect()
-        await self.robot.until("inactive", timeout=CONNECTED)
+        self.simulator.refuse_unless_own()
+        async with self._changing:
+            await self.robot.disconnect()
+            await self.robot.until("offline", timeout=SWITCHED)
+            await self.simulator.become(profile)
+            self._hung = hung
+            self.robot.load = None if hung is None else HANGS.format(hung.words)
+            await self.robot.connect()
+            await self.robot.until("inactive", "fault", timeout=CONNECTED)
 
     async def _open_eyes(self) -> None:
         """Have the viewer's libraries loaded before somebody looks."""
         with contextlib.suppress(TaskFailed, UserError, Crowded):
             await self.viewer.run("pa10d.services.plots:warm_up", lambda *_: None)
+
+    async def _judge_weighings(self) -> None:
+        """What was recorded before the last end, and is not analysed yet."""
+        with contextlib.suppress(Crowded):
+            for state in await self.shelf(self.weighings.all):
+                if state.pending:
+                    self.compute("gains", "judge_weighing", {"weighing": state.id})
 
     def compute(
         self, kind: str, task: str, request: dict[str, Any], *, sheet: bool = False, **more: Any
@@ -204,15 +261,64 @@ class Daemon:
         call = f"pa10d.services.{of}:{plot}"
         return await self.viewer.run(call, lambda *_: None, data=str(self.data), **arguments)
 
+    async def tune(self, restart: bool, task: str, **arguments: Any) -> Document:
+        """Write or undo a change of the profile, and go on with it. task: of
+        ``pa10d.services.tuning``, or ``module:task`` of another of the services; restart: it is
+        about more than the surroundings, which only plans look at."""
+        if (busy := self.busy()) is not None:
+            raise UserError(f"profile: {busy}; expected to be asked once that is over")
+        async with self._changing:
+            return await self._tune(restart, task, arguments)
+
+    async def _tune(self, restart: bool, task: str, arguments: Document) -> Document:
+        await asyncio.to_thread(self._refuse_edits)
+        of, _, task = task.rpartition(":")
+        made: Document = {}
+        which = {} if of else self._which()
+
+        async def change() -> tuple[Profile, Robot]:
+            made.update(await self.look(task, of=of or "tuning", **which, **arguments))
+            loaded, robot = await asyncio.to_thread(load_robot, made["file"])
+            if self.robot.joints is not None:
+                self.robot.joints = await asyncio.to_thread(kept_joints, self.data, loaded)
+            tuned = {key: getattr(loaded, key) for key in TUNED}
+            return self.profile.model_copy(update=tuned), robot
+
+        if restart:
+            await self.robot.renew(change)
+        else:
+            self.robot.profile, self.robot.robot = await change()
+        self.profile, self.kinematics = self.robot.profile, self.robot.robot
+        self.telemetry.robot = self.kinematics
+        self.events.publish("profile", {"version": made["version"]})
+        return made
+
+    def _refuse_edits(self) -> None:
+        """What somebody has written into the file meanwhile does not go into force unsaid."""
+        stands = load_profile(own_profile(self.data, self.profile.path))
+        edited = [key for key in TUNED[1:] if getattr(stands, key) != getattr(self.profile, key)]
+        if edited:
+            raise UserError(
+                f"{stands.path}: {listed(edited)} changed since it is served; expected that to be "
+                "taken back by hand, or 'serve' to be started anew with it"
+            )
+
+    async def tuning(self, task: str, **arguments: Any) -> Any:
+        """A question about the profile's tuning."""
+        return await self.look(task, of="tuning", **self._which(), **arguments)
+
+    def _which(self) -> dict[str, str]:
+        return {"profile": str(self.profile.path)}
+
     async def use_controller(self, name: str, model: str | None) -> None:
-        """Another control law; computed torque needs a model of the store."""
+        """Another control law; all but PID need a model of the store."""
         if name == "pid":
             await self.robot.use({"name": "pid"})
             return
         if model is None:
-            raise UserError("controller 'computed_torque': expected 'model', a model's name")
+            raise UserError(f"controller '{name}': expected 'model', a model's name")
         live = await self.answer("live_model_of", model=model)
-        await self.robot.use({"name": "computed_torque", "model": live}, model)
+        await self.robot.use({"name": name, "model": live}, model)
 
     def stop(self) -> None:
         """Rest, whoever asks; a running experiment ends as stopped."""

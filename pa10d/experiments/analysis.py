@@ -27,7 +27,9 @@ NEXT = {
     "reversals": "look for bristles and gaps: diagnose a model with {runs}",
     "warm_up": "look for friction that falls: diagnose a model with {runs}",
     "chirp": "look for springs and delays: diagnose a model with {runs}",
+    "known_weight": "record it without and with a known weight: {runs} is one of the two",
     "first_motion": "the gains are set: record the starting set",
+    "step": "change gains or the controller, step again, and look at {runs} beside it under Tune",
     "single_joint": "look at one joint: diagnose a model with {runs}",
 }
 

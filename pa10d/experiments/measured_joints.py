@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,6 +80,9 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
     return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
 
 
+LOWERED = 0.9  # of the bandwidth asked for: less is worth a sentence
+
+
 def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]:
     """One line a joint, for a person."""
     span = inertias(robot, figures)
@@ -95,6 +98,23 @@ def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]
             f"kp {gains.kp[j]:.3g}, ki {gains.ki[j]:.3g}, kd {gains.kd[j]:.3g}"
         )
     return lines
+
+
+def bandwidths(robot: Robot, figures: JointFigures, gains: PidGains) -> Array:
+    """(n,) Hz that these gains give each joint, where the rule's three poles are in one place."""
+    return np.asarray(np.sqrt(gains.kp / (3.0 * inertias(robot, figures).usual)) / (2.0 * np.pi))
+
+
+def lowered(asked: float, given: Sequence[float]) -> str | None:
+    """Whose servo is slower than was ``asked`` for, Hz, in a sentence; None: no joint's."""
+    slower = {j: hz for j, hz in enumerate(given, 1) if hz < LOWERED * asked}
+    if not slower:
+        return None
+    each = ", ".join(f"joint {j}: {hz:.2g} Hz" for j, hz in slower.items())
+    return (
+        f"The servo is slower than the {asked:.3g} Hz asked for, so that no joint swings ({each}): "
+        "fast motions are followed less closely, and may be slowed."
+    )
 
 
 def _shaken_at(seen: Seen) -> list[tuple[int, Array]]:

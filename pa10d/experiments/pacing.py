@@ -6,7 +6,9 @@ less far: it keeps the error that it may have as its margin.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +17,9 @@ from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import ArmLimits
 from pa10d.dynamics import Robot
-from pa10d.experiments.checks import Check
+from pa10d.experiments.checks import Check, Level
 from pa10d.experiments.motion import Whole, measured_torque, whole_motion
-from pa10d.experiments.prediction import PACES, Predicted, predicted
+from pa10d.experiments.prediction import DOUBT, PACES, Predicted, predicted
 from pa10d.trajectory.motions import Samples
 from pa10d.trajectory.plan import Plan
 
@@ -28,7 +30,6 @@ UNKNOWN = (
     "first_motion before"
 )
 LOOK = 100.0  # Hz
-DOUBT = 2.0  # times the predicted error: as large it was seen, on arms their URDF describes badly
 LEAST = 0.5  # of its way that a joint turns at least
 STILL = 1e-6  # rad: a joint that does not leave its middle
 REMEDY = "use computed torque with a model, a smaller motion, or raise control.rate"
@@ -44,12 +45,45 @@ class Joints:
 
 
 @dataclass(frozen=True)
+class Adjusted:
+    """How a motion differs from what was asked for. pace: how many times slower, 1 for not at all,
+    and ``why``; less_far: joint, from 1 -> share of its way that it leaves out."""
+
+    pace: float
+    why: str
+    less_far: Mapping[int, float]
+
+    @property
+    def phrases(self) -> list[str]:
+        """What was changed, each with its reason; none where nothing was."""
+        said = []
+        if self.pace > 1.0:
+            said.append(f"{self.why}: run at 1/{self.pace:g} of the speed")
+        if self.less_far:
+            each = ", ".join(f"joint {j}: {100 * x:.2g} %" for j, x in self.less_far.items())
+            said.append(f"turned less far, to keep clear of position limits ({each})")
+        return said
+
+    def document(self) -> dict[str, Any] | None:
+        """For JSON, with a ``sentence`` for a person; None where nothing was changed."""
+        if not self.phrases:
+            return None
+        return {
+            "pace": self.pace,
+            "why": self.why,
+            "less_far": [{"joint": j, "share": share} for j, share in self.less_far.items()],
+            "sentence": f"Not quite as asked for: {'; '.join(self.phrases)}.",
+        }
+
+
+@dataclass(frozen=True)
 class Paced:
     """The plan as it can be run, its whole motion, and what is to be said of it."""
 
     plan: Plan
     whole: Whole
     check: Check
+    adjusted: Adjusted | None = None
 
 
 def paced(
@@ -64,15 +98,17 @@ def paced(
         found = _predicted(slower, whole, robot, limits, rate, joints)
         problem = found.problem(limits)
         if not problem:
-            share, about = _room(whole, limits, found.error)
+            share, about = _room(whole, limits, found)
             tight = share < 1.0
             if not tight.any():
-                return Paced(slower, whole, _said(pace, first, found))
+                done = Adjusted(pace, first, {})
+                return Paced(slower, whole, _said(done, found), done)
             j = int(np.argmin(share))
             narrow = slower.narrowed(share, about)
             narrowed = whole_motion(narrow, start, robot, rate, pace)
             if (share >= LEAST).all() and not narrowed.violations:
-                return Paced(narrow, narrowed, _said(pace, first, found, _less(share)))
+                done = Adjusted(pace, first, _left_out(share))
+                return Paced(narrow, narrowed, _said(done, found), done)
             problem = (
                 f"joint {j + 1} comes close to its position limit and may be "
                 f"{DOUBT * found.error[j]:.2g} rad from its path"
@@ -83,36 +119,32 @@ def paced(
     return Paced(plan, whole, Check("error", "tracking", text))
 
 
-def _room(whole: Whole, limits: ArmLimits, error: Array) -> tuple[Array, Array]:
-    """(n,) each: the share of their ways that leaves joints room for ``error`` (n,) rad, and the
-    middles of their ranges, rad; 1 and 0 for all that have room."""
+def _room(whole: Whole, limits: ArmLimits, found: Predicted) -> tuple[Array, Array]:
+    """(n,) each: the share of their ways that leaves joints room for the error that they may have
+    and to brake in, and the middles of their ranges, rad; 1 and 0 for all that have room."""
     q = whole.samples.q[whole.first : whole.last]
     bound = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     lower, upper = np.where(bound, limits.lower, -np.inf), np.where(bound, limits.upper, np.inf)
     left = np.minimum(q.min(axis=0) - lower, upper - q.max(axis=0))
-    tight = left < DOUBT * error
-    about = np.zeros_like(error)
+    lacking = np.maximum(DOUBT * found.error - left, found.beyond)
+    tight = lacking > 0.0
+    about = np.zeros_like(left)
     about[tight] = 0.5 * (lower[tight] + upper[tight])
-    share = np.ones_like(error)
+    share = np.ones_like(left)
     reach = np.maximum(0.5 * (upper - lower)[tight] - left[tight], STILL)
-    share[tight] = 1.0 - (DOUBT * error - left)[tight] / reach
+    share[tight] = 1.0 - lacking[tight] / reach
     return share, about
 
 
-def _less(share: Array) -> str:
-    """Who turns less far, in words."""
-    each = ", ".join(
-        f"joint {j + 1}: {100 * (1 - share[j]):.2g} %" for j in np.flatnonzero(share < 1)
-    )
-    return f"turned less far, to keep clear of position limits ({each})"
+def _left_out(share: Array) -> dict[int, float]:
+    return {int(j) + 1: float(1.0 - share[j]) for j in np.flatnonzero(share < 1)}
 
 
-def _said(pace: float, first: str, found: Predicted, less: str = "") -> Check:
+def _said(done: Adjusted, found: Predicted) -> Check:
     j = int(np.argmax(found.error))
     text = f"predicted: at most {found.error[j]:.2g} rad from the path (joint {j + 1})"
-    slow = f"{first}: run at 1/{pace:g} of the speed" if pace > 1.0 else ""
-    done = [words for words in (slow, less) if words]
-    return Check("warning" if done else "ok", "tracking", "; ".join([*done, text]))
+    level: Level = "warning" if done.phrases else "ok"
+    return Check(level, "tracking", "; ".join([*done.phrases, text]))
 
 
 def _predicted(

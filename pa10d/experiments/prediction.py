@@ -25,9 +25,8 @@ from pa10d.trajectory.motions import Samples
 
 Array = NDArray[np.float64]
 
-BOUND = 0.7  # of the bound of the following error: a prediction is not exact
+DOUBT = 2.0  # times the predicted error: as large it was seen, on arms their URDF describes badly
 FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
-BEYOND = 0.012  # rad beyond a position limit, braking distance included
 SPRING_LOSS = 0.02  # of critical damping, of a spring
 POSES = 20  # along a motion, in which a link's inertia is looked at
 LOOKED_AT = ("error", "speed", "torque", "beyond")
@@ -36,7 +35,8 @@ PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
 
 @dataclass(frozen=True)
 class Predicted:
-    """(n,) each: largest tracking error rad, speed rad/s, torque N·m, way beyond a limit rad."""
+    """(n,) each: largest tracking error rad, speed rad/s, torque N·m; how far beyond a position
+    limit a joint would stop, rad, with ``DOUBT`` times the error: negative where it is clear."""
 
     error: Array
     speed: Array
@@ -46,10 +46,9 @@ class Predicted:
     def problem(self, limits: ArmLimits) -> str:
         """What would end the motion, in words; empty where nothing does."""
         for values, most, words in (
-            (self.error, BOUND * limits.following_error, "would be {:.2g} rad from its path"),
+            (self.error, limits.following_error / DOUBT, "would be {:.2g} rad from its path"),
             (self.speed, FAST * limits.velocity, "would overshoot to {:.2g} rad/s"),
             (self.torque, STRONG * limits.torque, "would need {:.3g} N·m with its friction"),
-            (self.beyond, np.full(len(self.beyond), BEYOND), "would stop {:.2g} rad outside"),
         ):
             over = values / most
             if (over > 1.0).any():
@@ -118,12 +117,19 @@ def _of_one(
         push = needed[:, j] - ahead[:, j]
         for out, order in ((error, [1.0, 0.0]), (slip, [1.0, 0.0, 0.0])):
             out[:, j] = _filtered(np.polymul(above, order), closed, rate, push - push[0])
-    at, speed = q - error, dq - slip
-    stop = at + speed * np.abs(speed) / (2.0 * limits.acceleration)
-    beyond = np.maximum(stop - limits.upper, limits.lower - stop)
     return Predicted(
         np.abs(error).max(axis=0),
-        np.abs(speed).max(axis=0),
+        np.abs(dq - slip).max(axis=0),
         np.abs(needed + held).max(axis=0),
-        np.nan_to_num(beyond, neginf=-1.0).max(axis=0),
+        _beyond(limits, q, dq, error, slip),
     )
+
+
+def _beyond(limits: ArmLimits, q: Array, dq: Array, error: Array, slip: Array) -> Array:
+    """(n,) rad: see ``Predicted.beyond``; to either side of the path, and with the way to brake."""
+    stops = []
+    for side in (DOUBT, 0.0, -DOUBT):
+        at, speed = q - side * error, dq - side * slip
+        stops.append(at + speed * np.abs(speed) / (2.0 * limits.acceleration))
+    beyond = np.maximum(np.max(stops, axis=0) - limits.upper, limits.lower - np.min(stops, axis=0))
+    return np.nan_to_num(beyond, neginf=-np.inf).max(axis=0)

@@ -1,7 +1,8 @@
 """The arm as capsules, for collisions with itself and with what stands around it.
 
 A link is a straight capsule from its joint to each joint it carries (the last one: to where its
-mass suggests that it ends). No mesh is read. The radius is that of a solid cylinder with the
+mass suggests that it ends). A weight that is carried is a capsule from the last joint to its
+centre, as thick as a ball of iron. No mesh is read. The radius is that of a solid cylinder with the
 link's smallest moment of inertia where that is believable, else a share of the length.
 """
 
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.trajectory.clearance import measure
+from pa10d.dynamics.carried import CarryingRobot
+from pa10d.trajectory.clearance import measure, origins
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,7 @@ SHORT = 0.02  # m: offsets below this are no body of their own
 RADIUS_SHARE = 0.15  # of a capsule's length, where the inertia is not believable
 RADIUS_RANGE = (0.03, 0.12)  # m, of a guess by length
 THICKEST, SLENDER = 0.15, 0.75  # m, and of its length, up to which an inertia is believed
+SAME = 1e-9  # m
 NEAR = 0.05  # m between two capsules that bend towards each other around a short piece
 
 
@@ -93,13 +96,19 @@ class Capsules:
 def capsules_of(robot: Robot) -> Capsules:
     """Capsules of an arm, and what of them may meet what."""
     link, start, end, radius = [], [], [], []
+    bare = robot.bare if isinstance(robot, CarryingRobot) and robot.bare is not None else robot
     for body in (-1, *range(robot.n)):
-        for tip in _tips(robot, body):
+        for tip in _tips(bare, body):
             if np.linalg.norm(tip) >= SHORT:
                 link.append(body)
                 start.append(np.zeros(3))
                 end.append(tip)
-                radius.append(_radius(robot, body, tip))
+                radius.append(_radius(bare, body, tip))
+    if isinstance(robot, CarryingRobot) and robot.centre is not None:
+        link.append(robot.n - 1)
+        start.append(np.zeros(3))
+        end.append(robot.centre)
+        radius.append(robot.radius)
     table = np.array(link, dtype=np.int64)
     shape = (len(link), 3)
     bodies = Capsules(
@@ -176,7 +185,8 @@ def _chain(robot: Robot, link: int) -> list[int]:
 
 def _moves(bodies: Capsules, capsule: int, box: int | None = None) -> bool:
     """Whether a capsule's distance from a box (None: from the floor) depends on the pose at all:
-    what the arm stands on, it always touches."""
+    what the arm stands on, it always touches. One that is never out of a box counts where its own
+    joint is moved about in there: that is no stand, but something in its way."""
     robot = bodies.robot
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, robot.n))
     if box is None:
@@ -184,4 +194,19 @@ def _moves(bodies: Capsules, capsule: int, box: int | None = None) -> bool:
     else:
         only = replace(bodies, blocked=np.array([[capsule, box]], dtype=np.int64))
     distance = only.clearance(q)[:, 0]
-    return bool(distance.max() - distance.min() > 1e-9)
+    if distance.max() - distance.min() > SAME:
+        return True
+    never_out = box is not None and distance.max() < SAME - bodies.radius[capsule]
+    return never_out and _is_moved_about(robot, int(bodies.link[capsule]), q)
+
+
+def _is_moved_about(robot: Robot, link: int, q: Array) -> bool:
+    """Whether the joint of a link stands elsewhere in other poses."""
+    if link < 0:
+        return False
+    places = np.empty((*q.shape, 3))
+    origins(
+        q, robot.parent, robot.order, robot.rotation, robot.translation, robot.axis,
+        robot.prismatic, places,
+    )  # fmt: skip
+    return bool(np.ptp(places[:, link], axis=0).max() > SAME)

@@ -45,6 +45,15 @@ def _frames(q, parent, order, fixed, offset, axis, prismatic, rot, pos):
 
 
 @numba.njit(cache=True)
+def origins(q, parent, order, fixed, offset, axis, prismatic, out):
+    """Where each joint stands, m in the base frame, for each pose: (N, n, 3)."""
+    samples, n = q.shape
+    rot = np.empty((n, 3, 3))
+    for s in range(samples):
+        _frames(q[s], parent, order, fixed, offset, axis, prismatic, rot, out[s])
+
+
+@numba.njit(cache=True)
 def _between(p1, q1, p2, q2):
     """Distance of two segments (Ericson, Real-Time Collision Detection, 5.1.9)."""
     a = e = f = c = b = 0.0

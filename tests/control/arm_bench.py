@@ -20,7 +20,7 @@ from pa10d.experiments.measured_joints import Seen, measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.profile import load_profile
-from pa10d.services.joints import calmed, learnt, torque_steps
+from pa10d.services.joints import calmed, learnt, not_held, torque_steps
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
@@ -140,8 +140,10 @@ class ArmBench:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
             figures = measured_figures(self.robot, parts, self.steps)
-            swung = JointFigures.from_document(self.known["figures"]).swung
-            self.known = learnt(self.profile, self.robot, figures.but(swung=swung))
+            known = JointFigures.from_document(self.known["figures"])
+            self.known = learnt(self.profile, self.robot, figures.after(known))
+            if (reason := not_held(self.known, self.rate)) is not None:
+                raise Refused(reason)
             self._use_known()
         self._take_joints()
         return None

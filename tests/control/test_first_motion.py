@@ -9,7 +9,8 @@ from gain_grid import built, drawn
 
 from pa10d.control.envelope import OVERSHOOT
 from pa10d.control.joint_figures import presumed_figures
-from pa10d.services.joints import learnt
+from pa10d.dynamics import robot_from_profile
+from pa10d.services.joints import learnt, not_held
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.plan import Plan
@@ -104,6 +105,31 @@ def through_the_starting_set(arm):
 def test_the_starting_set_runs_on_a_slow_arm_that_nobody_has_seen():
     """100 Hz; one of those that were not looked at while the rules were made."""
     through_the_starting_set(built(**drawn(1008)))
+
+
+def test_a_spring_found_later_explains_the_swing_before_it():
+    """What swung was the rotor in front of it: a free joint as light would leave no gains."""
+    profile = ArmBench(100.0).profile
+    robot = robot_from_profile(profile)
+
+    def of_joint_2(value, others=0.0):
+        return np.where(np.arange(7) == 1, value, others)
+
+    presumed = presumed_figures(robot)
+    before = presumed.but(swung=of_joint_2(0.26))
+    found = presumed.but(
+        stiffness=of_joint_2(755.0, np.inf), motor=of_joint_2(0.285), rotor=of_joint_2(0.285, 0.1),
+        viscous=of_joint_2(10.0), link=of_joint_2(1.5, 1.0), delay=of_joint_2(0.005),
+        doubt=np.full(7, 1.25),
+    )  # fmt: skip
+    rigid = found.but(stiffness=np.full(7, np.inf))
+    swung = before.swung
+    np.testing.assert_array_equal(found.after(before).swung, np.zeros(7))
+    np.testing.assert_array_equal(rigid.after(before).swung, swung)
+    assert not_held(learnt(profile, robot, found.after(before)), 100.0) is None
+    said = not_held(learnt(profile, robot, found.but(swung=swung)), 100.0)
+    assert said.startswith("joint 2: what was measured leaves no stable gains that hold it in ")
+    assert "100 Hz; raise control.rate" in said
 
 
 @pytest.mark.long

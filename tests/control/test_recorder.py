@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import socket
 import subprocess
 
 import numpy as np
 import pytest
-from arms import cycles, holding_arm, swing, until
+from arms import cycles, holding_arm, servo, swing, until
 
 from backends.protocol import BackendFault
 from pa10d.common.errors import UserError
+from pa10d.control.commands import Commands
+from pa10d.control.loop import Loop
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import ArmState
 from pa10d.profile import load_profile
@@ -71,6 +74,47 @@ def test_a_stopped_motion_is_a_stopped_run(parts):
     ended = follow(arm, recorder)
     assert ended.status == "stopped"
     assert ended.samples == 500
+
+
+def test_a_recorder_that_stands_still_is_the_reason_of_a_stopped_run(parts, monkeypatch):
+    """In simulated time the loop waits for it, but not for ever."""
+    arm, _, _, recorder = parts
+    monkeypatch.setattr("pa10d.control.loop.PATIENCE", 0.0)
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    ring = arm.journal.ring
+    loop = Loop(arm, ring, Commands(arm, None, servo), ours)
+    whole = swing(arm.path.reference.q, seconds=12.0)
+    recorder.announce(3, len(whole.rows))
+    arm.run(MotionUnderWay(3, whole.rows))
+    cycles(arm, ring.capacity // 2 - 100)
+    loop._await_recorder()
+    assert arm.state == ArmState.RUNNING
+    cycles(arm, 110)
+    loop._await_recorder()
+    ended = follow(arm, recorder)
+    assert ended.status == "stopped"
+    assert "the recorder took nothing" in ended.reason
+    until(arm, ArmState.HOLDING)
+    start(arm, recorder, name="next")
+    cycles(arm, 500)
+    arm.stop()
+    assert follow(arm, recorder).reason == "stopped before its end"
+    for end in (ours, theirs):
+        end.close()
+
+
+def test_what_stopped_one_motion_is_no_reason_of_the_next(parts):
+    """Nobody says why an arm was disabled; what was said of the run before is over."""
+    arm, _, _, recorder = parts
+    start(arm, recorder)
+    cycles(arm, 500)
+    arm.stop("stopped by a signal (SIGUSR1)")
+    assert follow(arm, recorder).reason == "stopped by a signal (SIGUSR1)"
+    until(arm, ArmState.HOLDING)
+    start(arm, recorder)
+    cycles(arm, 500)
+    arm.disable()
+    assert follow(arm, recorder).reason == "stopped before its end"
 
 
 def test_a_fault_is_the_reason_of_an_aborted_run(parts):

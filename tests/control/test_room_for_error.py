@@ -1,5 +1,6 @@
 """A joint that may err keeps that much room to its position limits, before anything moves."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures, presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import robot_from_profile
+from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.profile import load_profile
 from pa10d.services.joints import learnt
@@ -51,6 +53,7 @@ def test_a_joint_that_follows_goes_all_the_way(arm):
     chosen = paced(plan, plan.start, robot, limits, RATE, measured(profile, robot))
     assert chosen.plan is plan
     assert chosen.check.level == "ok"
+    assert chosen.adjusted.document() is None
     assert nearest(chosen, limits) == pytest.approx(NEAR, abs=1e-6)
 
 
@@ -63,6 +66,14 @@ def test_a_joint_that_may_err_keeps_that_much_from_its_limit(arm):
     assert f"turned less far, to keep clear of position limits (joint {JOINT + 1}: " in (
         chosen.check.sentence
     )
+    told = chosen.adjusted.document()
+    assert [one["joint"] for one in told["less_far"]] == [JOINT + 1]
+    assert told["pace"] == 1.0
+    done, asked = (p.sample(RATE).q[:, JOINT].max() for p in (chosen.plan, plan))
+    middle = 0.5 * (limits.upper + limits.lower)[JOINT]
+    left_out = 1.0 - (done - middle) / (asked - middle)
+    assert told["less_far"][0]["share"] == pytest.approx(left_out, rel=1e-6)
+    assert told["sentence"].startswith("Not quite as asked for: turned less far")
     assert nearest(chosen, limits) > 1.5 * NEAR
     assert again.plan is chosen.plan  # it has its room now
     assert again.check.level == "ok"
@@ -80,3 +91,29 @@ def test_where_there_is_no_room_the_motion_is_refused(arm):
     assert chosen.plan is plan
     assert f"joint {JOINT - 1} comes close to its position limit" in chosen.check.sentence
     assert "a smaller motion" in chosen.check.sentence
+
+
+def test_a_motion_that_is_too_fast_is_slowed_and_says_how_much(arm):
+    profile, robot, limits, plan = arm
+    tight = replace(limits, following_error=0.07 * limits.following_error)
+    chosen = paced(plan, plan.start, robot, tight, RATE, measured(profile, robot, HEAVIER))
+    told = chosen.adjusted.document()
+    assert told["pace"] > 1.0
+    assert f"run at 1/{told['pace']:g} of the speed" in told["sentence"]
+    assert told["why"] in told["sentence"]
+    seconds = [p.sample(RATE).q.shape[0] / RATE for p in (plan, chosen.plan)]
+    assert seconds[1] == pytest.approx(told["pace"] * seconds[0], rel=0.02)
+
+
+def test_a_servo_that_is_slower_than_asked_for_is_said_to_be():
+    profile = load_profile("pa10-sim")
+    fast = profile.control.model_copy(update={"rate": 100.0, "bandwidth_hz": 4.0})
+    profile = profile.model_copy(update={"control": fast})
+    robot = robot_from_profile(profile)
+    known = learnt(profile, robot, presumed_figures(robot))["bandwidth_hz"]
+    assert known["asked"] == 4.0
+    slower = [j for j, hz in enumerate(known["joints"], 1) if hz < 0.9 * 4.0]
+    assert slower
+    said = lowered(known["asked"], known["joints"])
+    assert [int(j) for j in re.findall(r"joint (\d)", said)] == slower
+    assert lowered(4.0, [4.0, 3.9]) is None

@@ -92,3 +92,14 @@ def test_friction_counts_as_damping():
     asked = asked_gains(0.006, 0.5, 30.0)
     assert asked.kd == pytest.approx(3 * 0.006 * 30 - 0.5)
     assert asked_gains(0.006, 5.0, 30.0).kd == 0.0
+
+
+def test_where_no_stable_gains_hold_a_joint_calm_ones_say_so():
+    """A light rotor in a slow loop cannot carry what gravity needs: weak, but no swing."""
+    rotor, timing = Case(0.26), LoopTiming(0.01, 0.02)
+    asked = asked_gains(3.8, 10.0, 7.8)
+    gains = fitting_gains(asked, [rotor], timing, least=200.0)
+    assert gains.kp < 200.0
+    assert gains.sensitivity == np.inf
+    assert sensitivity(gains, rotor, timing) <= SENSITIVITY
+    assert largest_later(gains, rotor, 100.0) < 0.5

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from pa10d.control.loop import SETTLE, Loop
+from pa10d.control.mailbox import LARGEST
 from pa10d.control.states import ArmState
 
 PERIOD = 0.01
@@ -35,27 +36,40 @@ def standing():
     loop = Loop(arm, None, None, theirs)
     thread = threading.Thread(target=loop.run, daemon=True)
     thread.start()
-    yield arm, lambda do: ours.send(json.dumps({"do": do}).encode())
+    ours.settimeout(20)
+    heard(ours, "state")  # of which it lets time pass
+    yield arm, ours
     ours.close()
     thread.join(10)
     assert not thread.is_alive()
     theirs.close()
 
 
-def settled(arm, cycles):
+def tell(pipe, do):
+    pipe.send(json.dumps({"do": do}).encode())
+
+
+def heard(pipe, event):
+    while json.loads(pipe.recv(LARGEST))["event"] != event:
+        pass
+
+
+def settled(arm, pipe, cycles):
+    """Cycles that passed, once there are so many and it listens again."""
     until = time.monotonic() + 20
     while arm.cycles < cycles:
         assert time.monotonic() < until, arm.cycles
-        time.sleep(0.01)
-    time.sleep(0.2)
+        time.sleep(0.001)
+    for _ in range(2):
+        tell(pipe, "alive")
+        heard(pipe, "alive")
     return arm.cycles
 
 
 def test_a_look_lets_time_pass_and_a_sign_of_life_does_not(standing):
-    arm, tell = standing
+    arm, pipe = standing
     each = round(SETTLE / PERIOD)
-    before = settled(arm, each)
-    tell("alive")
-    assert settled(arm, before) == before
-    tell("look")
-    assert settled(arm, before + each) == before + each
+    assert settled(arm, pipe, each) == each
+    assert settled(arm, pipe, each) == each
+    tell(pipe, "look")
+    assert settled(arm, pipe, 2 * each) == 2 * each

@@ -81,9 +81,9 @@ class Bench:
                     found.append(int(path.name))
         return found
 
-    def start_moving(self, seconds: float) -> dict:
-        """An experiment whose arm has moved for this long."""
-        plan = {"kind": "tracking", "parameters": {"period": 4.0, "cycles": 8}}
+    def start_moving(self, seconds: float, cycles: int = 8) -> dict:
+        """An experiment of 4 s per cycle whose arm has moved for this long."""
+        plan = {"kind": "tracking", "parameters": {"period": 4.0, "cycles": cycles}}
         job = self.client.start("experiments", plan)
         until = time.monotonic() + START_MOVING
         while not self._moves():

@@ -43,7 +43,8 @@ class Workers:
             assert asked["fault"] == FAULT
             step = asked["known"]["step"] + 1
             return None if step > self.calmest else known(step) | {"note": f"note {step}"}
-        return asked["known"] | {"sentences": ["joint 1: …"]}
+        slow = {"asked": 4.0, "joints": [4.0, 1.5]}
+        return asked["known"] | {"sentences": ["joint 1: …"], "bandwidth_hz": slow}
 
 
 def known(step):
@@ -81,7 +82,10 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     robot, workers, found = measured(monkeypatch, swings=2)
     assert [gains for gains, _ in robot.used] == ["gains 0", "gains 1", "gains 2", "gains 2"]
     assert robot.used[-1] == ("gains 2", True)
-    assert found["notes"] == ["note 1", "note 2"]
+    *calmer, slower = found["notes"]
+    assert calmer == ["note 1", "note 2"]
+    assert slower.startswith("The servo is slower than the 4 Hz asked for")
+    assert "(joint 2: 1.5 Hz)" in slower
     assert robot.resets == 2
     assert robot.joints["step"] == 2
     assert workers.calls[-1] == "keep_joints"

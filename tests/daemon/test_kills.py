@@ -12,7 +12,9 @@ import signal
 import time
 
 import numpy as np
+import psutil
 import pytest
+from how_often import how_often
 
 from pa10d.client import JobFailed
 from pa10d.store import RunStore
@@ -25,7 +27,7 @@ FLUSHED = 0.2  # s, after which a sample is on the disk
 
 def pytest_generate_tests(metafunc):
     if "moment" in metafunc.fixturenames:
-        count = 100 if metafunc.config.getoption("--long") else TIMES
+        count = how_often(metafunc.config, TIMES, 100)
         draw = random.Random(metafunc.function.__name__)
         metafunc.parametrize("moment", [round(draw.uniform(0.0, 1.5), 3) for _ in range(count)])
 
@@ -95,6 +97,21 @@ def kill_workers(bench):
         os.kill(pid, signal.SIGKILL)
 
 
+def wait_for_work(bench, seconds=60.0):
+    """Until a worker computes: one that is killed before it has begun is not missed."""
+    before = worked(bench)
+    until = time.monotonic() + seconds
+    while worked(bench) < before + 0.05:
+        assert time.monotonic() < until, "no worker does anything"
+        time.sleep(0.01)
+
+
+def worked(bench):
+    """s of processor time that workers have taken."""
+    pids = bench.pids_of("pa10d.daemon.processes.worker")
+    return sum(sum(psutil.Process(pid).cpu_times()) for pid in pids)
+
+
 def test_a_signal_stops_the_arm_while_the_daemon_stands_still(bench, took_to_rest):
     """The way to stop that needs no HTTP."""
     job = bench.start_moving(0.2)
@@ -121,7 +138,8 @@ def test_worker(bench, moment, took_to_rest):
     moving = bench.start_moving(0.0)
     long = {"kind": "excitation", "parameters": {"cycles": 60}}
     job = bench.client.start("experiments/check", long)
-    time.sleep(0.05 + moment)
+    wait_for_work(bench)
+    time.sleep(moment)
     kill_workers(bench)
     with pytest.raises(JobFailed, match="worker process was ended by signal 9"):
         bench.client.wait(job)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+from how_often import how_often
 
 REST = 2.0  # s until the arm is at rest with its brakes on
 SETTLED = 0.1  # s until brakes that have just closed have swallowed what was left
@@ -12,7 +13,7 @@ SETTLED = 0.1  # s until brakes that have just closed have swallowed what was le
 
 def pytest_generate_tests(metafunc):
     if "moment" in metafunc.fixturenames:
-        count = 50 if metafunc.config.getoption("--long") else 3
+        count = how_often(metafunc.config, 3, 50)
         draw = random.Random(metafunc.function.__name__)
         metafunc.parametrize("moment", [round(draw.uniform(0.0, 1.5), 3) for _ in range(count)])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import numpy as np
+from how_often import how_often
 
 STALL, CALM = 0.15, 0.3  # s: means of how long a process stands still, and goes on
 FARTHEST = 2.0
@@ -16,7 +17,7 @@ They let no joint go faster than 1.5 times its limit meanwhile: of joints 1 and 
 
 def pytest_generate_tests(metafunc):
     if "seed" in metafunc.fixturenames:
-        count = 100 if metafunc.config.getoption("--long") else 4
+        count = how_often(metafunc.config, 4, 100)
         metafunc.parametrize("seed", range(count))
 
 

@@ -93,6 +93,23 @@ def test_what_an_arm_stands_on_is_not_in_its_way():
     assert "'table'" in capsules.name(len(capsules.pairs))
 
 
+def test_a_box_around_the_whole_arm_is_in_its_way():
+    trap = box((3.0, 3.0, 3.0), (0.0, 0.0, 0.5))
+    capsules = capsules_of(among(pa10(), trap, floor=None))
+    q = np.random.default_rng(0).uniform(-2, 2, (20, 7))
+    inside = capsules.clearance(q)[:, len(capsules.pairs) :]
+    assert inside.max(axis=1, initial=-np.inf).max() < 0
+    assert set(capsules.link[capsules.blocked[:, 0]]) == {4, 6}
+
+
+def test_a_column_around_the_shoulder_is_a_stand():
+    """What turns in the column's own place stays out of it; what it carries does not."""
+    column = box((0.5, 0.5, 2.0), (0.0, 0.0, -0.6))
+    capsules = capsules_of(among(pa10(), column, floor=None))
+    assert capsules.clearance(np.zeros((1, 7)))[:, len(capsules.pairs) :].min() > 0.03
+    assert len(capsules.blocked) > 0
+
+
 def test_gradient_of_the_hinge():
     capsules = capsules_of(pa10())
     q = np.random.default_rng(1).uniform(-1.5, 1.5, (60, 7))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pa10d.common.errors import Unsound, UserError
+from pa10d.common.errors import Taken, Unsound, UserError
 
 Progress = Callable[[float, str], None]
 
@@ -25,7 +25,7 @@ def import_file(
     check: bool = False,
     force: bool = False,
 ) -> dict[str, Any]:
-    """A recording into the store → its description."""
+    """A recording into the store → its description, and what became of the mapping."""
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import import_run
     from pa10d.store import RunStore
@@ -36,11 +36,36 @@ def import_file(
             RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
             check=check, force=force,
         )  # fmt: skip
-    except Unsound:
+    except (Taken, Unsound):
         raise
     except UserError as error:  # where the upload lies for a moment is nobody's business
         raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
-    return result.info.document()
+    return {"run": result.info.document(), "kept": result.kept}
+
+
+def preview_file(
+    data: str, file: str, profile: str, choices: list[dict[str, str]] | None, thorough: bool
+) -> dict[str, Any]:
+    """A file before it is imported → what ``pa10d run preview --json`` says."""
+    from pa10d.services.import_preview import preview_recording
+    from pa10d.services.robots import load_robot
+    from pa10d.store.column_choices import Choice
+
+    found, robot = load_robot(profile)
+    chosen = None if choices is None else [Choice(**one) for one in choices]
+    try:
+        return preview_recording(Path(file), found, robot, chosen, thorough=thorough).document()
+    except UserError as error:
+        raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
+
+
+def check_stored(data: str, run: str, profile: str) -> list[dict[str, Any]]:
+    """What ``pa10d run check --json`` says of a run."""
+    from pa10d.services.robots import load_robot
+    from pa10d.services.runs import check_run
+    from pa10d.store import RunStore
+
+    return [one.document() for one in check_run(RunStore(data), run, load_robot(profile)[1])]
 
 
 def export_file(data: str, run: str, format: str, file: str) -> None:
@@ -126,12 +151,17 @@ def model_history(data: str, model: str) -> dict[str, Any]:
 
 
 def model_text(data: str, model: str, format: Format, parameters: Parameters) -> dict[str, Any]:
-    """A model for other programs: its text and what it cannot carry."""
+    """A model for other programs: its text, or the files of a folder, and what it cannot carry."""
     from pa10d.services.library import open_library
     from pa10d.services.models import export_model
 
     info, made = export_model(open_library(data), model, format, parameters)
-    return {"name": info.name, "text": made.text, "not_carried": list(made.not_carried)}
+    return {
+        "name": info.name,
+        "text": made.text,
+        "files": dict(made.files),
+        "not_carried": list(made.not_carried),
+    }
 
 
 def live_model_of(data: str, model: str) -> dict[str, Any]:
@@ -254,3 +284,36 @@ def model_report(
     library = open_library(data)
     write_model_report(library, model, folder / "report.html", runs, progress=progress)
     return {"model": library.models.find(model).name, "file": "report.html"}
+
+
+def begin_weighing(data: str, profile: str, weights: list[str], name: str | None) -> dict[str, Any]:
+    """A new weighing, its motion planned; nothing moves."""
+    from pa10d.services.weighing.work import begin, document
+
+    return document(begin(data, profile, weights, name))
+
+
+def add_weight(data: str, weighing: str, weight: str) -> dict[str, Any]:
+    """Another weight at hand, and what it would bring."""
+    from pa10d.services.weighing.work import add_weight as add
+    from pa10d.services.weighing.work import document
+
+    return document(add(data, weighing, weight))
+
+
+def weighed(
+    data: str, weighing: str, weight: int, runs: list[str], progress: Progress
+) -> dict[str, Any]:
+    """What follows from a recording of a weighing."""
+    from pa10d.services.weighing.work import weighed as take_in
+
+    progress(0.1, "gains from what was recorded")
+    return take_in(data, weighing, weight, runs)
+
+
+def judge_weighing(data: str, weighing: str, progress: Progress) -> dict[str, Any]:
+    """What follows from the recordings of a weighing, where saying so was interrupted."""
+    from pa10d.services.weighing.work import judge
+
+    progress(0.1, "gains from what was recorded")
+    return judge(data, weighing)

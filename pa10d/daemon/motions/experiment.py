@@ -14,10 +14,11 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.robot.readiness import readiness
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
+    from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
 SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
@@ -42,6 +43,27 @@ def request_of(plan: Mapping[str, Any], **more: Any) -> dict[str, Any]:
     return {"kind": plan["kind"], "parameters": plan.get("parameters") or {}, **usual, **more}
 
 
+def carried_by(
+    robot: RobotProcess, request: Mapping[str, Any], figures: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """What the loop will have to follow a plan with, as ``prepare_motion`` wants it.
+
+    model: whose torque the motion carries along, the one asked for, or the one that is loaded, so
+    that the effects which the loop does not evaluate itself are not lost. joints: what was measured
+    of them, where a plain servo moves them. law: of control. figures: see ``Experiment``.
+    """
+    asked = request["controller"]
+    law = asked or robot.controller["name"]
+    servo = law == "pid" and request["kind"] != "first_motion"
+    measured = robot.joints if servo else None
+    return {
+        "law": law,
+        "model": robot.model if asked is None else request["model"],
+        "joints": measured if figures is None else {"figures": figures},
+        "ahead": asked is None or figures is not None,
+    }
+
+
 class Experiment:
     """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check."""
 
@@ -53,9 +75,11 @@ class Experiment:
         request: dict[str, Any],
         report: Progress,
         figures: dict[str, Any] | None = None,
+        weight: Body | None = None,
     ) -> None:
-        """figures: of the joints, where they are not those that the robot keeps."""
-        self._figures = figures
+        """figures: of the joints, where they are not those that the robot keeps; weight: one
+        that hangs at the last joint."""
+        self._figures, self._weight = figures, weight
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
@@ -87,13 +111,17 @@ class Experiment:
         )
         if kept is None:
             return False
-        self.result.setdefault("notes", []).append(kept.pop("note"))
+        self._note(kept.pop("note"))
         await robot.reset()
         await robot.use_gains(kept["gains"], keep=True)
         robot.joints = kept
         self.result["runs"] = []
         self._request = {**self._request, "replace": self._request["name"] is not None}
         return True
+
+    def _note(self, sentence: str) -> None:
+        """Something that differs from what was asked for."""
+        self.result.setdefault("notes", []).append(sentence)
 
     async def _once(self) -> dict[str, Any]:
         was_unpowered = not self._robot.moving
@@ -105,6 +133,8 @@ class Experiment:
             await self._use_controller(prepared)
             await self._move(prepared)
             await self._analyse()
+            if (adjusted := prepared["adjusted"]) is not None:
+                self._note(adjusted["sentence"])
         except CommandRefused as refusal:
             raise UserError(str(refusal)) from refusal
         finally:
@@ -132,9 +162,8 @@ class Experiment:
             profile=str(self._daemon.profile.path),
             folder=str(self._folder),
             start=self._robot.pose().tolist(),
-            model=self._model(),
-            joints=self._joints(),
-            ahead=self._request["controller"] is None or self._figures is not None,
+            **carried_by(self._robot, self._request, self._figures),
+            weight=None if self._weight is None else self._weight.text,
         )
         self.result["checks"] = [*readiness(self._robot), *prepared["checks"]]
         wrong = [c["sentence"] for c in self.result["checks"] if c["level"] == "error"]
@@ -153,30 +182,16 @@ class Experiment:
             return await self._prepare()
         return prepared
 
-    def _joints(self) -> dict[str, Any] | None:
-        """What was measured of the joints, where a plain servo moves them."""
-        if self._figures is not None:
-            return {"figures": self._figures}
-        law = self._request["controller"] or self._robot.controller["name"]
-        return self._robot.joints if law == "pid" else None
-
-    def _model(self) -> str | None:
-        """Whose torque the motion carries along: the model asked for, or the one that is loaded, so
-        that the effects which the loop does not evaluate itself are not lost."""
-        if self._request["controller"] is None:
-            return self._robot.model
-        model: str | None = self._request["model"]
-        return model
-
     async def _use_controller(self, prepared: dict[str, Any]) -> None:
         name = self._request["controller"]
-        if name == "computed_torque":
-            await self._robot.use({"name": name, "model": prepared["live"]}, self._model())
-        elif name == "pid":
+        if name == "pid":
             await self._robot.use({"name": "pid"})
+        elif name is not None:
+            await self._robot.use({"name": name, "model": prepared["live"]}, self._request["model"])
 
     async def _move(self, prepared: dict[str, Any]) -> None:
         self.moved = True
+        self.result["adjusted"] = prepared["adjusted"]
         motions = prepared["motions"]
         total = sum(m["seconds"] for m in motions)
         self.result["seconds"] = total
@@ -193,8 +208,8 @@ class Experiment:
     async def _run(self, motion: dict[str, Any], name: str | None, report: Any) -> None:
         """One motion, recorded."""
         number, robot = next(self.numbers), self._robot
-        announced = await robot.record(
-            "announce", motion=number, rows=motion["last"], name=name,
+        announced = await robot.announce(
+            motion=number, rows=motion["last"], name=name,
             kind=self._request["kind"], plan_file=motion["plan_file"], tags=self._request["tags"],
             replace=self._request["replace"],
         )  # fmt: skip
@@ -208,7 +223,7 @@ class Experiment:
         except BaseException:
             with contextlib.suppress(CommandRefused):
                 if not ended.done():
-                    await robot.record("withdraw")
+                    await robot.withdraw()
             raise
         finally:
             robot.forget_run(run)
@@ -232,11 +247,9 @@ class Experiment:
 
     async def _finish_recording(self, ended: asyncio.Future[dict[str, Any]]) -> None:
         await asyncio.wait([ended], timeout=SHORT)
-        if not ended.done():
-            answer = await self._robot.record("withdraw")
-            if answer["withdrawn"]:
-                where = "stopped on the way to the start; nothing was recorded"
-                raise UserError(f"{where}{self._why()}")
+        if not ended.done() and await self._robot.withdraw():
+            where = "stopped on the way to the start; nothing was recorded"
+            raise UserError(f"{where}{self._why()}")
         await asyncio.wait_for(asyncio.shield(ended), CLOSE_RUN)
 
     async def _analyse(self) -> None:

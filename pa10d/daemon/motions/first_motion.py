@@ -9,6 +9,7 @@ from pa10d.common.errors import UserError
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.experiments.measured_joints import lowered
 from pa10d.services.joints import STILL_SWINGS, kept_joints
 
 if TYPE_CHECKING:
@@ -62,6 +63,9 @@ class FirstMotion:
         await self._robot.use_gains(kept["gains"], keep=True)
         self._robot.joints = kept
         self.result |= {"joints": kept, "recommendation": kept["sentences"]}
+        bandwidth = kept["bandwidth_hz"]
+        if (slower := lowered(bandwidth["asked"], bandwidth["joints"])) is not None:
+            self.result.setdefault("notes", []).append(slower)
         return self.result
 
     async def _run(

@@ -8,9 +8,11 @@ import os
 import socket
 import sys
 from collections.abc import Callable, Sequence
+from signal import SIGABRT, SIGKILL
 
 from pa10d.daemon.processes.link import Link, LinkClosed, Message
 
+LEAVES_TRACE = 2.0  # s
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
 
 
@@ -23,6 +25,7 @@ class Child:
         self.name, self.process, self.link = name, process, link
         self._ready = ready
         self.welcome: Message = {}
+        self.last_words = ""  # why it ended, as far as it could tell, or whoever ended it
 
     @property
     def pid(self) -> int:
@@ -48,6 +51,8 @@ class Child:
             if message["event"] == "ready":
                 child.welcome = message
                 ready.set()
+            elif message["event"] == "ends":
+                child.last_words = str(message["why"])
             else:
                 on_event(message)
 
@@ -91,9 +96,20 @@ class Child:
                 self.process.kill()
             await self.process.wait()
 
+    async def break_off(self, why: str) -> None:
+        """End one that hangs; it may leave a trace of where, if it can."""
+        self.last_words = why
+        for signal in (SIGABRT, SIGKILL):
+            with contextlib.suppress(ProcessLookupError):
+                self.process.send_signal(signal)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.process.wait(), LEAVES_TRACE)
+                return
+
     def how_it_ended(self) -> str:
         """For a person."""
         code = self.process.returncode
         if code is None:
             return "is running"
-        return f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
+        how = f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
+        return f"{how}: {self.last_words}" if self.last_words else how

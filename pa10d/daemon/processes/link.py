@@ -38,9 +38,9 @@ class Link:
         """The reply, whether ``ok`` or not; LinkClosed where none can come."""
         number = next(self._numbers)
         future: asyncio.Future[Message] = self._loop.create_future()
+        self._send({"id": number, "do": do, **fields})
         self._waiting[number] = future
         try:
-            self._send({"id": number, "do": do, **fields})
             return await asyncio.wait_for(future, timeout)
         except TimeoutError:
             raise LinkClosed(f"no answer to '{do}' within {timeout:g} s") from None
@@ -48,9 +48,14 @@ class Link:
             self._waiting.pop(number, None)
 
     def close(self) -> None:
-        """No more words; the other process takes that as the daemon's end."""
-        if self.closed:
-            return
+        """No more words; the other process takes that as the daemon's end. What it said before is
+        still heard."""
+        while not self.closed and self._readable():
+            pass
+        if not self.closed:
+            self._end()
+
+    def _end(self) -> None:
         self.closed = True
         self._loop.remove_reader(self._socket.fileno())
         self._socket.close()
@@ -66,19 +71,23 @@ class Link:
             raise ValueError(f"a message of {len(packet)} bytes; larger things go by file")
         try:
             self._socket.send(packet)
+        except (BrokenPipeError, ConnectionResetError) as error:
+            self.close()  # heard here before the event loop hears of it
+            raise LinkClosed("the process ended") from error
         except OSError as error:
             raise LinkClosed(f"the process does not listen ({error.strerror})") from error
 
-    def _readable(self) -> None:
+    def _readable(self) -> bool:
+        """Whether there was something to hear."""
         try:
             packet = self._socket.recv(LARGEST)
         except BlockingIOError:
-            return
+            return False
         except OSError:
             packet = b""
         if not packet:
-            self.close()
-            return
+            self._end()
+            return False
         message = json.loads(packet)
         future = self._waiting.get(message.get("reply", 0))
         if future is not None:
@@ -86,3 +95,4 @@ class Link:
                 future.set_result(message)
         elif "event" in message:
             self._on_event(message)
+        return True

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import shutil
 import tempfile
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from pa10d.common.errors import UserError
+from pa10d.common.locked_file import lock_at_once
 
 PREFIX = "pa10d-run-"
 
@@ -51,11 +51,9 @@ def own(path: Path, patience: float, taken: str) -> IO[str]:
     file = path.open("a")
     until = time.monotonic() + patience
     while True:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if lock_at_once(file):
             return file
-        except BlockingIOError:
-            if time.monotonic() > until:
-                file.close()
-                raise UserError(taken) from None
-            time.sleep(0.1)
+        if time.monotonic() > until:
+            file.close()
+            raise UserError(taken)
+        time.sleep(0.1)

@@ -5,24 +5,23 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
-import fcntl
 import logging
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import IO
 
 from pa10d.common.errors import UserError
+from pa10d.daemon.processes.arm_lock import Held, arm_leaves, arm_lock, is_simulated
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
 
 START_TIME = 120.0  # s; the plant may have to be compiled
 END_TIME = 2.0  # s; nothing is lost where it is killed
+LOOKS = 0.1  # s between two looks whether an arm that leaves is gone
 READY = "ready"
 PRIORITY = 70  # below the control process: drives answer in time, but do not hold the loop up
 
@@ -51,7 +50,10 @@ class Simulator:
         return f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
 
     async def start(self) -> None:
-        """Until it is on the bus. Where one is there already, that one is used."""
+        """Until it is on the bus. Where one is there already, that one is used; one whose daemon
+        has gone is waited for."""
+        while arm_leaves(self._profile):
+            await asyncio.sleep(LOOKS)
         if is_simulated(self._profile):
             log.info("a virtual arm is on '%s' already", self._profile.can.channel)
             return
@@ -73,13 +75,18 @@ class Simulator:
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self.process.stdout.readline(), START_TIME)
 
-    async def become(self, profile: Profile) -> None:
-        """Another arm on the same bus: the one that was started here ends first."""
+    def refuse_unless_own(self) -> None:
+        """UserError where the arm on the bus is somebody else's, and cannot become another."""
         if self.process is None:
             raise UserError(
                 "the virtual arm runs in a process of its own, started by somebody else; expected "
                 "the one that the daemon starts"
             )
+
+    async def become(self, profile: Profile) -> None:
+        """Another arm on the same bus: the one that was started here ends first."""
+        self.refuse_unless_own()
+        assert self.process is not None
         process, self.process = self.process, None  # its end is no fault
         await self._end(process)
         self._profile = profile
@@ -107,33 +114,6 @@ class Simulator:
             self._alive = None
 
 
-def lock_path(profile: Profile) -> Path:
-    """Held by the virtual arm of this bus."""
-    name = f"pa10d-sim-{os.getuid()}-{profile.can.interface}-{profile.can.channel}.lock"
-    return Path(tempfile.gettempdir()) / name.replace(os.sep, "_")
-
-
-def is_simulated(profile: Profile) -> bool:
-    """Whether a virtual arm is on this bus."""
-    try:
-        with lock_path(profile).open("a") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return False
-    except BlockingIOError:
-        return True
-
-
-def claim(profile: Profile) -> IO[str] | None:
-    """Become the virtual arm of this bus; None where there is one."""
-    file = lock_path(profile).open("a")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        file.close()
-        return None
-    return file
-
-
 def serve_arm(
     profile: Profile, ready: Callable[[], None], stopped: Callable[[], bool] = lambda: False
 ) -> None:
@@ -153,6 +133,8 @@ def serve_arm(
 @contextlib.contextmanager
 def simulated_bus(profile: Profile) -> Iterator[None]:
     """A virtual arm for the length of the block, where the profile wants one and none is there."""
+    while wants_simulator(profile) and arm_leaves(profile):
+        time.sleep(LOOKS)
     if not wants_simulator(profile) or is_simulated(profile):
         yield
         return
@@ -189,14 +171,20 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     profile = Profile.model_validate_json(sys.stdin.read())
-    lock = claim(profile)
-    if lock is None:
-        print(READY, flush=True)
-        return
+    with arm_lock(profile) as held:
+        if held is None:
+            print(READY, flush=True)
+        else:
+            play(profile, given.alive, held)
+
+
+def play(profile: Profile, alive: int, held: Held) -> None:
+    """The virtual arm, until it is told to end or ``alive`` has been closed for a while."""
     gone = threading.Event()
 
     def watch() -> None:
-        os.read(given.alive, 1)
+        os.read(alive, 1)
+        held.leave()
         gone.wait(LINGER)
         gone.set()
 

@@ -1,8 +1,8 @@
 """``python -m pa10d.daemon.processes.worker``: computes one thing at a time, at low priority.
 
 Reads one JSON line per task from its pipe, ``{"call": "package.module:function", "arguments":
-{…}}``, and answers with lines ``{"progress", "message"}`` and, last, ``{"result"}`` or
-``{"error", "status"}``. The daemon cancels a task by ending this process.
+{…}}``, and answers with a line ``{"begun"}``, lines ``{"progress", "message"}`` and, last,
+``{"result"}`` or ``{"error", "expected"}``. The daemon cancels a task by ending this process.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pa10d.common.errors import Unsound, UserError
+from pa10d.common.errors import Taken, Unsound, UserError
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
@@ -52,6 +52,7 @@ def main() -> None:
 
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         for line in lines:
+            say({"begun": True})
             say(carry_out(json.loads(line), say))
 
 
@@ -77,6 +78,8 @@ def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> di
         return {"result": plain(function(**arguments))}
     except Unsound as error:
         return {"error": str(error), "expected": True, "findings": error.findings}
+    except Taken as error:
+        return {"error": str(error), "expected": True, "taken": True}
     except UserError as error:
         return {"error": str(error), "expected": True}
     except MemoryError:

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from pa10d.common.errors import Unsound, UserError
+from pa10d.common.errors import Taken, Unsound, UserError
 from pa10d.daemon.processes.budget import Budget
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.daemon.processes.crowded import Crowded
@@ -26,6 +26,14 @@ Progress = Callable[[float, str], None]
 
 class TaskFailed(Exception):
     """The task threw what no user could have mended, or its process ended."""
+
+
+class Ended(TaskFailed):
+    """The process was killed, by whomever: nothing is wrong with the task."""
+
+
+class NeverBegun(Ended):
+    """The process ended before it took the task."""
 
 
 class Workers:
@@ -55,23 +63,39 @@ class Workers:
         finally:
             self._waiting -= 1
         try:
-            worker = self._take_idle() or await self._fresh()
-            try:
-                async with asyncio.timeout(self._budget.seconds) as limit:
-                    answer = await worker.carry_out(call, arguments, progress)
-            except BaseException as error:
-                worker.kill()
-                if isinstance(error, TimeoutError) and limit.expired():
-                    raise UserError(self._budget.time_is_over()) from error
-                raise
-            self._keep(worker, answer)
+            answer = await self._by_whoever_lives(call, arguments, progress)
         finally:
             self._most.release()
         if "findings" in answer:
             raise Unsound(answer["error"], answer["findings"])
+        if "taken" in answer:
+            raise Taken(answer["error"])
         if "error" in answer:
             raise (UserError if answer["expected"] else TaskFailed)(answer["error"])
         return answer["result"]
+
+    async def _by_whoever_lives(
+        self, call: str, arguments: dict[str, Any], progress: Progress
+    ) -> dict[str, Any]:
+        """An idle process may have ended without anybody having noticed yet: it is not missed."""
+        while (worker := self._take_idle()) is not None:
+            with contextlib.suppress(NeverBegun):
+                return await self._by(worker, call, arguments, progress)
+        return await self._by(await self._fresh(), call, arguments, progress)
+
+    async def _by(
+        self, worker: Worker, call: str, arguments: dict[str, Any], progress: Progress
+    ) -> dict[str, Any]:
+        try:
+            async with asyncio.timeout(self._budget.seconds) as limit:
+                answer = await worker.carry_out(call, arguments, progress)
+        except BaseException as error:
+            worker.kill()
+            if isinstance(error, TimeoutError) and limit.expired():
+                raise UserError(self._budget.time_is_over()) from error
+            raise
+        self._keep(worker, answer)
+        return answer
 
     async def _fresh(self) -> Worker:
         return await Worker.start(self._niceness, self._budget.memory)
@@ -135,22 +159,25 @@ class Worker:
         self, call: str, arguments: dict[str, Any], progress: Progress
     ) -> dict[str, Any]:
         """Send the task, pass its progress on, return the last line."""
-        task = json.dumps({"call": call, "arguments": arguments})
+        task, begun = json.dumps({"call": call, "arguments": arguments}), False
         try:
             self._writer.write(task.encode() + b"\n")
             await self._writer.drain()
             while line := await self._reader.readline():
                 message: dict[str, Any] = json.loads(line)
-                if "progress" not in message:
+                if "begun" in message:
+                    begun = True
+                elif "progress" in message:
+                    progress(message["progress"], message["message"])
+                else:
                     return message
-                progress(message["progress"], message["message"])
         except ConnectionError:
             pass
         except ValueError as error:
             raise TaskFailed(f"the answer is longer than {LARGEST_ANSWER} bytes") from error
         code = await self.process.wait()
         how = f"by signal {-code}" if code < 0 else f"with status {code}"
-        raise TaskFailed(f"the worker process was ended {how}")
+        raise (Ended if begun else NeverBegun)(f"the worker process was ended {how}")
 
     def kill(self) -> None:
         """End it at once."""

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from pa10d.daemon.events import Events
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.fault_files import keep_fault
+from pa10d.daemon.robot.liveness import Liveness
 from pa10d.dynamics import Robot
 from pa10d.profile import Gains, Profile
 
@@ -29,11 +30,17 @@ Array = NDArray[np.float64]
 RING_SECONDS = 20.0
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
+MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
+ENDED = 5.0  # s for control to end that holds nothing
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
 STARTING = "the control process is starting"
+RENEWED = "control is being started anew, with the profile as it is now"
+LEFT = "disconnected on request"
+UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
+CHOOSING = ("inactive", "holding")  # states in which control takes another law
 GONE = {
     "kind": "control_gone",
     "joint": None,
@@ -62,13 +69,15 @@ class RobotProcess:
         self._runtime = runtime
         period = 1.0 / profile.control.rate
         self.ring = Ring.create(robot.n, int(RING_SECONDS / period), period, runtime / "ring")
-        (runtime / "profile.json").write_text(profile.model_dump_json())
+        self._hand_over(profile)
         self.control: Child | None = None
         self.recorder: Child | None = None
         self.notes: list[str] = []
         self.why_offline = STARTING
         self.remark: str | None = None  # what the daemon knows of the arm beside control
-        self.controller: Message = {"name": "pid"}
+        self.load: str | None = None  # what would be taken for the arm's own mass
+        self._law_lost: str | None = None  # why it is not the one that was chosen
+        self.controller: Message = {"name": "pid"}  # as it was chosen; ``document`` tells the law
         self.model: str | None = None
         self.joints: Message | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
@@ -77,8 +86,12 @@ class RobotProcess:
         self._changed = asyncio.Condition()
         self._keepers: list[asyncio.Task[None]] = []
         self._alive: asyncio.Task[None] | None = None
+        self._asking: asyncio.Future[list[Message]] | None = None
+        self._liveness, self._commanded = Liveness(ALIVE_EVERY), 0
         self._keeps = True
         self._wanted = True  # connected whenever possible
+        self._renewing = False  # control ends because it shall begin anew
+        self._renewals = asyncio.Lock()  # what was wanted before one is no other's to remember
         self.bus_ready = asyncio.Event()  # nobody answers before that
         self._awaited: dict[str, asyncio.Future[Message]] = {}
 
@@ -141,7 +154,7 @@ class RobotProcess:
         """All there is to know, for clients."""
         last, get = self.ring.last(), self.ring.layout.get
         offline = self.state == "offline" or last is None
-        model = self.controller.get("model") or {}
+        model = (self.controller.get("model") or {}) if self._law_in_force() else {}
         axes = [] if offline or last is None else [
             {
                 "joint": j + 1,
@@ -161,8 +174,8 @@ class RobotProcess:
             "state": self.state,
             "fault": self.fault,
             "offline_reason": self.why_offline if self.state == "offline" else None,
-            "controller": self.controller["name"],
-            "model": model.get("name"),
+            "controller": self._told["controller"],
+            "model": self._told.get("model"),
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
@@ -191,12 +204,15 @@ class RobotProcess:
 
     async def command(self, do: str, timeout: float = 15.0, **fields: Any) -> Message:
         """Ask control; CommandRefused with its reasons."""
-        if self.control is None:
+        if self.control is None or self._renewing:
             raise CommandRefused(self._no_control(do))
+        self._commanded += 1
         try:
             answer = await self.control.link.ask(do, timeout, **fields)
         except LinkClosed as error:
             raise CommandRefused({**self._no_control(do), "detail": f"{do}: {error}"}) from error
+        finally:
+            self._commanded -= 1
         if not answer["ok"]:
             raise CommandRefused(answer)
         return answer
@@ -204,6 +220,7 @@ class RobotProcess:
     async def enable(self) -> None:
         """Until the arm is held, or in fault, or somebody has stopped that."""
         await self._switch("enable")
+        await self._take_up_law()
 
     async def disable(self) -> None:
         """Until the arm is unpowered, or in fault."""
@@ -221,12 +238,38 @@ class RobotProcess:
         await self._switch("reset")
         if self.state == "fault":
             raise CommandRefused(self._still_in_fault())
+        await self._take_up_law()
 
     async def use(self, controller: Message, model: str | None = None) -> None:
-        """``{"name": "pid"}`` or ``{"name": "computed_torque", "model": {live model}}``; model: the
-        id under which the whole of it is stored."""
+        """``{"name": "pid"}``, or a law with a model ``{"name": …, "model": {live model}}``; model:
+        the id under which the whole of it is stored."""
         await self.command("controller", **controller)
+        self.controller, self.model, self._law_lost = controller, model, None
+
+    async def go_back_to(self, controller: Message, model: str | None) -> None:
+        """The law that was there before; where the arm is in fault or away, from its return on."""
         self.controller, self.model = controller, model
+        await self._take_up_law()
+
+    def _law_in_force(self) -> bool:
+        """Whether control has the law that was chosen."""
+        model = self.controller.get("model") or {}
+        chosen = self.controller["name"], model.get("name")
+        return chosen == (self._told["controller"], self._told.get("model"))
+
+    async def _take_up_law(self) -> None:
+        """The law that was chosen, once control has begun anew or has left a fault, in which the
+        servo alone has the arm; where it is refused, the servo keeps it, and a note says why."""
+        if self.state not in CHOOSING or self._law_in_force():
+            return
+        try:
+            await self.use(self.controller, self.model)
+        except CommandRefused as refusal:
+            if "reply" not in refusal.answer or refusal.answer.get("state") not in CHOOSING:
+                return  # control or the arm is gone: again when it is back
+            lost = f"{self.controller['name']} was not taken up again: {refusal}; PID has the arm"
+            await self.use({"name": "pid"})
+            self._law_lost = lost
 
     async def use_gains(self, gains: Message, keep: bool) -> None:
         """Gains (``PidGains``) for every servo from now on; keep: also after control's death."""
@@ -239,7 +282,10 @@ class RobotProcess:
         given = self.profile.control.gains
         chosen = {k: getattr(given, k) or gains[k] for k in ("kp", "ki", "kd")}
         control = self.profile.control.model_copy(update={"gains": Gains(**chosen)})
-        profile = self.profile.model_copy(update={"control": control})
+        self._hand_over(self.profile.model_copy(update={"control": control}))
+
+    def _hand_over(self, profile: Profile) -> None:
+        """What every process that starts from now on begins with."""
         (self._runtime / "profile.json").write_text(profile.model_dump_json())
 
     def stop(self) -> None:
@@ -257,23 +303,87 @@ class RobotProcess:
     async def connect(self) -> None:
         """Try to reach the drives now, and from now on whenever they are away."""
         self._wanted = True
-        await self.command("connect", timeout=60.0)
+        await self._reach()
 
     async def disconnect(self) -> None:
         """Leave the bus."""
-        await self.command("disconnect")
+        answer = await self.command("disconnect")
         self._wanted = False
-        self.why_offline = "disconnected on request"
+        said = answer.get("said")
+        self.why_offline = LEFT + (f"; {said}" if said else "")
 
-    async def record(self, do: str, **fields: Any) -> Message:
-        """Ask the recorder; where it is being started again, that is waited for."""
-        until = time.monotonic() + START_TIME
-        while self.recorder is None and self._keeps and time.monotonic() < until:
-            await asyncio.sleep(0.1)
-        if self.recorder is None:
-            raise CommandRefused({"detail": "the recorder does not start; look at the log"})
+    async def renew(self, change: Callable[[], Awaitable[tuple[Profile, Robot]]]) -> None:
+        """Take over what ``change`` gives: the same arm under another profile. Control and recorder
+        begin anew with it, and connect by themselves. CommandRefused unless the arm is unpowered;
+        nobody can power it meanwhile."""
+        async with self._renewals:
+            await self._renew(change)
+
+    async def _renew(self, change: Callable[[], Awaitable[tuple[Profile, Robot]]]) -> None:
+        if self.state not in UNPOWERED or (self._keepers and self.control is None):
+            raise CommandRefused(self._not_unpowered())
+        wanted = self._wanted
+        if self.state != "offline":
+            await self.disconnect()
+            await self.until("offline", timeout=SWITCHED)
+        self._wanted, self._renewing = False, True
         try:
-            answer = await self.recorder.link.ask(do, **fields)
+            self.profile, self.robot = await change()
+            self._hand_over(self.profile)
+            if self.joints is not None:
+                self.keep_gains(self.joints["gains"])
+            if self.control is not None:
+                await self.control.end(ENDED)
+            if self.recorder is not None:
+                await self.recorder.end(LAST_WORDS, polite=False)
+            while any(c is not None and c.process.returncode is not None
+                      for c in (self.control, self.recorder)):  # fmt: skip
+                await asyncio.sleep(0.01)  # until whoever keeps them has seen it
+        finally:
+            self._wanted, self._renewing = wanted, False
+
+    async def drive_errors(self) -> list[Message]:
+        """What the drives remember; whoever asks meanwhile gets the same answer."""
+        if self._asking is None or self._asking.done():
+            self._asking = asyncio.ensure_future(self._memories(clear=False))
+        return await asyncio.shield(self._asking)
+
+    async def clear_drive_errors(self) -> list[Message]:
+        """Empty what they remember → what is left."""
+        return await self._memories(clear=True)
+
+    async def _memories(self, clear: bool) -> list[Message]:
+        answer = await self.command("errors", timeout=MEMORIES, clear=clear)
+        names = self.robot.joint_names
+        return [{**one, "name": names[one["joint"] - 1]} for one in answer["drives"]]
+
+    async def announce(self, **fields: Any) -> Message:
+        """Have the recorder await a motion. One that has just died, noticed or not, is started
+        again, and that is waited for: nothing was lost yet."""
+        recorder = await self._living_recorder()
+        try:
+            return await self._ask_recorder(recorder, "announce", **fields)
+        except CommandRefused:
+            if not recorder.link.closed:
+                raise
+        return await self._ask_recorder(await self._living_recorder(), "announce", **fields)
+
+    async def withdraw(self) -> bool:
+        """Whether the announced motion had not begun: its run goes away."""
+        recorder = await self._living_recorder()
+        return bool((await self._ask_recorder(recorder, "withdraw"))["withdrawn"])
+
+    async def _living_recorder(self) -> Child:
+        until = time.monotonic() + START_TIME
+        while self._keeps and time.monotonic() < until:
+            if self.recorder is not None and not self.recorder.link.closed:
+                return self.recorder
+            await asyncio.sleep(0.1)
+        raise CommandRefused({"detail": "the recorder does not start; look at the log"})
+
+    async def _ask_recorder(self, recorder: Child, do: str, **fields: Any) -> Message:
+        try:
+            answer = await recorder.link.ask(do, **fields)
         except LinkClosed as error:
             raise CommandRefused({"detail": f"recorder: {error}"}) from error
         if not answer["ok"]:
@@ -302,6 +412,7 @@ class RobotProcess:
             )
             if await child.ready(START_TIME):
                 self.control, self.notes = child, list(child.welcome["notes"])
+                self._liveness.heard()
                 log.info("control process %d is ready", child.pid)
                 await self._watch_control(child)
             await child.end(1.0, polite=False)
@@ -311,10 +422,8 @@ class RobotProcess:
     async def _watch_control(self, child: Child) -> None:
         ended = asyncio.ensure_future(child.process.wait())
         try:
-            if self.controller["name"] != "pid":
-                with contextlib.suppress(CommandRefused):
-                    await self._connect()
-                    await self.command("controller", **self.controller)
+            if not (self._wanted or self._renewing):
+                self.why_offline = LEFT
             while not ended.done():
                 if self._wanted and self.state == "offline":
                     await self._connect()
@@ -324,16 +433,25 @@ class RobotProcess:
 
     async def _connect(self) -> None:
         await self.bus_ready.wait()
+        with contextlib.suppress(CommandRefused):
+            await self._reach()
+
+    async def _reach(self) -> None:
+        """CommandRefused where the drives cannot be reached; clients see why, whoever tried."""
         try:
             await self.command("connect", timeout=60.0)
         except CommandRefused as refusal:
             self.why_offline = str(refusal).removeprefix("connect: ")
+            raise
+        await self._take_up_law()
 
     def _control_died(self, child: Child) -> None:
         self.control = None
         was = str(self._told["state"])
         how = child.how_it_ended()
-        self.why_offline = f"the control process {how}; it is being started again"
+        self.why_offline = (
+            RENEWED if self._renewing else f"the control process {how}; it is being started again"
+        )
         log.warning("control process %s while %s", how, was)
         if was != "offline":
             cause = f"the control process {how} while the arm was {was}"
@@ -371,9 +489,17 @@ class RobotProcess:
             if self.control is not None:
                 with contextlib.suppress(LinkClosed):
                     self.control.link.tell("alive")
+                why = self._liveness.tick(self.ring.written, commanded=self._commanded > 0)
+                if why is not None:
+                    log.error("control process %d: %s", self.control.pid, why)
+                    await self.control.break_off(why)
+                    self._liveness.heard()
             await asyncio.sleep(ALIVE_EVERY)
 
     def _heard(self, message: Message) -> None:
+        if message["event"] == "alive":
+            self._liveness.heard()
+            return
         if message["event"] == "run":
             info = {k: v for k, v in message.items() if k != "event"}
             self._events.publish("run", info)
@@ -398,7 +524,7 @@ class RobotProcess:
         asyncio.get_running_loop().create_task(wake())
 
     def _notes(self) -> list[str]:
-        said = [] if self.remark is None else [self.remark]
+        said = [one for one in (self.remark, self.load, self._law_lost) if one is not None]
         return [*said, *self.notes, *self._told.get("warnings", ())]
 
     async def _bring_back(self) -> None:
@@ -422,6 +548,16 @@ class RobotProcess:
             "needed": [ArmState.FAULT.label],
             "detail": f"reset: {fault.get('sentence', 'the fault persists')}",
             "remedy": fault.get("remedy", "remove the cause, then reset"),
+        }
+
+    def _not_unpowered(self) -> Message:
+        starting = self.state in UNPOWERED
+        detail = f"the arm is {self.state}" + (f": {self.why_offline}" if starting else "")
+        return {
+            "state": self.state,
+            "needed": list(UNPOWERED),
+            "detail": f"profile: {detail}",
+            "remedy": "wait until control has started" if starting else "disable the arm first",
         }
 
     def _no_control(self, do: str) -> Message:

@@ -31,7 +31,7 @@ class Telemetry:
     """
 
     def __init__(self, ring: Ring, robot: Robot) -> None:
-        self._ring, self._robot = ring, robot
+        self._ring, self.robot = ring, robot
         self._step = max(1, round(1.0 / (ring.period * RATE)))
         self._next = 0
         self._history: deque[tuple[float, Rows]] = deque()
@@ -50,7 +50,7 @@ class Telemetry:
     def header(self) -> dict[str, Any]:
         """What the columns of every packet are; limits: [lower, upper] per joint, null for none;
         states: what the numbers in ``state`` mean."""
-        robot, joints = self._robot, range(1, self._robot.n + 1)
+        robot, joints = self.robot, range(1, self.robot.n + 1)
         columns = ["time", *SCALARS, *(f"{v}{j}" for v in VECTORS for j in joints)]
         units = {"time": "s", "late": "s", "q": "rad", "dq": "rad/s", "tau": "N·m"}
         units |= {"q_ref": "rad", "torque": "N·m", "temperature": "°C"}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 
 Array = NDArray[np.float64]
-State = tuple[Array, Array, Array]
+MotionState = tuple[Array, Array, Array]
 
 
 class Samples(NamedTuple):
@@ -49,7 +49,7 @@ class Motion(ABC):
         """s."""
 
     @abstractmethod
-    def at(self, t: Array) -> State:
+    def at(self, t: Array) -> MotionState:
         """q, dq, ddq (N, n) at times t (N,) s, 0 … duration."""
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.trajectory.motions.base import State
+from pa10d.trajectory.motions.base import MotionState
 from pa10d.trajectory.motions.entered import Entered
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Chirp(Entered):
         """Number of joints."""
         return len(self.centre)
 
-    def path(self, t: Array) -> State:
+    def path(self, t: Array) -> MotionState:
         """Before 0 and after ``seconds`` the frequency stays."""
         growth = np.log(self.high / self.low) / self.seconds
         inside = np.clip(t, 0.0, self.seconds)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.trajectory.limits import MotionLimits
-from pa10d.trajectory.motions.base import Motion, State
+from pa10d.trajectory.motions.base import Motion, MotionState
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Entered(Motion):
     lead: float
 
     @abstractmethod
-    def path(self, t: Array) -> State:
+    def path(self, t: Array) -> MotionState:
         """q, dq, ddq at path times t (N,), also outside of 0 … seconds."""
 
     @property
@@ -46,7 +46,7 @@ class Entered(Motion):
         """The part at full pace."""
         return self.lead, self.lead + self.seconds
 
-    def at(self, t: Array) -> State:
+    def at(self, t: Array) -> MotionState:
         """The path by a clock that starts and stops smoothly."""
         before = self.lead - t
         after = t - self.lead - self.seconds

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.trajectory.fourier import fourier_basis
-from pa10d.trajectory.motions.base import State
+from pa10d.trajectory.motions.base import MotionState
 from pa10d.trajectory.motions.entered import Entered
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Fourier(Entered):
         """s."""
         return 1.0 / self.fundamental
 
-    def path(self, t: Array) -> State:
+    def path(self, t: Array) -> MotionState:
         """The series, for ever."""
         b0, b1, b2 = fourier_basis(self.fundamental, len(self.a), t)
         x = np.vstack([self.centre, self.a, self.b])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.trajectory.motions.base import Motion, State
+from pa10d.trajectory.motions.base import Motion, MotionState
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Knots(Motion):
         """The window."""
         return float(self.window[0]), float(self.window[1])
 
-    def at(self, t: Array) -> State:
+    def at(self, t: Array) -> MotionState:
         """The quintics; beyond the ends the end poses."""
         inside = np.clip(t, 0.0, self.times[-1])
         piece = np.clip(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pa10d.trajectory.motions.base import Array, State
+from pa10d.trajectory.motions.base import Array, MotionState
 from pa10d.trajectory.motions.derived import Derived
 
 
@@ -17,7 +17,7 @@ class Narrowed(Derived):
     share: Array
     about: Array
 
-    def at(self, t: Array) -> State:
+    def at(self, t: Array) -> MotionState:
         """Ways, speeds and accelerations fall with the share."""
         q, dq, ddq = self._inner.at(t)
         return self.about + self.share * (q - self.about), self.share * dq, self.share * ddq

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.trajectory.motions.base import State
+from pa10d.trajectory.motions.base import MotionState
 from pa10d.trajectory.motions.entered import Entered
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ class Sines(Entered):
         """Number of joints."""
         return len(self.centre)
 
-    def path(self, t: Array) -> State:
+    def path(self, t: Array) -> MotionState:
         """The sines, for ever."""
         omega = 2 * np.pi * self.frequency
         angle = np.outer(t, omega) + self.phase

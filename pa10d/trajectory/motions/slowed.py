@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pa10d.trajectory.motions.base import Array, State
+from pa10d.trajectory.motions.base import Array, MotionState
 from pa10d.trajectory.motions.derived import Derived
 
 
@@ -27,7 +27,7 @@ class Slowed(Derived):
         begin, end = self._inner.steady
         return self.factor * begin, self.factor * end
 
-    def at(self, t: Array) -> State:
+    def at(self, t: Array) -> MotionState:
         """Same poses; speeds and accelerations fall with the factor and its square."""
         q, dq, ddq = self._inner.at(t / self.factor)
         return q, dq / self.factor, ddq / self.factor**2

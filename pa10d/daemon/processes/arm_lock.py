@@ -1,0 +1,79 @@
+"""One virtual arm on a bus: a lock that goes with the process that plays it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from pa10d.common.locked_file import lock_at_once, still_there
+from pa10d.profile import Profile
+
+LOOKED_AT = 0.5  # s; whoever only looks whether there is an arm holds it for an instant
+LEAVES = b"leaves"
+
+
+class Held:
+    """What the virtual arm has."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+
+    def leave(self) -> None:
+        """Say that this arm is about to end: nobody is to begin anything with it."""
+        os.pwrite(self._descriptor, LEAVES, 0)
+
+
+def lock_path(profile: Profile) -> Path:
+    """Held by the virtual arm of this bus."""
+    name = f"pa10d-sim-{os.getuid()}-{profile.can.interface}-{profile.can.channel}.lock"
+    return Path(tempfile.gettempdir()) / name.replace(os.sep, "_")
+
+
+def is_simulated(profile: Profile) -> bool:
+    """Whether a virtual arm is on this bus, one that leaves included."""
+    return _said(profile) is not None
+
+
+def arm_leaves(profile: Profile) -> bool:
+    """Whether the virtual arm of this bus is about to end: its daemon has gone."""
+    return _said(profile) == LEAVES
+
+
+def _said(profile: Profile) -> bytes | None:
+    """By the arm that is there; None: there is none."""
+    try:
+        descriptor = os.open(lock_path(profile), os.O_RDONLY | os.O_CLOEXEC)
+    except FileNotFoundError:
+        return None
+    try:
+        there = not lock_at_once(descriptor, shared=True)
+        return os.pread(descriptor, len(LEAVES), 0) if there else None
+    finally:
+        os.close(descriptor)
+
+
+@contextlib.contextmanager
+def arm_lock(profile: Profile) -> Iterator[Held | None]:
+    """Be the virtual arm of this bus for the length of the block; None: there is one."""
+    path, until = lock_path(profile), time.monotonic() + LOOKED_AT
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        if lock_at_once(descriptor):
+            if still_there(path, descriptor):
+                break
+        elif time.monotonic() > until:
+            os.close(descriptor)
+            yield None
+            return
+        os.close(descriptor)
+        time.sleep(0.01)
+    os.ftruncate(descriptor, 0)
+    try:
+        yield Held(descriptor)
+    finally:
+        path.unlink(missing_ok=True)
+        os.close(descriptor)
