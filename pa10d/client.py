@@ -105,13 +105,19 @@ class Client:
         """Leave the bus; the arm must be unpowered."""
         return self._ask("POST", "/api/v1/robot/disconnect")
 
+    def drive_errors(self, *, clear: bool = False) -> list[Document]:
+        """What each drive remembers of its errors, newest first; clear: empty that."""
+        if clear:
+            return list(self._ask("POST", "/api/v1/robot/errors/clear")["drives"])
+        return list(self._ask("GET", "/api/v1/robot/errors")["drives"])
+
     def let_others_command(self) -> None:
         """Give the command of the arm back, where it is ours."""
         with contextlib.suppress(UserError):
             self._ask("DELETE", "/api/v1/robot/lease")
 
     def use_controller(self, controller: str, model: str | None = None) -> Document:
-        """``pid``, or ``computed_torque`` with a model."""
+        """``pid``, or ``computed_torque`` or ``feed_forward`` with a model."""
         body = {"controller": controller, "model": model}
         return self._ask("PUT", "/api/v1/robot/controller", json=body)
 
@@ -127,6 +133,36 @@ class Client:
                 wanted = " or ".join(states)
                 raise UserError(f"the arm is {robot['state']}, expected {wanted}; {why}")
             time.sleep(0.1)
+
+    # -- profile ----------------------------------------------------------------------------
+
+    def tuning(self) -> Document:
+        """Gains, limits and surroundings in force."""
+        return self._ask("GET", "/api/v1/profile")
+
+    def check_tuning(self, changes: Mapping[str, Any]) -> Document:
+        """What a change would do, by keys such as ``limits.velocity``: ``diff``, ``confirm``."""
+        return self._ask("POST", "/api/v1/profile/check", json={"changes": dict(changes)})
+
+    def tune(self, changes: Mapping[str, Any], confirmed: bool = False) -> Document:
+        """Write a change and go on with it; the arm must be unpowered, but for surroundings."""
+        body = {"changes": dict(changes), "confirmed": confirmed}
+        return self._ask("PATCH", "/api/v1/profile", json=body)
+
+    def undo_tuning(self, confirmed: bool = False, check: bool = False) -> Document:
+        """Take the last change back; check: only say what that would do."""
+        if check:
+            return self._ask("POST", "/api/v1/profile/undo/check")
+        return self._ask("POST", "/api/v1/profile/undo", json={"confirmed": confirmed})
+
+    def tuning_versions(self) -> list[Document]:
+        """What was changed, newest first."""
+        return list(self._ask("GET", "/api/v1/profile/versions")["items"])
+
+    def responses(self, runs: Sequence[str], joint: int = 1) -> list[Document]:
+        """How a joint answered in each run: target, response, figures of its steps."""
+        params = {"run": list(runs), "joint": joint}
+        return list(self._ask("GET", "/api/v1/responses", params=params)["items"])
 
     # -- jobs -------------------------------------------------------------------------------
 
@@ -203,6 +239,20 @@ class Client:
         body = {"experiments": [dict(one) for one in experiments]}
         return self._result("experiments/series", body, progress)
 
+    def track(
+        self,
+        models: Sequence[str],
+        kind: str = "tracking",
+        parameters: Mapping[str, Any] | None = None,
+        progress: Progress | None = None,
+        **options: Any,
+    ) -> Document:
+        """One motion under PID, feed-forward and computed torque, the last two with each model →
+        result: ``laws`` with tracking errors per joint (rad, m), ``worth``. options: name,
+        replace."""
+        body = {"models": list(models), "kind": kind, "parameters": parameters or {}, **options}
+        return self._result("experiments/track", body, progress)
+
     # -- investigations -----------------------------------------------------------------------
 
     def prepare_investigation(self, progress: Progress | None = None, **asked: Any) -> Document:
@@ -228,6 +278,29 @@ class Client:
                 progress(share, message)
 
         return self._result(f"investigations/{investigation}/start", None, told)
+
+    # -- weighings ----------------------------------------------------------------------------
+
+    def begin_weighing(self, weights: Sequence[str], name: str | None = None) -> Document:
+        """Plan one for the weights at hand, each ``MASS,X,Y,Z`` (kg, m); nothing moves."""
+        return self._ask("POST", "/api/v1/weighings", json={"weights": [*weights], "name": name})
+
+    def weighing(self, weighing: str) -> Document:
+        """How far it is, what is next, and what came of it."""
+        return self._ask("GET", f"/api/v1/weighings/{weighing}")
+
+    def weigh(self, weighing: str, weight: int, progress: Progress | None = None) -> Document:
+        """Record with a weight (its number, 0: none) → the weighing."""
+        return self._result(f"weighings/{weighing}/record", {"weight": weight}, progress)
+
+    def apply_weighing(self, weighing: str, joints: Sequence[int] = ()) -> Document:
+        """Write its gains into the profile."""
+        body = {"joints": [*joints]}
+        return self._ask("POST", f"/api/v1/weighings/{weighing}/apply", json=body)
+
+    def undo_weighing(self, weighing: str) -> Document:
+        """The profile as it was before."""
+        return self._ask("POST", f"/api/v1/weighings/{weighing}/undo")
 
     # -- runs -------------------------------------------------------------------------------
 
@@ -428,9 +501,10 @@ def local_daemon(
     assert process.stdout is not None
     try:
         line = process.stdout.readline()
-        if not line.startswith("{"):
-            raise UserError("the daemon did not start; its messages are above")
-        with running_at(json.loads(line)["url"], data) as client:
+        said = json.loads(line) if line.startswith("{") else {}
+        if "url" not in said:
+            raise UserError(said.get("error") or "the daemon did not start; its messages are above")
+        with running_at(said["url"], data) as client:
             yield client
     finally:
         process.send_signal(signal.SIGTERM)

@@ -24,6 +24,7 @@ SCOPES = ("look", "command", "admin")  # each includes the ones before it
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "::1"})
 BODY = 1 << 20  # bytes of any request but an upload
 UPLOAD = 512 << 20
+UPLOADS = ("/api/v1/runs", "/api/v1/recordings")  # POST to these carries a file
 OPEN = ("/healthz",)
 REACH = "pa10d.reach"  # where a request carries how far its token reaches
 
@@ -87,7 +88,7 @@ class AccessMiddleware:
         elif scope["path"] not in OPEN and _guarded(scope["path"]):
             return self._judge(scope, headers)
         size = headers.get("content-length", "0")
-        if size.isdigit() and int(size) > self._limit(scope):
+        if size.isdecimal() and int(size) > self._limit(scope):
             return "too-large", f"{size} bytes, at most {self._limit(scope)} are taken", {}
         return None
 
@@ -106,7 +107,7 @@ class AccessMiddleware:
         return None
 
     def _limit(self, scope: Scope) -> int:
-        upload = scope["path"].rstrip("/") == "/api/v1/runs" and scope.get("method") == "POST"
+        upload = scope["path"].rstrip("/") in UPLOADS and scope.get("method") == "POST"
         return self._access.upload if upload else BODY
 
     def _limited(self, scope: Scope, receive: Receive) -> Receive:
@@ -140,12 +141,16 @@ def _place(origin: str) -> str | None:
 
 
 def needed_scope(scope: Scope) -> str:
-    """look for reading, command for the rest, admin for what destroys; stop is for everyone."""
+    """look for reading, command for the rest, admin for what destroys or changes limits and gains;
+    stop is for everyone."""
     path, method = scope["path"], scope.get("method", "GET")
     if method in ("GET", "HEAD", "OPTIONS") or path == "/api/v1/robot/stop":
         return "look"
-    destroys = method == "DELETE" and path.split("/")[3:4] in (["runs"], ["models"])
-    return "admin" if destroys else "command"
+    room, last = path.split("/")[3:4], path.rstrip("/").rpartition("/")[2]
+    destroys = method == "DELETE" and room in (["runs"], ["models"])
+    tunes = room == ["profile"] and last != "check"
+    scales = room == ["weighings"] and last in ("apply", "undo")
+    return "admin" if destroys or tunes or scales else "command"
 
 
 def _guarded(path: str) -> bool:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 from typing import Any
 
 from fastapi import FastAPI
 
-from pa10d.api import problems
+from pa10d.api import problems, uploads
 from pa10d.api.access import Access, AccessMiddleware
+from pa10d.api.held import HeldFiles
 from pa10d.api.packing import PackingMiddleware
 from pa10d.api.repeats import RepeatMiddleware
 from pa10d.api.routes import (
@@ -22,12 +24,16 @@ from pa10d.api.routes import (
     models,
     night,
     plots,
+    profile,
+    recordings,
+    responses,
     robot,
     runs,
     service,
     shape,
     sockets,
     web,
+    weighings,
 )
 from pa10d.common.version import __version__
 from pa10d.daemon.daemon import Daemon, running
@@ -52,10 +58,14 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
 
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await daemon.shelf(uploads.clear, daemon.data)
         async with running(daemon):
+            tidying = asyncio.create_task(app.state.held.tidy_for_ever())
             if ready is not None:
                 ready()
             yield
+            tidying.cancel()
+            await app.state.held.close()
 
     app = FastAPI(
         title="pa10d",
@@ -68,16 +78,21 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
         generate_unique_id_function=lambda route: route.name,
     )
     app.state.daemon = daemon
+    app.state.held = HeldFiles()
     problems.install(app)
     for room in (
         shape,
         robot,
+        profile,
+        responses,
         experiments,
         jobs,
         runs,
+        recordings,
         models,
         analyses,
         investigations,
+        weighings,
         plots,
         explorer,
         night,
@@ -107,7 +122,7 @@ def _document_problems(app: FastAPI) -> None:
         schemas.pop("HTTPValidationError", None)
         schemas.pop("ValidationError", None)
         invalid = problems.responses()[422]
-        anywhere = problems.responses("too-large", "crowded", "busy", "no-room")
+        anywhere = problems.responses("too-large", "crowded", "busy", "ended", "no-room")
         anywhere = {str(status): said for status, said in anywhere.items() if status != 422}
         for path in schema["paths"].values():
             for operation in path.values():

@@ -38,12 +38,16 @@ async def the_commander(
     connection: HTTPConnection, client: Annotated[str, Depends(the_client)]
 ) -> str:
     """A client that takes the lease by what it does; Held where another has it."""
-    daemon = await the_daemon(connection)
+    take_command(await the_daemon(connection), client)
+    return client
+
+
+def take_command(daemon: Daemon, client: str) -> None:
+    """The client commands from now on, and everybody is told; Held where another does."""
     before = daemon.lease.current()
     daemon.lease.take(client)
     if before != client:
         daemon.events.publish("lease", daemon.lease.document())
-    return client
 
 
 async def the_right_to_replace(connection: HTTPConnection) -> Callable[[bool], None]:

@@ -13,8 +13,9 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
-from pa10d.common.errors import Busy, Unsound, UserError
+from pa10d.common.errors import Busy, Taken, Unsound, UserError
 from pa10d.daemon.processes.crowded import Crowded
+from pa10d.daemon.processes.workers import Ended
 from pa10d.daemon.robot.lease import Held
 from pa10d.daemon.robot.robot import CommandRefused
 
@@ -27,6 +28,7 @@ KINDS = {
     "state": (409, "The arm's state does not allow it"),
     "held": (409, "Another client commands the arm"),
     "conflict": (409, "It conflicts with what there is"),
+    "unconfirmed": (409, "It lets the arm do more, and is to be confirmed"),
     "unsound": (409, "A recording has errors against it"),
     "framing": (400, "It cannot be said where the request ends"),
     "too-large": (413, "The request is too large"),
@@ -35,10 +37,13 @@ KINDS = {
     "origin": (403, "The request came from another site"),
     "crowded": (429, "Too much is asked for at a time"),
     "busy": (503, "Somebody else holds what is needed"),
+    "ended": (503, "A process of the daemon has ended"),
     "no-room": (507, "The data folder cannot be written"),
     "not-ready": (503, "The robot cannot be reached"),
     "internal": (500, "This is a bug of the daemon"),
 }
+
+AGAIN = "look at what there is now, then ask again; where memory is short, end other programs"
 
 log = logging.getLogger("pa10d.api")
 
@@ -121,6 +126,10 @@ def install(app: FastAPI) -> None:
     async def _busy(request: Request, error: Busy) -> JSONResponse:
         return problem_response("busy", str(error), request.url.path)
 
+    @app.exception_handler(Ended)
+    async def _ended(request: Request, error: Ended) -> JSONResponse:
+        return problem_response("ended", str(error), request.url.path, remedy=AGAIN)
+
     @app.exception_handler(OSError)
     async def _os_error(request: Request, error: OSError) -> JSONResponse:
         log.error("%s %s", request.method, request.url.path, exc_info=error)
@@ -132,6 +141,10 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(UserError)
     async def _user_error(request: Request, error: UserError) -> JSONResponse:
         return problem_response("refused", str(error), request.url.path)
+
+    @app.exception_handler(Taken)
+    async def _taken(request: Request, error: Taken) -> JSONResponse:
+        return problem_response("conflict", str(error), request.url.path)
 
     @app.exception_handler(Unsound)
     async def _unsound(request: Request, error: Unsound) -> JSONResponse:

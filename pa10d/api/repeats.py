@@ -15,13 +15,13 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from pa10d.api.access import UPLOADS
 from pa10d.api.problems import problem_response
 
 HEADER = "idempotency-key"
 LONGEST = 100  # characters of a key
 KEPT = 200  # answers
 REPLAYED = (b"idempotent-replayed", b"true")
-UPLOADS = "/api/v1/runs"  # too large to be kept; a repeated one is refused by its name
 
 
 @dataclass
@@ -48,7 +48,7 @@ class RepeatMiddleware:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         headers = Headers(scope=scope) if scope["type"] == "http" else Headers()
         key = headers.get(HEADER, "")
-        if not key or scope["method"] != "POST" or scope["path"].rstrip("/") == UPLOADS:
+        if not key or scope["method"] != "POST" or scope["path"].rstrip("/") in UPLOADS:
             await self._app(scope, receive, send)
             return
         if len(key) > LONGEST:

@@ -20,6 +20,7 @@ from pa10d.services.documents import (
     Investigate,
     Known,
     PerJoint,
+    Track,
 )
 
 AsItIs = (WrapValidator(lambda value, _: value), PlainSerializer(lambda value: value))
@@ -103,6 +104,7 @@ Result = (
     | Identify
     | AddResult
     | CheckResult
+    | Track
     | ExperimentResult
     | SeriesResult
     | Partial

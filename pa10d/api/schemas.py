@@ -6,8 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+Law = Literal["pid", "computed_torque", "feed_forward"]
+"""Control laws; all but PID take a model."""
+
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
-State = Literal[
+StateName = Literal[
     "offline", "inactive", "enabling", "holding", "running", "stopping", "disabling", "fault",
     "resetting",
 ]  # fmt: skip
@@ -64,11 +67,11 @@ class RobotState(BaseModel):
     """The arm, now."""
 
     profile: str
-    state: State
+    state: StateName
     fault: Fault | None
     offline_reason: str | None
-    controller: Literal["pid", "computed_torque"]
-    model: str | None = Field(description="The model that computed torque uses")
+    controller: Law
+    model: str | None = Field(description="The model that the control law uses")
     model_parameters: Literal["feasible", "free"] | None = Field(
         default=None, description="Of which fit: bodies that can exist, or the free one"
     )
@@ -81,6 +84,32 @@ class RobotState(BaseModel):
     lease: Lease
 
 
+class DriveError(BaseModel):
+    """One error that a drive remembers."""
+
+    code: int = Field(description="CiA 301/402", examples=[0x2310])
+    words: str = Field(examples=["0x2310 (overcurrent)"])
+    of_the_maker: int = Field(description="Upper 16 bits of the entry: the drive's manual")
+
+
+class DriveMemory(BaseModel):
+    """What one drive tells of its errors; null where it has no such object."""
+
+    joint: int = Field(description="From 1")
+    name: str
+    register_: int | None = Field(alias="register", description="0x1001, bits of what is wrong now")
+    wrong_now: list[str] = Field(description="The same in words", examples=[["generic error"]])
+    error: DriveError | None = Field(description="0x603F")
+    history: list[DriveError] | None = Field(description="0x1003, the newest first")
+    problem: str | None = Field(description="Why it could not be asked, or emptied")
+
+
+class DriveMemories(BaseModel):
+    """What the drives remember."""
+
+    drives: list[DriveMemory]
+
+
 class LeaseRequest(Strict):
     """Ask for the command of the arm."""
 
@@ -90,7 +119,7 @@ class LeaseRequest(Strict):
 class ControllerRequest(Strict):
     """Which control law holds and moves the arm from now on."""
 
-    controller: Literal["pid", "computed_torque"]
+    controller: Law
     model: Name | None = None
 
 
@@ -147,6 +176,80 @@ class Run(BaseModel):
     )
 
 
+class ImportedRun(Run):
+    """A new run, and what became of the mapping."""
+
+    mapping_kept: str = Field("", description="A sentence for a person; empty: nothing to keep")
+
+
+class RecordingFindings(BaseModel):
+    """All that the checks say, gravest first."""
+
+    items: list[RecordingFinding]
+
+
+class ColumnChoice(Strict):
+    """What a column is read as."""
+
+    column: Annotated[str, Field(max_length=1000)]
+    field: Annotated[str, Field(pattern=r"^(time|(q|dq|tau|i|temp)[1-9][0-9]?)$")]
+    unit: Annotated[str, Field(max_length=40)] = Field(
+        "", description="Of its numbers: deg, ms, a factor such as -1 or 1/100, i16; '': SI"
+    )
+
+
+class ColumnChoices(Strict):
+    """All columns that have a meaning; null: guess."""
+
+    columns: Annotated[list[ColumnChoice], Field(max_length=400)] | None = None
+    thorough: bool = Field(True, description="Also what needs a fit: delay, signs, torque's size")
+
+
+class PreviewColumn(BaseModel):
+    """A column of a file."""
+
+    name: str
+    field: str = Field(description="What it is read as; '': a further channel")
+    unit: str = Field(description="What its numbers are in; '': SI")
+    first: list[float | None] = Field(description="Its first values, as the file has them")
+    low: float | None = Field(description="In SI where it has a field")
+    high: float | None
+    curve: list[float | None] = Field(description="Its course, at most 120 points")
+
+
+class PreviewFinding(RecordingFinding):
+    """What to know of a recording, and the choices that mend it."""
+
+    mends: list[ColumnChoice]
+
+
+class FilePreview(BaseModel):
+    """A file before it is imported."""
+
+    id: str = Field(description="By which its import asks for it")
+    file: str
+    joints: list[str]
+    samples: int
+    duration: float | None = Field(description="s")
+    rate: float | None = Field(description="Hz")
+    columns: list[PreviewColumn]
+    left_out: int = Field(description="Columns beyond those that are listed")
+    rules: list[str] = Field(description="The mapping, as the import takes it")
+    line: str = Field(description="The same for the command line")
+    problem: str = Field(description="Why an import would be refused; '': it would not")
+    remarks: list[str]
+    findings: list[PreviewFinding]
+
+
+class ImportRequest(Strict):
+    """With which mapping a file becomes a run."""
+
+    map: Annotated[list[Annotated[str, Field(max_length=1100)]], Field(max_length=400)] = []
+    name: Name | None = None
+    replace: bool = False
+    force: bool = Field(False, description="Whatever the checks say")
+
+
 class RunChange(Strict):
     """Another name, other tags, other stretches that are left out."""
 
@@ -173,7 +276,7 @@ class SetAside(BaseModel):
 
     id: str
     name: str = Field(description="As far as it can be made out")
-    place: str
+    place: str = Field(description="In the data folder", examples=["models/m0.yaml"])
     reason: str
 
 
@@ -195,7 +298,7 @@ class Health(BaseModel):
 
     status: Literal["ok"] = "ok"
     version: str
-    robot: State
+    robot: StateName
     uptime: float = Field(description="s")
 
 
@@ -403,6 +506,51 @@ class Story(BaseModel):
     )
 
 
+class WeighingRequest(Strict):
+    """A weighing: its motion is planned for the heaviest of the weights at hand; nothing moves."""
+
+    name: Name | None = None
+    weights: Annotated[
+        list[Annotated[str, Field(max_length=200)]], Field(min_length=1, max_length=100)
+    ] = Field(
+        description="MASS,X,Y,Z in kg and m, the centre in the last joint's frame; each may be "
+        "VALUE+-ERROR",
+        examples=[["3+-0.005,0.05,0,0.1+-0.002", "5,0.05,0,0.1"]],
+    )
+
+
+class WeightRequest(Strict):
+    """Another weight at hand."""
+
+    weight: Annotated[str, Field(max_length=200, examples=["5,0.05,0,0.1"])]
+
+
+class WeighingRecording(Strict):
+    """What hangs at the last joint: the number of a weight, 0 for none. On a virtual arm it is
+    hung; on a real one somebody has."""
+
+    weight: Annotated[int, Field(ge=0, le=100)]
+
+
+class GainsRequest(Strict):
+    """Joints whose gains are to be applied; without: all that are determined."""
+
+    joints: Annotated[list[Joint], Field(max_length=64)] = []
+
+
+class WeighingDocument(BaseModel):
+    """How far a weighing is, and what came of it."""
+
+    model_config = ConfigDict(extra="allow")
+    id: str
+    name: str
+    robot: str
+    weights: list[dict[str, Any]]
+    next: dict[str, Any] = Field(description="``weight`` to record with (null: none), ``says``")
+    joints: list[dict[str, Any]]
+    advice: str | None
+
+
 class ReportRequest(Strict):
     """The report of a model. runs: to judge it by; default: those that it was judged by."""
 
@@ -453,6 +601,13 @@ class MotionList(BaseModel):
     items: list[dict[str, Any]]
 
 
+class WeighingPage(Page):
+    """Weighings, newest first."""
+
+    items: list[WeighingDocument]
+    set_aside: list[SetAside] = Field(description="Folders that hold none, and why")
+
+
 class InvestigationPage(Page):
     """Investigations, newest first."""
 
@@ -473,10 +628,8 @@ class ExperimentRequest(BaseModel):
     parameters: dict[str, Any] = Field({}, description="As the kind's schema says")
     name: Name | None = Field(None, description="Of the run; default: the kind, numbered")
     tags: Annotated[list[Name], Field(max_length=32)] = []
-    controller: Literal["pid", "computed_torque"] | None = Field(
-        None, description="Default: the one in use"
-    )
-    model: Name | None = Field(None, description="For computed torque")
+    controller: Law | None = Field(None, description="Default: the one in use")
+    model: Name | None = Field(None, description="For the laws with a model")
     replace: bool = False
 
 
@@ -493,6 +646,17 @@ class SeriesRequest(Strict):
     """Several experiments, one after the other."""
 
     experiments: Annotated[list[ExperimentRequest], Field(min_length=1, max_length=32)]
+
+
+class TrackRequest(Strict):
+    """One motion under each control law: PID, then feed-forward and computed torque with each
+    model; the models from the least to the best."""
+
+    models: Annotated[list[Name], Field(min_length=1, max_length=8)]
+    kind: str = Field("tracking", max_length=100, examples=["tracking"])
+    parameters: dict[str, Any] = Field({}, description="As the kind's schema says")
+    name: Name | None = Field(None, description="Of the runs, which get a number each")
+    replace: bool = False
 
 
 class Suggested(BaseModel):
@@ -541,6 +705,14 @@ class ShapeMesh(BaseModel):
     triangles: int
 
 
+class ShapeBox(BaseModel):
+    """A solid of the profile's environment that no body of the arm may meet."""
+
+    name: str
+    size: list[float] = Field(description="Whole lengths, m")
+    place: list[float] = Field(description="4 × 4, row by row, from its centre to the base frame")
+
+
 class Shape(BaseModel):
     """An arm as it looks; joints are counted from 0 here, as indices of ``joints``."""
 
@@ -549,6 +721,7 @@ class Shape(BaseModel):
     order: list[int] = Field(description="Indices such that parents come before children")
     up: list[float] = Field(description="Against gravity, base frame")
     floor: float | None = Field(description="m along the base's z axis; null: no floor")
+    boxes: list[ShapeBox]
     capsules: list[ShapeCapsule]
     meshes: list[ShapeMesh]
     notes: list[str]
@@ -648,3 +821,149 @@ class Sheet(BaseModel):
     unexplained: list[dict[str, Any]] | None = Field(
         None, description="Of a diagnosis: what no effect explains, as its result lists it"
     )
+
+
+TuningKey = Literal[
+    "control.bandwidth_hz", "control.gains.kp", "control.gains.ki", "control.gains.kd",
+    "limits.position", "limits.velocity", "limits.acceleration", "limits.torque",
+    "safety.following_error", "safety.torque_rate",
+    "environment.floor", "environment.boxes",
+]  # fmt: skip
+"""Where a value stands in the profile."""
+UndoneKey = TuningKey | Literal["drives.torque_gain", "map"]
+TuningGroup = Literal["gains", "limits", "safety", "environment"]
+StatedValue = Annotated[float, Field(strict=True)] | str | list[Any] | dict[str, Any] | None
+
+
+class TuningBound(BaseModel):
+    """By what a value is bounded."""
+
+    says: str = Field(examples=["the URDF's"])
+    most: list[Any] = Field(description="Per joint; [lower, upper] of positions; null: not known")
+
+
+class TuningValue(BaseModel):
+    """One value, or one per joint, as it is in force."""
+
+    key: TuningKey
+    group: TuningGroup
+    title: str
+    per_joint: bool
+    units: list[str] = Field(description="Per joint, else one")
+    none: str = Field(description="What holds where the profile says nothing")
+    written: Any = Field(description="In the profile; null: nothing")
+    in_force: Any = Field(description="A number, text or list; null within it: not known")
+    source: Literal["profile", "measured", "rule", "URDF", "nobody"]
+    bounds: list[TuningBound]
+
+
+class ProfileTuning(BaseModel):
+    """Gains, limits and surroundings of the arm."""
+
+    file: str = Field(description="On the daemon's machine")
+    name: str
+    joints: list[str]
+    refusal: str | None = Field(description="Why it cannot be changed")
+    version: int = Field(description="1 before any change")
+    values: list[TuningValue]
+
+
+class ProfileUndo(Strict):
+    """Take the last change back."""
+
+    confirmed: bool = Field(False, description="What 'confirm' says was read")
+
+
+class ProfileChanges(Strict):
+    """What shall be changed. A value, null for none, or for some joints {"2": value}."""
+
+    changes: dict[TuningKey, StatedValue] = Field(
+        min_length=1, examples=[{"control.bandwidth_hz": 3.0, "limits.velocity": {"2": 0.8}}]
+    )
+    confirmed: bool = Field(False, description="What 'confirm' says was read")
+
+
+class TuningDifference(BaseModel):
+    """One value, before and after."""
+
+    key: UndoneKey = Field(description="Undo also takes back what a weighing or an import wrote")
+    title: str
+    unit: str
+    joint: int | None
+    asked: bool = Field(description="Else it follows from what was asked")
+    old: Any
+    new: Any
+    sentence: str = Field(examples=["velocity of joint 2: 1 rad/s → 0.8 rad/s"])
+
+
+class ProfileDifference(BaseModel):
+    """What a change does, or did."""
+
+    file: str
+    version: int = Field(description="That it makes")
+    diff: list[TuningDifference]
+    confirm: list[str] = Field(description="What lets the arm do more, and is to be confirmed")
+    effect: list[str] = Field(description="What holds from when on")
+    restart: bool = Field(description="Control is started anew; the arm must be unpowered")
+    written: bool
+
+
+class ProfileVersion(BaseModel):
+    """One change."""
+
+    version: int = Field(description="That it made")
+    when: str
+    changes: list[str]
+    undone: bool
+
+
+class ProfileVersions(BaseModel):
+    """Newest first."""
+
+    items: list[ProfileVersion]
+
+
+class StepFigures(BaseModel):
+    """One step; null: the joint did not get there before the next one."""
+
+    size: float = Field(description="rad, m")
+    rise: float | None = Field(description="s from 10 to 90 %")
+    target_rise: float | None = Field(description="s, of the target: limits make no jump")
+    overshoot: float = Field(description="Share of the step")
+    settling: float | None = Field(description="s until it stays within 5 %")
+    rms: float = Field(description="rad, m: tracking error")
+    worst: float = Field(description="rad, m: tracking error")
+
+
+class ServoUsed(BaseModel):
+    """What moved the arm; gains of this joint."""
+
+    law: str
+    model: str | None
+    ahead: bool = Field(description="What was measured of the joints was given ahead")
+    kp: float
+    ki: float
+    kd: float
+
+
+class JointResponse(BaseModel):
+    """One joint in one run."""
+
+    id: str
+    name: str
+    kind: str
+    control: ServoUsed | None = Field(description="null: the run does not say")
+    moved: list[Joint] = Field(description="Joints that the run moves on purpose")
+    rms: float = Field(description="rad, m: tracking error over the whole run")
+    worst: float = Field(description="rad, m: tracking error over the whole run")
+    steps: list[StepFigures] = Field(description="Of runs of kind 'step'")
+    time: list[float] = Field(description="s; 0: the begin of the first step")
+    target: list[float] = Field(description="rad, m")
+    response: list[float] = Field(description="rad, m")
+
+
+class Responses(BaseModel):
+    """One joint in several runs, in the order asked for."""
+
+    joint: Joint
+    items: list[JointResponse]

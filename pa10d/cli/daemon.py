@@ -14,9 +14,11 @@ from pa10d.cli.daemon_client import robot_options
 
 if TYPE_CHECKING:
     from pa10d.daemon.night import Secret
+    from pa10d.dynamics import Robot
     from pa10d.profile import Profile
 
 PORT = 8010
+LAWS = ("pid", "computed_torque", "feed_forward")
 
 
 def add_commands(commands: Commands) -> None:
@@ -75,8 +77,8 @@ def add_commands(commands: Commands) -> None:
     )  # fmt: skip
     experimenting.add_argument("--name", metavar="RUN", help="of the run (default: the kind)")
     experimenting.add_argument("--tag", dest="tags", nargs="+", action="extend", default=[])
-    experimenting.add_argument("--controller", choices=("pid", "computed_torque"))
-    experimenting.add_argument("--model", help="for computed torque")
+    experimenting.add_argument("--controller", choices=LAWS)
+    experimenting.add_argument("--model", help="for the laws with a model")
     experimenting.add_argument("--check", action="store_true", help="the pre-check only")
     replace_option(experimenting, "the run of this name")
     robot_options(experimenting)
@@ -89,10 +91,10 @@ def add_commands(commands: Commands) -> None:
             "pa10d controller computed_torque --model m1",
         ),
     )
+    controlling.add_argument("law", nargs="?", choices=LAWS, help="absent: say which it is")
     controlling.add_argument(
-        "law", nargs="?", choices=("pid", "computed_torque"), help="absent: say which it is"
+        "--model", help="for the laws with a model: name, id or the start of one"
     )
-    controlling.add_argument("--model", help="for computed torque: name, id or the start of an id")
     checking = commands.add(
         "check",
         check,
@@ -123,12 +125,11 @@ def serve(options: argparse.Namespace) -> Answer:
     from pa10d.api.access import tokens_from
     from pa10d.api.server import Settings
     from pa10d.api.server import serve as run
-    from pa10d.daemon.processes.simulator import is_simulated
+    from pa10d.daemon.processes.arm_lock import is_simulated
     from pa10d.daemon.timekeeping import kept_time, slower
-    from pa10d.services.robots import load_robot
     from pa10d.store.location import data_folder
 
-    profile, robot = load_robot(options.profile)
+    profile, robot = _as_tuned_here(options)
     secret = options.token_file.read_text() if options.token_file else ""
     settings = Settings(
         data=data_folder(options.data),
@@ -176,7 +177,7 @@ def experiment(options: argparse.Namespace) -> Answer:
             lines = [f"{c['level']:7s} {c['sentence']}" for c in found["checks"]]
             return Answer(found, "\n".join(lines), status=0 if found["go"] else 1)
         found = client.experiment(plan=plan, progress=progress_line(), **chosen)
-    for sentence in found["recommendation"]:
+    for sentence in [*found.get("notes", ()), *found["recommendation"]]:
         note(sentence)
     return Answer(found, "\n".join(found["runs"]))
 
@@ -200,10 +201,9 @@ def controller(options: argparse.Namespace) -> Answer:
 def check(options: argparse.Namespace) -> Answer:
     """``check``."""
     from pa10d.daemon.check import check_robot
-    from pa10d.services.robots import load_robot
     from pa10d.store.location import data_folder
 
-    profile, robot = load_robot(options.profile)
+    profile, robot = _as_tuned_here(options)
     found = check_robot(
         _on_bus(profile, options), robot, data_folder(options.data), options.seconds
     )
@@ -216,14 +216,14 @@ def check(options: argparse.Namespace) -> Answer:
 def sim(options: argparse.Namespace) -> Answer:
     """``sim``: until interrupted."""
     from pa10d.common.errors import UserError
-    from pa10d.daemon.processes.simulator import claim, serve_arm
+    from pa10d.daemon.processes.arm_lock import arm_lock
+    from pa10d.daemon.processes.simulator import serve_arm
     from pa10d.profile import load_profile
 
     profile = _on_bus(load_profile(options.profile), options)
-    lock = claim(profile)
-    if lock is None:
-        raise UserError(f"a virtual arm is on '{profile.can.channel}' already")
-    with lock:
+    with arm_lock(profile) as held:
+        if held is None:
+            raise UserError(f"a virtual arm is on '{profile.can.channel}' already")
         serve_arm(profile, lambda: note(f"virtual arm on '{profile.can.channel}'"))
     return Answer(None)
 
@@ -243,6 +243,18 @@ def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile
     note(f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on")
     today, later = (with_secret(profile, hidden, seed, day) for day in (False, True))
     return today, None if hidden.foreign else Secret(later, hidden.in_words(), hidden.changes)
+
+
+def _as_tuned_here(options: argparse.Namespace) -> tuple[Profile, Robot]:
+    """The profile, of one that is shipped the copy that was tuned with this data."""
+    from pa10d.profile import find_profile
+    from pa10d.services.robots import load_robot
+    from pa10d.services.tuning import own_profile
+
+    path = own_profile(options.data, options.profile)
+    if path != find_profile(options.profile):
+        note(f"{options.profile} as tuned here: {path}")
+    return load_robot(path)
 
 
 def _on_bus(profile: Profile, options: argparse.Namespace) -> Profile:

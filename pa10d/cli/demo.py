@@ -58,7 +58,8 @@ def demo(options: argparse.Namespace) -> Answer:
     bench = Bench(profile, hidden, seed)
     tell("The whole story takes one to three minutes on most machines; Ctrl-C ends it.")
     tell(
-        f"1. A simulated {profile.name} and its daemon start, on a bus of their own (seed {seed})."
+        f"1. A simulated {profile.name} and its daemon start, in simulated time, on a bus of their "
+        f"own (seed {seed})."
     )
     with study_folder(options.data) as data, bench.running(data):
         told = play(bench, hidden, seed, tell, progress_line())

@@ -194,10 +194,12 @@ def in_words(found: Diagnosis) -> str:
             f"{name} = {v}" for name, v in finding.parameters.items() if v.determined
         )
         lines.append(f"   {finding.term.label}: {values}")
-        open_ = [name for name, v in finding.parameters.items() if not v.determined]
-        if open_:
-            would = finding.term.effect.experiment.rstrip(".")
-            lines.append(f"   not determined: {listed(open_)}; would be by: {would}")
+        open_: dict[str, list[str]] = {}
+        for name, value in finding.parameters.items():
+            if not value.determined:
+                open_.setdefault(finding.term.effect.shown_by(name), []).append(name)
+        for would, names in open_.items():
+            lines.append(f"   not determined: {listed(names)}; would be by: {would}")
         if finding.next_experiment is not None:
             lines.append(f"   settle the doubt with: {as_command(finding.next_experiment)}")
     maps = {s.joint: s for s in found.mapped}
@@ -205,8 +207,8 @@ def in_words(found: Diagnosis) -> str:
         lines.append(line.sentence)
         if line.joint in maps and not found.frozen:
             lines.append(
-                "   a smooth map removes it, and explains nothing: pa10d add … smooth_map --joint "
-                f"{line.joint + 1} --over '{','.join(line.depends_on)}'"
+                "   a smooth map removes that part, and explains nothing: pa10d add … smooth_map "
+                f"--joint {line.joint + 1} --over '{','.join(line.depends_on)}'"
             )
     lines += [f"warning: {warning}" for warning in found.warnings]
     head = [

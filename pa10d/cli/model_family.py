@@ -11,7 +11,7 @@ from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.models import _library, _model, _rows
 from pa10d.cli.progress import progress_line
-from pa10d.export.endings import ENDINGS, FORMATS
+from pa10d.export.endings import ENDINGS, FOLDERS, FORMATS
 
 if TYPE_CHECKING:
     from pa10d.store.models import ModelInfo
@@ -59,6 +59,8 @@ def add_commands(commands: Commands) -> None:
         examples=(
             "pa10d model export m1 --format mjcf --out arm.xml",
             "pa10d model export m1 --format c",
+            "pa10d model export m1 --format ros2_control --out src/m1_feed_forward",
+            "pa10d model export m1 --format tables --out tables",
         ),
     )
     _model(parser)
@@ -68,7 +70,10 @@ def add_commands(commands: Commands) -> None:
         help="feasible: bodies that can exist (default); free: the unconstrained fit",
     )  # fmt: skip
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="default: ./MODEL.urdf, .py, .h, .json"
+        "--out",
+        type=Path,
+        metavar="PATH",
+        help="default: ./MODEL.urdf, .py, .h, …; ros2_control and tables are folders",
     )
     replace_option(parser, "an existing file")
 
@@ -155,11 +160,13 @@ def history(options: argparse.Namespace) -> Answer:
 def export(options: argparse.Namespace) -> Answer:
     """``model export``."""
     from pa10d.common.errors import UserError
-    from pa10d.services.models import export_model, write_file
+    from pa10d.services.models import export_model, write_export
 
     library, parameters = _library(options), options.parameters
     info, made = export_model(library, options.model_, options.format, parameters)
-    out = options.out or Path(f"{info.name}.{ENDINGS[options.format]}")
+    folder = options.format in FOLDERS
+    ending = f"_{options.format}" if folder else f".{ENDINGS[options.format]}"
+    out = options.out or Path(f"{info.name}{ending}")
     if out.exists() and not options.replace:
         raise UserError(f"{out}: there is such a file already; expected another or --replace")
     said = [*made.warnings, *made.not_carried]
@@ -167,11 +174,11 @@ def export(options: argparse.Namespace) -> Answer:
         said.append(made.loss.sentence)
     for line in said:
         note(f"warning: {line}")
-    write_file(out.absolute(), made.text)
+    write_export(made, out.absolute())
     document = {
         "id": info.id, "name": info.name, "file": out.absolute(), "format": made.format,
         "parameters": made.parameters, "not_carried": list(made.not_carried),
-        "warnings": list(made.warnings),
+        "warnings": list(made.warnings), "files": sorted(made.files),
         "loss": None if made.loss is None else vars(made.loss),
     }  # fmt: skip
     return Answer(document, f"{out} ({made.parameters} parameters)")

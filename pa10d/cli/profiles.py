@@ -1,4 +1,4 @@
-"""``pa10d profile …``: which robots there are, and a new one."""
+"""``pa10d profile …``: which robots there are, a new one, and how one is tuned."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pa10d.cli import tuning
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, replace_option
 
@@ -54,6 +55,7 @@ def add_commands(commands: Commands) -> None:
         "the profiles that --profile knows by name",
         examples=("pa10d profile list",),
     )
+    tuning.add_to(profiles)
 
 
 def new(options: argparse.Namespace) -> Answer:

@@ -39,13 +39,18 @@ def add_commands(commands: Commands) -> None:
         action="store_true",
         help="say what to know before fitting, and store nothing that a fit must not use",
     )
-    parser.add_argument(
-        "--map", metavar="COL[unit]=FIELD", nargs="+", action="extend", default=[],
-        help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …; {n} in COL stands for "
-        "the joint's number: 't[ms]=time' 'joint_{n}_position[deg]=q'",
-    )  # fmt: skip
+    _map_option(parser)
     parser.add_argument("--force", action="store_true", help="store it whatever --check says")
     replace_option(parser, "the run of this name")
+    looking = runs.add(
+        "preview",
+        preview,
+        "what a file's columns seem to be, and what to know of it; nothing is stored",
+        examples=("pa10d run preview log.csv --profile robot.urdf",),
+    )
+    looking.add_argument("file", type=Path, metavar="FILE|FOLDER", help="a recording")
+    profile_option(looking)
+    _map_option(looking)
     runs.add("list", list_, "all runs, oldest first", examples=("pa10d run list",))
     _one_run(runs.add("show", show, "what is known of a run", examples=("pa10d run show train",)))
     checking = runs.add(
@@ -98,6 +103,34 @@ def import_(options: argparse.Namespace) -> Answer:
         note(result.kept)
     note(f"{result.info.name}: {_extent(result.info)}")
     return Answer(document, result.info.id)
+
+
+def preview(options: argparse.Namespace) -> Answer:
+    """``run preview``; exit status 1 where an import would be refused."""
+    from pa10d.cli.progress import progress_line
+    from pa10d.services.import_preview import preview_recording
+    from pa10d.services.robots import load_robot
+
+    profile, robot = load_robot(options.profile)
+    found = preview_recording(
+        options.file, profile, robot, mapping=options.map, progress=progress_line()
+    )
+    head = ["column", "read as", "unit", "low", "high", "first values"]
+    rows = [
+        [c.name, c.field or "–", c.unit, f"{c.low:.4g}", f"{c.high:.4g}",
+         "  ".join(f"{v:.6g}" for v in c.first)]
+        for c in found.columns
+    ]  # fmt: skip
+    lines = [table(head, rows), f"and {found.left_out} more columns" if found.left_out else ""]
+    lines += ["", *found.remarks]
+    lines += [f"{f['severity']}: {f['sentence']}{_advised(f['advice'])}" for f in found.findings]
+    lines += [f"error: {found.problem}" if found.problem else "", found.line]
+    wrong = found.problem or any(f["severity"] == "error" for f in found.findings)
+    return Answer(found.document(), "\n".join(filter(None, lines)), status=1 if wrong else 0)
+
+
+def _advised(advice: str) -> str:
+    return f" → {advice}" if advice else ""
 
 
 def list_(options: argparse.Namespace) -> Answer:
@@ -167,6 +200,14 @@ def _store(options: argparse.Namespace) -> RunStore:
     from pa10d.store import RunStore
 
     return RunStore(options.data)
+
+
+def _map_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--map", metavar="COL[unit]=FIELD", nargs="+", action="extend", default=[],
+        help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …; {n} in COL stands for "
+        "the joint's number: 't[ms]=time' 'joint_{n}_position[deg]=q'",
+    )  # fmt: skip
 
 
 def _one_run(parser: argparse.ArgumentParser) -> None:

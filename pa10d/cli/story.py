@@ -37,6 +37,6 @@ def study_folder(given: str | None) -> Iterator[Path]:
 
 def seed_number(text: str) -> int:
     """Of an option."""
-    if not text.isdigit():
+    if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number from 0")
     return int(text)

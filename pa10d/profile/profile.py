@@ -84,6 +84,7 @@ class Drive(_Strict):
     counts_per_rev: Positive  # encoder counts per *joint* revolution
     rated_torque: Positive  # N·m at the motor: the unit of 0x6076, per mille in 0x6071/0x6077
     gear_ratio: Positive = 1.0
+    torque_gain: Positive = 1.0  # N·m that the drive calls so for one true one: a known weight's
     sign: Literal[1, -1] = 1
     zero_offset: Number = 0.0  # rad: q = sign · counts · 2π/counts_per_rev - zero_offset
     brake: Annotated[bool, Field(strict=True)] = True

@@ -228,11 +228,78 @@ class Investigate(Document):
     report: str | None
 
 
+class LawFollowed(Document):
+    """One control law. rms, max: tracking error, rad (m); of_pid: the share of PID's RMS."""
+
+    controller: Literal["pid", "feed_forward", "computed_torque"]
+    model: str | None
+    run: str
+    rms: PerJoint
+    max: PerJoint
+    of_pid: Known
+
+
+class Worth(Document):
+    """What the last model leaves of the first one's tracking RMS, under one law. joint: from 1, the
+    one that gains most; before, after: its RMS, rad (m)."""
+
+    controller: Literal["feed_forward", "computed_torque"]
+    rms: Known
+    joint: int
+    before: float
+    after: float
+
+
+class Track(Document):
+    """One motion under each control law; worth: empty where there is one model."""
+
+    kind: str
+    parameters: dict[str, Any]
+    joints: list[str]
+    runs: list[str]
+    laws: list[LawFollowed]
+    worth: list[Worth]
+
+
 class RunDocument(Document):
     """A recording in the store."""
 
     id: str
     name: str
+
+
+class TorqueGain(Document):
+    """Of one joint: measured torque over true torque; null where it is not determined (``why``)."""
+
+    joint: int
+    gain: float | None
+    std_error: float | None
+    of_noise: float | None = Field(description="What noise makes of the standard error")
+    of_weight: float | None = Field(description="What is not known of the weight makes of it")
+    between: list[float] | None = Field(
+        description="Bounds that friction with the load leaves, two standard errors included"
+    )
+    why: str | None
+
+
+class Scale(Document):
+    """Torque gains by known weights. prospects: what each weight at hand would bring."""
+
+    joints: list[TorqueGain]
+    prospects: list[dict[str, Any]]
+    advice: str | None
+
+
+class Weigh(Scale):
+    """A weighing. next: ``weight`` to record with (its number, 0: none, null: nothing is left to
+    do) and ``says``."""
+
+    id: str
+    name: str
+    robot: str
+    weights: list[dict[str, Any]]
+    empty: list[str] = Field(description="Ids of the runs without a weight")
+    next: dict[str, Any]
 
 
 class NewProfile(Document):
@@ -259,6 +326,9 @@ SCHEMAS: dict[str, type[Document]] = {
     "demo": Demo,
     "profile-new": NewProfile,
     "investigate": Investigate,
+    "scale": Scale,
+    **{f"weigh-{step}": Weigh for step in ("begin", "record", "guide", "show", "apply", "undo")},
+    "track": Track,
     "run-import": RunDocument,
     "run-show": RunDocument,
     "error": Failure,

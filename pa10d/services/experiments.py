@@ -9,20 +9,23 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
 from pa10d.control.motion_check import wrong_with_rows
 from pa10d.dynamics import Robot, inverse_dynamics
+from pa10d.dynamics.carried import carrying
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.margins import margins, preview
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
+from pa10d.identify.scale import Body
 from pa10d.services.library import open_library
+from pa10d.services.responses import steps_in
 from pa10d.services.robots import load_robot
+from pa10d.services.tuning.arm import Tuned
 from pa10d.store import Channels
 from pa10d.store.location import data_folder
 from pa10d.store.room import shortage, size_of_run
@@ -41,6 +44,12 @@ def refuse_wrong_request(robot: Robot, kind: str, parameters: Mapping[str, Any])
     around = Surroundings.of(robot)
     asked.chosen(around)
     asked.home(around)
+
+
+def refuse_impossible_motion(robot: Robot, kind: str, parameters: Mapping[str, Any]) -> None:
+    """The same with the whole motion planned, where it is to come long after it was asked for."""
+    refuse_wrong_request(robot, kind, parameters)
+    read_request({"kind": kind, "parameters": parameters}).build(Surroundings.of(robot))
 
 
 def make_plan(
@@ -70,26 +79,43 @@ def prepare_motion(
     model: str | None,
     joints: Mapping[str, Any] | None = None,
     ahead: bool = True,
+    law: str = "pid",
+    weight: str | None = None,
 ) -> dict[str, Any]:
     """The planned motion from where the arm stands, as rows for the loop, with its pre-check.
 
     joints: figures and gains of a plain servo whose joints were measured; without gains, of a first
-    motion under way. ahead: the servo is given what was measured.
+    motion under way. ahead: the servo is given what was measured. law: of control, for the record.
+    weight: one that hangs at the last joint; the arm is checked with it, and given the torque that
+    it asks for. ``adjusted`` of what is given back says what was changed of the plan, or is None.
     """
-    found, robot = load_robot(profile)
+    found, bare = load_robot(profile)
+    body = None if weight is None else Body.of(weight)
+    robot = bare if body is None else carrying(bare, body.mass, np.array(body.com))
     place = Path(folder)
     text = (place / PLAN).read_text(encoding="utf-8")
     plan, limits = Plan.from_dict(json.loads(text)), limits_of(robot)
     rate, bounds = found.control.rate, arm_limits(found, robot)  # says which limit is missing
     said: list[Check] = []
+    adjusted = None
     figures = None if joints is None else JointFigures.from_document(joints["figures"])
-    if figures is not None and joints is not None and "gains" in joints:
-        known = Joints(figures, PidGains.from_document(joints["gains"]), ahead)
+    told = json.loads(text)
+    under_way = joints is not None and "gains" not in joints
+    gains = Tuned(found, bare, None if under_way else joints).gains
+    if not under_way:
+        carried = model is None and figures is not None and ahead
+        held = gains if law == "pid" else Tuned.of(data, found, bare).gains  # they hold beside it
+        used = {"law": law, "model": model, "ahead": carried, "gains": held.document()}
+        told = {**told, "control": used}
+        (place / PLAN).write_text(json.dumps(told), encoding="utf-8")
+    if figures is not None and not under_way:
+        known = Joints(figures, gains, ahead)
         chosen = paced(plan, np.array(start), robot, bounds, rate, known)
         whole, said = chosen.whole, [chosen.check]
+        adjusted = chosen.adjusted and chosen.adjusted.document()
         if chosen.plan is not plan:
             plan = chosen.plan
-            kept = {"parameters": json.loads(text)["parameters"], **plan.to_dict()}
+            kept = {**told, **plan.to_dict()}
             (place / PACED).write_text(json.dumps(kept), encoding="utf-8")
     else:
         whole = whole_motion(plan, np.array(start), robot, rate)
@@ -102,6 +128,9 @@ def prepare_motion(
     rows = rows_of(whole, stored, live)
     if live is None and figures is not None and ahead:
         rows[:, -robot.n :] += measured_torque(plan, whole, robot, figures, rate)
+    if body is not None and ahead:
+        asked = inverse_dynamics(robot, body.parameters(robot), q, dq, ddq)
+        rows[:, -robot.n :] += asked - asked[0]  # what holds it at the beginning, the servo gives
     wrong = wrong_with_rows(rows, whole.first, whole.last, np.array(start), bounds, 1.0 / rate)
     said.append(Check("error", "control", wrong) if wrong else Check("ok", "control", TAKEN))
     np.save(place / ROWS, rows)
@@ -112,6 +141,7 @@ def prepare_motion(
             c.document()
             for c in [*checks_of(whole, torque, limits, robot.environment), *said, room]
         ],
+        "adjusted": adjusted,
         "margins": margins(whole, torque, limits, Surroundings.of(robot).capsules),
         "preview": preview(whole),
         "start": list(start),
@@ -138,6 +168,12 @@ def analyse(data: str, profile: str, kind: str, runs: list[str]) -> dict[str, An
     names, tracking = [info.name for info in infos], [tracking_of(run) for run in stored]
     advice = recommendation(kind, names, tracking, arm_limits(found, robot))
     analysis = {name: seen.document() for name, seen in zip(names, tracking, strict=True)}
+    if kind == "step":
+        for name, run in zip(names, stored, strict=True):
+            told = json.loads(run.metadata["pa10d.plan"]["plan"])
+            steps = steps_in(run, Plan.from_dict(told))
+            analysis[name]["steps"] = {j: [s.document() for s in steps[j]] for j in steps}
+            advice = [*(steps[j][0].sentence(j) for j in steps if steps[j]), *advice]
     if kind == "boundary_velocity":
         for name, run in zip(names, stored, strict=True):
             told = json.loads(run.metadata["pa10d.plan"]["plan"])

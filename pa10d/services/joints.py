@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
+from pa10d.common.words import listed
 from pa10d.control.gains import PUSH, PidGains, after_swing, fitted_gains, pid_gains
 from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import Robot
-from pa10d.experiments.measured_joints import Seen, measured_figures, sentences
+from pa10d.experiments.measured_joints import Seen, bandwidths, measured_figures, sentences
 from pa10d.profile import Profile
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot
@@ -99,17 +100,38 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: Mapping[str, 
         plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
         seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
     figures = measured_figures(robot, seen, torque_steps(found, robot))
-    swung = JointFigures.from_document(known["figures"]).swung
-    return learnt(found, robot, figures.but(swung=swung))
+    learned = learnt(found, robot, figures.after(JointFigures.from_document(known["figures"])))
+    if (reason := not_held(learned, found.control.rate)) is not None:
+        raise UserError(reason)
+    return learned
+
+
+def not_held(learned: Mapping[str, Any], rate: float) -> str | None:
+    """Which joints no stable gains hold in every pose, and what to do; None: all are held."""
+    shaky = [j for j, peak in enumerate(learned["sensitivity"], 1) if not np.isfinite(peak)]
+    if not shaky:
+        return None
+    return (
+        f"joint {listed([str(j) for j in shaky])}: what was measured leaves no stable gains that "
+        f"hold it in every pose at {rate:g} Hz; raise control.rate, or look for what gives way "
+        "between motor and link"
+    )
 
 
 def keep_joints(data: str, profile: str, runs: list[str], known: Mapping[str, Any]) -> Document:
     """Write down what was learnt; it holds until the profile or the URDF changes."""
     found = load_robot(profile)[0]
     now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    head = {"schema": SCHEMA, "profile": found.name, "fingerprint": fingerprint(found)}
-    document = {**head, "measured": now, "runs": runs, **known}
-    place = _place(data, found)
+    return keep_for(data, found, {"measured": now, "runs": runs, **known})
+
+
+def keep_for(
+    data: str | os.PathLike[str] | None, profile: Profile, known: Mapping[str, Any]
+) -> Document:
+    """Write down what is known of this profile's joints: ``measured``, ``runs``, figures, gains."""
+    head = {"schema": SCHEMA, "profile": profile.name, "fingerprint": fingerprint(profile)}
+    document = {**known, **head}
+    place = _place(data, profile)
     place.parent.mkdir(parents=True, exist_ok=True)
     write_json(place, document)
     return document
@@ -138,7 +160,8 @@ def calmed(
     softer = PidGains.from_document(again["gains"])
     share = float(softer.kd[axis] / max(gains.kd[axis], 1e-12))
     usual = inertias(robot, figures).usual[axis]
-    if not SOFTEST < lighter.swung[axis] / usual < 1.0 / SOFTEST:
+    too_far = not SOFTEST < lighter.swung[axis] / usual < 1.0 / SOFTEST
+    if too_far or not np.isfinite(again["sensitivity"][axis]):
         return None
     note = (
         f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit that were set (damping "
@@ -174,6 +197,10 @@ def learnt(profile: Profile, robot: Robot, figures: JointFigures) -> Document:
     return {
         "figures": figures.document(),
         "gains": gains.document(),
+        "bandwidth_hz": {
+            "asked": profile.control.servo_bandwidth,
+            "joints": bandwidths(robot, figures, gains).tolist(),
+        },
         "sensitivity": fitted.sensitivity.tolist(),
         "inertia": {key: values.tolist() for key, values in span._asdict().items()},
         "resonance_hz": [

@@ -25,6 +25,7 @@ from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.folders import write_text
 from pa10d.store.models import ModelInfo
+from pa10d.store.out_of_core import LARGE, RecordingOnDisk, size_in_memory
 
 if TYPE_CHECKING:
     from pa10d.export.endings import Format
@@ -88,7 +89,7 @@ def identify_runs(
     if not replace:
         library.models.refuse_taken(name)
     robot = load_robot(profile)[1]
-    _, recordings = read_runs(library, runs, robot, force=force)
+    _, recordings = read_runs(library, runs, robot, force=force, out_of_core=True)
     model, found = identified(
         recordings,
         robot,
@@ -140,7 +141,7 @@ def compare_runs(
     steps = [Stair(info.name, info.change, comparison.pooled.scores.rms)]
     if ancestors:
         progress(0.9, "earlier versions")
-        steps = [*_earlier(library, info, recordings, band), *steps]
+        steps = _versions(library, info, recordings, band) or steps
     return Compared(info, tuple(infos), comparison, tuple(steps))
 
 
@@ -154,15 +155,27 @@ def with_noise_floor(model: TorqueModel, found: Judgement) -> TorqueModel:
 
 
 def read_runs(
-    library: Library, runs: Sequence[str], robot: Robot, *, force: bool = False
+    library: Library,
+    runs: Sequence[str],
+    robot: Robot,
+    *,
+    force: bool = False,
+    out_of_core: bool = False,
 ) -> tuple[list[RunInfo], list[Recording]]:
     """Stored runs of a robot by name or id; the same run given twice counts once.
 
-    Unsound where the checks have an error against one of them, unless forced."""
+    Unsound where the checks have an error against one of them, unless forced. out_of_core: for who
+    works a stretch at a time and needs no further channels; together too large for memory, the
+    recordings stay on disk."""
     infos = list({info.id: info for info in map(library.runs.find, runs)}.values())
     refuse_unsound(infos, force=force)  # what is known without reading
-    recordings = [library.runs.recording(info) for info in infos]
-    refuse_unsound(infos, recordings, robot, force=force)
+    large = sum(size_in_memory(info.samples, len(info.joints)) for info in infos) > LARGE
+    recordings: list[Recording] = []
+    for info in infos:
+        recording = library.runs.recording(info)
+        refuse_unsound([info], [recording], robot, force=force)
+        on_disk = out_of_core and large
+        recordings.append(RecordingOnDisk(recording, library.runs.folder) if on_disk else recording)
     return infos, recordings
 
 
@@ -192,6 +205,21 @@ def export_model(
     return info, export(loaded, format, parameters, about, motions)
 
 
+def write_export(made: Exported, path: Path) -> None:
+    """A file, or the folder where the format is one; UserError says what cannot be written."""
+    if not made.files:
+        write_file(path, made.text)
+    for name, text in made.files.items():
+        inside = path / name
+        try:
+            inside.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(
+                f"{inside.parent}: {error.strerror}; expected a folder that can be written"
+            ) from error
+        write_file(inside, text)
+
+
 def _known_runs(library: Library, names: Sequence[str]) -> list[RunInfo]:
     found = {}
     for name in names:
@@ -212,14 +240,15 @@ def write_file(path: Path, text: str) -> Path:
     return path
 
 
-def _earlier(
+def _versions(
     library: Library, info: ModelInfo, recordings: Sequence[Recording], band: float
 ) -> list[Stair]:
-    older = library.models.history(info)[:-1]
-    if not older:
+    """Every version up to this one, judged on the same samples; nothing where it is the first."""
+    line = library.models.history(info)
+    if len(line) == 1:
         return []
-    found = judge_alike([library.models.load(one) for one in older], recordings, band)
+    found = judge_alike([library.models.load(one) for one in line], recordings, band)
     return [
         Stair(one.name, one.change, judged.rms, judged.floor.values)
-        for one, judged in zip(older, found, strict=True)
+        for one, judged in zip(line, found, strict=True)
     ]

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-import re
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from pa10d.checks import Finding, beyond_limits, check_recording
+import numpy as np
+
+from pa10d.checks import (
+    Finding,
+    beyond_limits,
+    check_commanded,
+    check_recording,
+    in_order,
+)
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 from pa10d.readers import read_recording
 from pa10d.services.kept_mapping import keep_mapping
+from pa10d.services.mending import in_words_of
 from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
-from pa10d.store.column_guess import DEMANDED
+from pa10d.store.channels import Array
+from pa10d.store.column_guess import guessed, was_asked_for
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
-_MAPPED = re.compile(r"'((?:q|dq|tau)\d+)\[")
 PACKED = (".gz", ".bz2", ".zst")
 KNOWN = (
     ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".parquet", ".feather", ".arrow", ".mat",
@@ -57,8 +66,8 @@ def import_run(
     (Unsound), unless forced. What the checks say stays with the run."""
     found = read_recording(file, profile, robot, mapping, lambda s: progress(0.8 * s, "reading"))
     recording = _recording(found, name or file.name)
-    checked = check_recording(recording, found.timing, robot, delay=check)
-    findings = [*_demanded(found.called), *(_in_words_of(f, found.called) for f in checked)]
+    checked = findings_of(found, recording.name, robot, delay=check)
+    findings = [in_own_words(finding, found, robot.n) for finding in checked]
     errors = [finding for finding in findings if finding.severity == "error"]
     if check and errors and not force:
         raise unsound(file.name, errors)
@@ -76,12 +85,13 @@ def import_run(
         time_zero_ns=found.time_zero_ns,
     ) as writer:
         writer.append(found.samples)
-    kept = keep_mapping(profile, mapping) if mapping else ""
+    kept = keep_mapping(store.folder.parent, profile, mapping) if mapping else ""
     return Imported(writer.info, found.header_warnings, findings, kept)
 
 
 def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
-    """The checks of an import, for a run that is stored."""
+    """The checks of an import, for a run that is stored; what the import said in words of the file
+    stays so."""
     info = store.find(run)
     recording, timing = store.read(info).recording(info.name)
     if recording.joints != robot.n:
@@ -89,12 +99,45 @@ def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
             f"run {info.name!r}: found {recording.joints} joints, expected the {robot.n} of "
             f"{robot.name}"
         )
-    return check_recording(recording, timing, robot)
+    told = {(one["code"], one["sentence"]): one["advice"] for one in info.findings or ()}
+    return [
+        dataclasses.replace(finding, advice=told.get(_key(finding), finding.advice))
+        for finding in check_recording(recording, timing, robot)
+    ]
+
+
+def _key(finding: Finding) -> tuple[str, str]:
+    return finding.code, finding.sentence
+
+
+def findings_of(found: CsvRecording, name: str, robot: Robot, *, delay: bool) -> list[Finding]:
+    """What to know of a recording that was read, gravest first, with fields for columns."""
+    recording = _recording(found, name)
+    by_name = _demanded(found.called)
+    wanted = _wanted(found.samples, robot)
+    by_law = [] if wanted is None else check_commanded(recording, wanted, robot.joint_names)
+    told = by_name or list(by_law)
+    return in_order([*told, *check_recording(recording, found.timing, robot, delay=delay)])
+
+
+def in_own_words(finding: Finding, found: CsvRecording, n: int) -> Finding:
+    """Its ``--map`` options with the columns of the file that was read."""
+    return in_words_of(finding, found.called, found.said, n)
+
+
+def _wanted(samples: Samples, robot: Robot) -> Array | None:
+    """(N, n) the positions that were asked for, where further channels are called like them."""
+    choices = guessed(list(samples.extra), robot.n, robot.joint_names, demanded=True)
+    columns = {choice.field: samples.extra[choice.column] for choice in choices}
+    fields = [f"q{j}" for j in range(1, robot.n + 1)]
+    if not all(field in columns for field in fields):
+        return None
+    return np.stack([columns[field] for field in fields], axis=1)
 
 
 def _demanded(called: Mapping[str, str]) -> list[Finding]:
     """Torques from columns whose names say that they were asked for, not measured."""
-    named = [c for field, c in called.items() if field.startswith("tau") and DEMANDED.search(c)]
+    named = [c for field, c in called.items() if field.startswith("tau") and was_asked_for(c)]
     if not named:
         return []
     return [
@@ -106,15 +149,6 @@ def _demanded(called: Mapping[str, str]) -> list[Finding]:
             "missing otherwise",
         )
     ]
-
-
-def _in_words_of(finding: Finding, called: Mapping[str, str]) -> Finding:
-    """Its ``--map`` line with the file's own names of the columns."""
-
-    def own(match: re.Match[str]) -> str:
-        return f"'{called.get(match[1], match[1])}["
-
-    return replace(finding, advice=_MAPPED.sub(own, finding.advice))
 
 
 def _without_folder(file: Path, text: str) -> str:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
+from pa10d.dynamics.environment import Box
 from pa10d.figures.coarse import coarser
 from pa10d.profile import load_profile
 from pa10d.services.robots import load_robot
@@ -68,6 +69,10 @@ def shape(data: str, profile: str) -> dict[str, Any]:
         "order": robot.order.tolist(),
         "up": _up(robot),
         "floor": robot.environment.floor,
+        "boxes": [
+            {"name": box.name, "size": box.size.tolist(), "place": _placed(box).ravel().tolist()}
+            for box in robot.environment.boxes
+        ],
         "capsules": [
             {"link": int(link), "start": start.tolist(), "end": end.tolist(), "radius": float(r)}
             for link, start, end, r in zip(
@@ -215,6 +220,13 @@ def _turned(outline: Array, around: int) -> tuple[Array, NDArray[np.uint32]]:
             low, high = k * around, (k + 1) * around
             triangles += [[low + a, low + b, high + b], [low + a, high + b, high + a]]
     return vertices, np.array(triangles, dtype=np.uint32)
+
+
+def _placed(box: Box) -> Array:
+    """(4, 4) from the box's own axes, about its centre, to the base frame; m."""
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = box.rotation, box.position
+    return place
 
 
 def _up(robot: Robot) -> list[float]:

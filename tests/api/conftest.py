@@ -26,8 +26,18 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.fixture(scope="session")
-def arm(tmp_path_factory) -> Client:
-    with local_daemon(tmp_path_factory.mktemp("api"), clock="simulated") as client:
+def data_of_arm(tmp_path_factory) -> Path:
+    """Its data folder, in which another daemon was killed while a file was sent to it."""
+    folder = tmp_path_factory.mktemp("api")
+    sent = folder / "uploads" / "tmp1234"
+    sent.mkdir(parents=True)
+    (sent / "log.csv").write_text("time,q1\n")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def arm(data_of_arm) -> Client:
+    with local_daemon(data_of_arm, clock="simulated") as client:
         yield client
 
 

@@ -156,6 +156,14 @@ def test_tokens_reach_as_far_as_they_say(guarded):
     refused(ask("POST", "/api/v1/runs", "seer"), 403, "scope")
     refused(ask("DELETE", "/api/v1/runs/x", "mover"), 403, "scope")
     refused(ask("DELETE", "/api/v1/runs/x", "root"), 404, "not-found")
+    refused(ask("PATCH", "/api/v1/profile", "mover"), 403, "scope")
+    refused(ask("POST", "/api/v1/profile/undo", "mover"), 403, "scope")
+    refused(ask("PATCH", "/api/v1/profile", "root"), 422, "invalid")
+    refused(ask("POST", "/api/v1/profile/check", "mover"), 422, "invalid")
+    refused(ask("POST", "/api/v1/weighings/x/apply", "mover"), 403, "scope")
+    refused(ask("POST", "/api/v1/weighings/x/undo", "mover"), 403, "scope")
+    refused(ask("POST", "/api/v1/weighings/x/undo", "root"), 404, "not-found")
+    refused(ask("POST", "/api/v1/weighings", "mover"), 422, "invalid")
 
 
 def test_replacing_takes_away_and_needs_what_deleting_needs(guarded):

@@ -64,6 +64,15 @@ def test_a_model_with_its_effects_goes_back_to_work(sticky, capsys):
     asked = error_of(sticky, "asked", controller="computed_torque", model="with-stribeck")
     assert asked == pytest.approx(complete, rel=0.2)
 
+    found = cli(
+        sticky, capsys, "track", "textbook", "with-stribeck", "--set", "period=6", "cycles=1"
+    )
+    laws = {(law["controller"], law["model"]): law["rms"][3] for law in found["laws"]}
+    for law in ("feed_forward", "computed_torque"):
+        assert laws[law, "with-stribeck"] < 0.5 * laws[law, "textbook"]
+    assert {worth["joint"] for worth in found["worth"]} == {4}
+    assert cli(sticky, capsys, "controller")["model"] == "with-stribeck"  # as it was found
+
     assert sticky.use_controller("pid")["model"] is None
     assert error_of(sticky, "pid again") == pytest.approx(
         pid, rel=0.2
@@ -74,6 +83,10 @@ def test_what_cannot_be_loaded_is_said(arm, capsys, tmp_path):
     with pytest.raises(ApiError, match="model 'nobody': none of this name"):
         arm.use_controller("computed_torque", "nobody")
     with pytest.raises(ApiError, match="expected 'model'"):
-        arm.use_controller("computed_torque")
+        arm.use_controller("feed_forward")
+    with pytest.raises(ApiError, match="model 'nobody': none of this name"):
+        arm.track(["nobody"])
+    with pytest.raises(ApiError, match="a first motion is the servo's own"):
+        arm.track(["nobody"], "first_motion")
     assert main(["--data", str(tmp_path), "controller", "pid"]) == 1
     assert "no daemon runs on this data" in capsys.readouterr().err

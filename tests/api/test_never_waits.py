@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import httpx
 import pytest
 
+from backends.error_history import DriveErrors
 from pa10d.api.app import create_app
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.shelf import Shelf
@@ -48,7 +49,7 @@ def asked(tmp_path):
 
 
 def test_stop_is_answered_while_a_suspended_process_holds_the_runs(asked, monkeypatch):
-    monkeypatch.setattr("pa10d.store.folders.PATIENCE", 1.0)
+    monkeypatch.setattr("pa10d.store.folders.PATIENCE", 3600.0)
 
     async def scenario(http, daemon, control):
         with locked(daemon.runs.folder):
@@ -56,15 +57,26 @@ def test_stop_is_answered_while_a_suspended_process_holds_the_runs(asked, monkey
                 asyncio.create_task(http.patch("/api/v1/runs/one", json={"tags": [f"t{k}"]}))
                 for k in range(8)
             ]
-            await asyncio.sleep(0.3)
+            while daemon.changes._waiting < len(changes):
+                await asyncio.sleep(0.01)
             stopped = await http.post("/api/v1/robot/stop")
             listed = await http.get("/api/v1/runs")
             assert not any(change.done() for change in changes)
             assert stopped.status_code == listed.status_code == 200
             assert control.told == ["stop"]
-            for answer in await asyncio.gather(*changes):
-                assert answer.status_code == 503
-                assert "has held it for too long" in answer.json()["detail"]
+        assert [one.status_code for one in await asyncio.gather(*changes)] == [200] * len(changes)
+
+    asked(scenario)
+
+
+def test_whoever_has_waited_too_long_for_the_runs_is_told_so(asked, monkeypatch):
+    monkeypatch.setattr("pa10d.store.folders.PATIENCE", 0.05)
+
+    async def scenario(http, daemon, control):
+        with locked(daemon.runs.folder):
+            answer = await http.patch("/api/v1/runs/one", json={"tags": ["t"]})
+            assert answer.status_code == 503
+            assert "has held it for too long" in answer.json()["detail"]
         assert (await http.patch("/api/v1/runs/one", json={"tags": ["t"]})).status_code == 200
 
     asked(scenario)
@@ -133,10 +145,67 @@ def test_what_is_set_aside_is_seen(asked):
         stray.mkdir()
         (stray / "run.json").write_text('{"id": "stray", "name": 7}')
         (daemon.models.folder / "bad.yaml").write_text("- 1")
-        for what, name in (("runs", "stray"), ("models", "bad")):
+        for what, name, place in (("runs", "stray", "stray"), ("models", "bad", "bad.yaml")):
             found = (await http.get(f"/api/v1/{what}")).json()
             assert [other["id"] for other in found["set_aside"]] == [name]
-            assert found["set_aside"][0]["reason"]
+            assert found["set_aside"][0]["place"] == f"{what}/{place}"
+            assert found["set_aside"][0]["reason"].startswith(f"{what}/{place}")
+
+    asked(scenario)
+
+
+def test_what_control_tells_of_a_fault_is_what_clients_read(asked):
+    fault = {
+        "kind": "backend", "cause": "it broke in 'read'", "joint": 2, "remedy": "report it",
+        "sentence": "joint 2: it broke in 'read'; report it", "state": "holding",
+        "time": 1.0, "sequence": 0, "device": False, "hertz": 0.0,
+    }  # fmt: skip
+
+    async def scenario(http, daemon, control):
+        told = {"event": "state", "state": "fault", "fault": fault, "controller": "pid"}
+        daemon.robot._heard({**told, "warnings": [], "sequence": 0})
+        robot = (await http.get("/api/v1/robot")).json()
+        assert robot["state"] == "fault"
+        assert robot["fault"] == fault
+        refused = await http.post("/api/v1/experiments", json={"kind": "tracking"})
+        assert refused.status_code == 409
+        assert fault["sentence"] in refused.json()["detail"]
+
+    asked(scenario)
+
+
+def test_what_drives_remember_is_read_once_for_all_who_ask(asked, monkeypatch):
+    memory = DriveErrors(0x05, 0x3210, (0x00073210, 0x4210))
+
+    async def scenario(http, daemon, control):
+        told, here, all_here = [], [], asyncio.Event()
+        read = daemon.robot.drive_errors
+
+        async def asked_for():
+            here.append(None)
+            if len(here) == 5:
+                all_here.set()
+            return await read()
+
+        async def ask(do, timeout, **fields):
+            told.append((do, fields))
+            await all_here.wait()
+            return {"ok": True, "drives": [{"joint": 1, **memory.document()}]}
+
+        control.link.ask = ask
+        monkeypatch.setattr(daemon.robot, "drive_errors", asked_for)
+        answers = await asyncio.gather(*(http.get("/api/v1/robot/errors") for _ in range(5)))
+        assert told == [("errors", {"clear": False})]
+        (drive,) = answers[0].json()["drives"]
+        assert all(answer.json() == answers[0].json() for answer in answers)
+        assert (drive["name"], drive["register"]) == ("S1", 5)
+        assert drive["wrong_now"] == ["generic error", "voltage"]
+        assert drive["history"] == [
+            {"code": 0x3210, "words": "0x3210 (DC link overvoltage)", "of_the_maker": 7},
+            {"code": 0x4210, "words": "0x4210 (device too hot)", "of_the_maker": 0},
+        ]
+        assert (await http.post("/api/v1/robot/errors/clear")).status_code == 200
+        assert told[-1] == ("errors", {"clear": True})
 
     asked(scenario)
 

@@ -98,6 +98,7 @@ def test_kinds_have_schemas(arm):
     assert set(kinds) == {
         "boundary_velocity", "excitation", "tracking", "point_to_point", "velocity_sweep",
         "load_sweep", "reversals", "warm_up", "chirp", "single_joint", "first_motion",
+        "known_weight", "step",
     }  # fmt: skip
     assert kinds["tracking"]["parameters"]["properties"]["period"]["default"] == 4.0
 

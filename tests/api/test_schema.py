@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
+import requests
 import schemathesis
+from how_often import how_often
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
@@ -20,20 +22,29 @@ CHECKS = [
     content_type_conformance,
     response_schema_conformance,
 ]
+LONGEST = 40_000  # characters of a request that an HTTP server need not read to its end
+CUT = (requests.exceptions.ConnectionError, requests.exceptions.ChunkedEncodingError)
 MODES = (GenerationMode.POSITIVE, GenerationMode.NEGATIVE)
 
 
-def try_everything(url: str, examples: int) -> list[str]:
-    """What goes wrong, one line per operation and mode."""
-    wrong = []
+class Asked:
+    """How many requests were made, and what went wrong: one line per operation and mode."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.wrong: list[str] = []
+
+
+def try_everything(url: str, examples: int) -> Asked:
+    asked = Asked()
     for found in schemathesis.openapi.from_url(f"{url}/openapi.json").get_all_operations():
         operation = found.ok()
         for mode in MODES:
-            wrong += try_operation(operation, mode, examples)
-    return wrong
+            asked.wrong += try_operation(operation, mode, examples, asked)
+    return asked
 
 
-def try_operation(operation, mode, examples: int) -> list[str]:
+def try_operation(operation, mode, examples: int, asked: Asked) -> list[str]:
     @seed(1)
     @settings(
         max_examples=examples, deadline=None, database=None, phases=[Phase.generate],
@@ -41,7 +52,13 @@ def try_operation(operation, mode, examples: int) -> list[str]:
     )  # fmt: skip
     @given(case=operation.as_strategy(generation_mode=mode))
     def ask(case):
-        case.call_and_validate(checks=CHECKS, timeout=30)
+        asked.count += 1
+        try:
+            case.call_and_validate(checks=CHECKS, timeout=30)
+        except CUT as cut:
+            asked_for = case.as_curl_command()
+            if len(asked_for) < LONGEST:
+                raise AssertionError(f"{cut}: {asked_for}") from cut
 
     try:
         ask()
@@ -53,13 +70,28 @@ def try_operation(operation, mode, examples: int) -> list[str]:
     return []
 
 
-def test_some_requests(arm):
-    wrong = try_everything(arm.url, 2)
-    assert not wrong, "\n\n".join(wrong)
+@pytest.fixture
+def attacked(arm):
+    """Afterwards nobody commands the arm, and it is connected and unpowered as before."""
+    yield arm
+    for job in arm._ask("GET", "/api/v1/jobs", params={"status": "running"})["items"]:
+        arm.cancel(job["id"])
+    while (holder := arm.robot()["lease"]["holder"]) is not None:
+        arm._http.delete("/api/v1/robot/lease", headers={"X-Client": holder})
+    back = {"offline": arm.connect, "fault": arm.reset, "holding": arm.disable}
+    while (state := arm.wait_for_robot(*back, "inactive")["state"]) != "inactive":
+        back[state]()
+    arm.let_others_command()
+
+
+def test_some_requests(attacked):
+    asked = try_everything(attacked.url, 2)
+    assert not asked.wrong, "\n\n".join(asked.wrong)
 
 
 @pytest.mark.long
-@pytest.mark.timeout(1800)
-def test_many_requests(arm):
-    wrong = try_everything(arm.url, 60)
-    assert not wrong, "\n\n".join(wrong)
+@pytest.mark.timeout(3600)
+def test_many_requests(attacked, request):
+    asked = try_everything(attacked.url, how_often(request.config, 2, 60))
+    request.node.user_properties.append(("requests", asked.count))
+    assert not asked.wrong, "\n\n".join(asked.wrong)

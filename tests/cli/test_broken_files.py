@@ -15,6 +15,7 @@ from test_run_commands import URDF
 
 from pa10d.cli import main
 from pa10d.store import RunStore
+from pa10d.store.models import ModelStore
 
 T = np.arange(300) / 200
 TABLE = np.stack([T, np.sin(T), np.cos(2 * T), T, -T], axis=1)
@@ -193,3 +194,16 @@ def test_a_broken_urdf(place, capfd, case):
 def test_a_file_that_is_not_there(place, capfd, missing):
     (place / missing).unlink()
     _refused(place, capfd, missing)
+
+
+@pytest.mark.parametrize(
+    ("what", "name"), [("run", "runs/stray.csv"), ("model", "models/bad.yaml")]
+)
+def test_a_list_says_what_was_set_aside(place, capfd, what, name):
+    RunStore(), ModelStore()
+    bad = place / "data" / name
+    bad.write_text("- 1")
+    assert main([what, "list"]) == 0
+    out, err = capfd.readouterr()
+    assert f"warning: set aside: {bad}" in err
+    assert str(bad) not in out

@@ -14,14 +14,24 @@ from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import refuse_taken_run
-from pa10d.api.schemas import ExperimentRequest, Job, KindAbout, KindList, SeriesRequest
+from pa10d.api.schemas import (
+    ExperimentRequest,
+    Job,
+    KindAbout,
+    KindList,
+    SeriesRequest,
+    TrackRequest,
+)
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Report
+from pa10d.daemon.motions.experiment import carried_by
 from pa10d.daemon.motions.kinds import experiment_job
 from pa10d.daemon.motions.series import series_job
+from pa10d.daemon.motions.tracking import run_name, tracking_job
 from pa10d.daemon.robot.readiness import readiness
 from pa10d.services.experiments import refuse_wrong_request
 from pa10d.services.starting_set import STARTING_SET
+from pa10d.services.tracking import laws_for
 from pa10d.trajectory.kinds import KINDS
 
 router = APIRouter(prefix="/experiments", tags=["experiments"])
@@ -85,6 +95,36 @@ async def start_series(
 
 
 @router.post(
+    "/track",
+    response_model=Job,
+    status_code=202,
+    responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
+)
+async def start_tracking(
+    daemon: TheDaemon,
+    _client: Commander,
+    may_replace: MayReplace,
+    request: TrackRequest,
+    response: Response,
+) -> Any:
+    """What a model is worth to a controller: one motion under PID, feed-forward and computed
+    torque, the last two with each model. The job's result has ``laws`` with the RMS and the
+    largest tracking error per joint, and ``worth``: what the last model leaves of the first one's.
+    """
+    may_replace(request.replace)
+    _known(request.kind)
+    refuse_wrong_request(daemon.kinematics, request.kind, request.parameters)
+    if request.kind == "first_motion":
+        raise Problem("refused", "track: a first motion is the servo's own; expected another kind")
+    models = [(await find_model(daemon, model)).id for model in request.models]
+    if not request.replace:
+        for number in range(len(laws_for(models))):
+            await refuse_taken_run(daemon, run_name(request.name, number), "; or replace: true")
+    require_ready(daemon)
+    return accepted(tracking_job(daemon, {**request.model_dump(), "models": models}), response)
+
+
+@router.post(
     "/check",
     response_model=Job,
     status_code=202,
@@ -109,7 +149,7 @@ async def check_experiment(
             )  # fmt: skip
             found = await daemon.workers.run(
                 "pa10d.services.experiments:prepare_motion", report, data=str(daemon.data),
-                start=daemon.robot.pose().tolist(), model=asked["model"], **where,
+                start=daemon.robot.pose().tolist(), **carried_by(daemon.robot, asked), **where,
             )  # fmt: skip
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, True)
@@ -121,6 +161,7 @@ async def check_experiment(
             "plan": plan,
             "checks": checks,
             "seconds": seconds,
+            "adjusted": found["adjusted"],
             "margins": found["margins"],
             "preview": found["preview"],
         }
@@ -135,10 +176,11 @@ async def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]
     if request.model is not None:
         asked["model"] = (await find_model(daemon, request.model)).id
         asked["controller"] = request.controller or "computed_torque"
-    elif request.controller == "computed_torque":
+    elif request.controller not in (None, "pid"):
         asked["model"] = daemon.robot.model
-    if asked["controller"] == "computed_torque" and asked["model"] is None:
-        raise Problem("refused", "computed_torque: expected 'model', the name of a model")
+    if asked["controller"] not in (None, "pid") and asked["model"] is None:
+        law = asked["controller"]
+        raise Problem("refused", f"{law}: expected 'model', the name of a model")
     if not request.replace:
         await refuse_taken_run(daemon, request.name, "; or replace: true")
     return asked

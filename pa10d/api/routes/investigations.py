@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import FileResponse
 
-from pa10d.api.deps import Client, TheDaemon
+from pa10d.api.deps import Client, TheDaemon, take_command
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
@@ -100,7 +100,7 @@ async def start_investigation(
             "refused", f"{state.name} moves {state.robot}; this daemon has {daemon.profile.name}"
         )
     if state.moves:
-        daemon.lease.take(client)
+        take_command(daemon, client)
         require_ready(daemon)
     return accepted(investigation_job(daemon, state), response)
 

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse, PlainTextResponse
 
-from pa10d.api.deps import Client, MayReplace, TheDaemon
+from pa10d.api import folders
+from pa10d.api.deps import Client, MayReplace, TheDaemon, take_command
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
@@ -32,7 +33,7 @@ from pa10d.daemon.motions.improvement import improvement_job
 from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
-from pa10d.export.endings import ENDINGS, Format
+from pa10d.export.endings import ENDINGS, FOLDERS, Format
 from pa10d.store.entries import SetAside
 from pa10d.store.models import ModelInfo
 
@@ -115,22 +116,25 @@ async def show_history(daemon: TheDaemon, model: str) -> Any:
 @router.get(
     "/models/{model}/export",
     response_class=PlainTextResponse,
-    responses=responses("not-found", "refused"),
+    responses=responses("not-found", "refused") | folders.DOCUMENTED,
 )
 async def export_model(
     daemon: TheDaemon,
     model: str,
     format: Format,
     parameters: Literal["feasible", "free"] = "feasible",
-) -> PlainTextResponse:
+) -> Response:
     """The model for other programs, on bodies that can exist unless the free fit is asked for;
-    the text says which, and what it cannot carry."""
+    the text says which, and what it cannot carry. Formats of several files come packed."""
     info = await find_model(daemon, model)
     found = await daemon.answer("model_text", model=info.id, format=format, parameters=parameters)
     headers = {
         "Content-Disposition": f'attachment; filename="{info.id}.{ENDINGS[format]}"',
         "X-Pa10d-Parameters": parameters,
     }
+    if format in FOLDERS:
+        packed = await daemon.shelf(folders.packed, found["files"])
+        return Response(packed, media_type=folders.MEDIA, headers=headers)
     return PlainTextResponse(found["text"], headers=headers)
 
 
@@ -188,7 +192,7 @@ async def improve(
     await _check(daemon, [*request.fit, *request.validate_], request)
     asked = {"model": info.id, **_dump(request)}
     if asked.pop("experiments"):
-        daemon.lease.take(client)
+        take_command(daemon, client)
         require_ready(daemon)
         return accepted(improvement_job(daemon, asked), response)
     return accepted(daemon.compute("improve", "improve", asked), response)

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from pa10d.api.deps import Client, Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
-from pa10d.api.schemas import ControllerRequest, Lease, LeaseRequest, RobotState
+from pa10d.api.schemas import ControllerRequest, DriveMemories, Lease, LeaseRequest, RobotState
 from pa10d.daemon.daemon import Daemon
 
 router = APIRouter(prefix="/robot", tags=["robot"])
@@ -79,6 +79,19 @@ async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     return describe(daemon)
 
 
+@router.get("/errors", response_model=DriveMemories, responses=responses("state", "not-ready"))
+async def show_drive_errors(daemon: TheDaemon) -> dict[str, Any]:
+    """What each drive remembers of its own errors, newest first; the arm must be unpowered, and may
+    be offline."""
+    return {"drives": await daemon.robot.drive_errors()}
+
+
+@router.post("/errors/clear", response_model=DriveMemories, responses=COMMAND)
+async def clear_drive_errors(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+    """Empty every drive's history. A fault is not acknowledged by that: ``reset`` does."""
+    return {"drives": await daemon.robot.clear_drive_errors()}
+
+
 @router.put(
     "/controller",
     response_model=RobotState,
@@ -87,7 +100,7 @@ async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
 async def choose_controller(
     daemon: TheDaemon, _client: Commander, request: ControllerRequest
 ) -> dict[str, Any]:
-    """Choose the control law; computed torque needs a model, whose effects go along in every
+    """Choose the control law; all but PID need a model, whose effects go along in every
     experiment from now on."""
     model = None if request.model is None else (await find_model(daemon, request.model)).id
     await daemon.use_controller(request.controller, model)

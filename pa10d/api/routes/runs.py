@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import tempfile
-from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,7 +13,8 @@ from starlette.background import BackgroundTask
 from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
-from pa10d.api.schemas import Run, RunChange, RunPage
+from pa10d.api.schemas import RecordingFindings, Run, RunChange, RunPage
+from pa10d.api.uploads import BODY, place_for, plain_name, take
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.services.soundness import refuse_unsound
@@ -27,14 +25,6 @@ router = APIRouter(prefix="/runs", tags=["runs"])
 Format = Literal["csv", "mcap", "parquet", "mat"]
 STATUS = Literal["started", "success", "stopped", "aborted", "failed"]
 Text = Annotated[str | None, Query(max_length=100)]
-UPLOADS = "uploads"  # within the data folder
-PIECE = 1 << 20  # bytes that are written in one go
-UPLOAD_BODY = {
-    "requestBody": {
-        "required": True,
-        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
-    }
-}
 
 
 @router.get("", response_model=RunPage)
@@ -70,6 +60,16 @@ async def show_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
     return (await find_run(daemon, run)).document()
 
 
+@router.get(
+    "/{run}/check", response_model=RecordingFindings, responses=responses("not-found", "refused")
+)
+async def check_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
+    """What to know of it before fitting, gravest first: units, signs, delay, missing motion …"""
+    info = await find_run(daemon, run)
+    profile = str(daemon.profile.path)
+    return {"items": await daemon.answer("check_stored", run=info.id, profile=profile)}
+
+
 @router.patch("/{run}", response_model=Run, responses=responses("not-found", "conflict", "refused"))
 async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str, Any]:
     """Give it another name or other tags, or leave stretches of it out of fits and judgements."""
@@ -98,7 +98,7 @@ async def delete_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
     response_model=Run,
     status_code=201,
     responses=responses("refused", "unsound", "conflict", "too-large"),
-    openapi_extra=UPLOAD_BODY,
+    openapi_extra=BODY,
 )
 async def import_run(
     daemon: TheDaemon,
@@ -120,11 +120,11 @@ async def import_run(
     may_replace(replace)
     if not replace:
         await refuse_taken_run(daemon, name, "; or give replace=true")
-    plain = _harmless(filename)
-    async with _place(daemon) as place:
+    plain = plain_name(filename)
+    async with place_for(daemon) as place:
         path = Path(place) / plain
-        await _take(request, path, daemon)
-        info = await daemon.answer(
+        await take(request, path, daemon)
+        found = await daemon.answer(
             "import_file",
             file=str(path),
             profile=str(daemon.profile.path),
@@ -134,8 +134,8 @@ async def import_run(
             check=check,
             force=force,
         )
-    daemon.events.publish("run", info)
-    return info
+    daemon.events.publish("run", found["run"])
+    return found["run"]
 
 
 @router.get(
@@ -147,46 +147,10 @@ async def export_run(daemon: TheDaemon, run: str, format: Format) -> FileRespons
     """The run as a file."""
     info = await find_run(daemon, run)
     async with contextlib.AsyncExitStack() as stack:
-        path = Path(await stack.enter_async_context(_place(daemon))) / f"export.{format}"
+        path = Path(await stack.enter_async_context(place_for(daemon))) / f"export.{format}"
         await daemon.answer("export_file", run=info.id, format=format, file=str(path))
         sent = BackgroundTask(stack.pop_all().aclose)
     return FileResponse(path, filename=f"{info.name}.{format}", background=sent)
-
-
-@contextlib.asynccontextmanager
-async def _place(daemon: Daemon) -> AsyncIterator[str]:
-    """A folder of one's own for the time of a request."""
-    place = await daemon.shelf(_make_place, daemon.data / UPLOADS)
-    try:
-        yield place.name
-    finally:
-        await asyncio.to_thread(place.cleanup)
-
-
-def _make_place(folder: Path) -> tempfile.TemporaryDirectory[str]:
-    folder.mkdir(exist_ok=True)
-    return tempfile.TemporaryDirectory(dir=folder, ignore_cleanup_errors=True)
-
-
-async def _take(request: Request, path: Path, daemon: Daemon) -> None:
-    """The body into a file, a piece at a time."""
-    with await daemon.shelf(path.open, "wb") as file:
-        waiting = bytearray()
-        async for part in request.stream():
-            waiting += part
-            if len(waiting) >= PIECE:
-                await daemon.shelf(file.write, bytes(waiting))
-                waiting.clear()
-        await daemon.shelf(file.write, bytes(waiting))
-        await daemon.shelf(file.flush)
-
-
-def _harmless(filename: str) -> str:
-    """The last part of a file name: it names the run, and a file in a folder of its own."""
-    plain = filename.replace("\\", "/").rpartition("/")[2]
-    if plain.strip(". ") == "" or any(ord(c) < 32 for c in plain):
-        raise Problem("refused", f"file name {filename!r}: expected a plain name")
-    return plain
 
 
 def _look(daemon: Daemon) -> tuple[list[RunInfo], list[SetAside]]:

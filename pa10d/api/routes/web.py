@@ -45,6 +45,12 @@ async def stop_without_script(daemon: TheDaemon) -> HTMLResponse:
     return HTMLResponse(HEARD.format(state=state, advice=advice))
 
 
+@router.get("/favicon.ico")
+async def icon(accept_encoding: Annotated[str, Header()] = "") -> Response:
+    """For whatever has no head of its own that names it: reports, the API's description."""
+    return await asset("", "icon.svg", accept_encoding)
+
+
 @router.get("/assets/{version}/{name:path}")
 async def asset(
     version: str, name: str, accept_encoding: Annotated[str, Header()] = ""

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from pa10d.common.errors import UserError
-from pa10d.services.robots import load_robot
+from pa10d.services.profile_file import put_profile
 
 
 def write_profile(path: Path, text: str, replace: bool = False) -> Path:
@@ -15,15 +15,7 @@ def write_profile(path: Path, text: str, replace: bool = False) -> Path:
         raise UserError(f"{path}: exists already; expected --out with another name, or --replace")
     if not path.parent.is_dir():
         raise UserError(f"{path}: no folder {path.parent}; expected an existing one")
-    draft = path.with_name(f".{path.name}.new.yaml")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        load_robot(draft)
-        os.replace(draft, path)
-    except UserError as error:
-        raise UserError(str(error).replace(str(draft), str(path))) from error
-    finally:
-        draft.unlink(missing_ok=True)
+    put_profile(path, text)
     return path
 
 

@@ -1,0 +1,110 @@
+"""Files before they are runs: what their columns are, what to know of them, then the import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.requests import HTTPConnection
+
+from pa10d.api.deps import MayReplace, TheDaemon
+from pa10d.api.held import HeldFile, HeldFiles
+from pa10d.api.problems import responses
+from pa10d.api.routes.runs import refuse_taken_run
+from pa10d.api.schemas import ColumnChoices, FilePreview, ImportedRun, ImportRequest
+from pa10d.api.uploads import BODY, new_place, plain_name, take
+
+router = APIRouter(prefix="/recordings", tags=["recordings"])
+
+
+async def held_files(connection: HTTPConnection) -> HeldFiles:
+    """The one collection of this application."""
+    found: HeldFiles = connection.app.state.held
+    return found
+
+
+TheFiles = Annotated[HeldFiles, Depends(held_files)]
+
+
+@router.post(
+    "",
+    response_model=FilePreview,
+    status_code=201,
+    responses=responses("refused", "too-large"),
+    openapi_extra=BODY,
+)
+async def send_recording(
+    daemon: TheDaemon,
+    files: TheFiles,
+    request: Request,
+    filename: Annotated[str, Query(max_length=200)] = "recording.csv",
+) -> dict[str, Any]:
+    """A file, to be looked at: its columns, first values, small curves, and what they seem to be.
+
+    Nothing is stored; it waits for its import for an hour at most. What needs a fit (delay, signs)
+    is not looked at yet: ask for the preview again with ``thorough``.
+    """
+    plain = plain_name(filename)
+    place = await new_place(daemon)
+    held = HeldFile(place, Path(place.name) / plain)
+    try:
+        await take(request, held.path, daemon)
+        seen = await _preview(daemon, held, None, thorough=False)
+    except BaseException:
+        await held.clear()
+        raise
+    await files.keep(held)
+    return seen
+
+
+@router.post(
+    "/{file}/preview", response_model=FilePreview, responses=responses("refused", "not-found")
+)
+async def preview_recording(
+    daemon: TheDaemon, files: TheFiles, file: str, asked: ColumnChoices
+) -> dict[str, Any]:
+    """The same file with other choices: what an import with them would make of it."""
+    chosen = None if asked.columns is None else [one.model_dump() for one in asked.columns]
+    return await _preview(daemon, files.get(file), chosen, asked.thorough)
+
+
+@router.post(
+    "/{file}/import",
+    response_model=ImportedRun,
+    status_code=201,
+    responses=responses("refused", "unsound", "conflict", "not-found"),
+)
+async def import_recording(
+    daemon: TheDaemon, files: TheFiles, may_replace: MayReplace, file: str, asked: ImportRequest
+) -> dict[str, Any]:
+    """It becomes a run; its mapping stays in the profile. What a fit must not use is refused unless
+    forced, and the file waits on."""
+    may_replace(asked.replace)
+    async with files.taken(file) as held:
+        if not asked.replace:
+            await refuse_taken_run(daemon, asked.name, "; or give replace: true")
+        found = await daemon.answer(
+            "import_file", file=str(held.path), profile=str(daemon.profile.path),
+            mapping=asked.map, name=asked.name, replace=asked.replace, check=True,
+            force=asked.force,
+        )  # fmt: skip
+    daemon.events.publish("run", found["run"])
+    return {**found["run"], "mapping_kept": found["kept"]}
+
+
+@router.delete("/{file}", responses=responses("not-found"))
+async def drop_recording(files: TheFiles, file: str) -> dict[str, str]:
+    """It is not wanted."""
+    held = await files.let_go(file)
+    return {"id": held.id, "file": held.path.name}
+
+
+async def _preview(
+    daemon: TheDaemon, held: HeldFile, choices: list[dict[str, str]] | None, thorough: bool
+) -> dict[str, Any]:
+    found: dict[str, Any] = await daemon.answer(
+        "preview_file", file=str(held.path), profile=str(daemon.profile.path), choices=choices,
+        thorough=thorough,
+    )  # fmt: skip
+    return {"id": held.id, **found}

@@ -1,0 +1,253 @@
+"""A file before it is imported: its columns, what they seem to be, and what to know of them.
+
+What is shown is what an import with the same mapping would make of it: the rules kept in the
+profile stand behind those that somebody chose.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.checks import unit_of_stamps
+from pa10d.common.errors import UserError
+from pa10d.common.jsonable import plain
+from pa10d.dynamics.robot import Robot
+from pa10d.profile import Profile
+from pa10d.readers import Table, read_table, recording_of
+from pa10d.services.mending import mends
+from pa10d.services.runs import findings_of, in_own_words
+from pa10d.store.column_choices import Choice, field_of, rules_of
+from pa10d.store.column_guess import guessed, unit_in
+from pa10d.store.column_mapping import Resolved, Unit, read_mapping, resolve
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+ROWS = 5  # of each column that are shown
+BUCKETS = 60  # of a small curve, two points each
+MOST = 200  # columns that are shown
+REMEMBERED = 300_000_000  # bytes of a file's columns that are kept for the next question
+BY_RANGE = ("degrees", "time_unit", "wrapped")  # what sizes alone tell
+ROUNDS = 3  # a guess by sizes may uncover another
+
+
+@dataclass(frozen=True)
+class Column:
+    """field: what it is read as, '' for a further channel; unit: what its numbers are in, '' for
+    SI; first: as the file has them; low, high, curve: in SI where it has a field."""
+
+    name: str
+    field: str
+    unit: str
+    first: list[float]
+    low: float
+    high: float
+    curve: list[float]
+
+
+@dataclass(frozen=True)
+class Preview:
+    """rules: the mapping, as ``--map`` takes it; problem: why an import would be refused; findings:
+    what to know before fitting, each with the choices that mend it."""
+
+    file: str
+    joints: tuple[str, ...]
+    samples: int
+    columns: list[Column]
+    left_out: int
+    rules: list[str]
+    problem: str = ""
+    remarks: list[str] = field(default_factory=list)
+    findings: list[dict[str, Any]] = field(default_factory=list)
+    duration: float | None = None
+    rate: float | None = None
+
+    @property
+    def line(self) -> str:
+        """Ready to be typed; empty where the file needs none."""
+        return " ".join(["--map", *map(shlex.quote, self.rules)]) if self.rules else ""
+
+    def document(self) -> dict[str, Any]:
+        """As JSON."""
+        return dict(plain({**asdict(self), "line": self.line}))
+
+
+def preview_recording(
+    file: Path,
+    profile: Profile,
+    robot: Robot,
+    choices: Sequence[Choice] | None = None,
+    *,
+    mapping: Sequence[str] = (),
+    thorough: bool = True,
+    progress: Progress = lambda share, words: None,
+) -> Preview:
+    """choices: what somebody takes the columns for; None: guess, from names, units and ranges,
+    whatever ``mapping`` (``COLUMN=FIELD`` options) does not say.
+    thorough: also what needs a fit (delay, signs, size of the torque). UserError where the file
+    cannot be read at all."""
+    columns, remarks = _columns(file, profile, robot, lambda s: progress(0.8 * s, "reading"))
+    look = _Look(file, columns, remarks, profile, robot)
+    if choices is None:
+        choices = look.guess(mapping)
+    progress(0.9, "checking")
+    return look.preview(choices, thorough)
+
+
+class _Look:
+    def __init__(
+        self,
+        file: Path,
+        columns: Mapping[str, Array],
+        remarks: list[str],
+        profile: Profile,
+        robot: Robot,
+    ) -> None:
+        self._file, self._columns, self._remarks = file, columns, remarks
+        self._profile, self._robot = profile, robot
+        self._kept = profile.map or []
+
+    def guess(self, mapping: Sequence[str]) -> list[Choice]:
+        """What is given, what the profile keeps, what names say, and what sizes say of the rest."""
+        names, n = list(self._columns), self._robot.n
+        kept = resolve(read_mapping(mapping, self._kept), names, n, str(self._file))
+        choices = [Choice(c, f, kept.said.get(c, "")) for c, f in kept.fields.items()]
+        taken = {*kept.fields, *kept.fields.values()}
+        by_name = guessed(names, n, self._robot.joint_names)
+        choices += [c for c in by_name if c.column not in taken and c.field not in taken]
+        choices = [self._with_unit_of_time(choice) for choice in choices]
+        for _ in range(ROUNDS):
+            seen = self.preview(choices, thorough=False)
+            better = {
+                Choice(**one)
+                for finding in seen.findings
+                if finding["code"] in BY_RANGE
+                for one in finding["mends"]
+            }
+            if seen.problem or not better:
+                break
+            new = {choice.column: choice for choice in better}
+            choices = [new.pop(choice.column, choice) for choice in choices] + list(new.values())
+        return choices
+
+    def _with_unit_of_time(self, choice: Choice) -> Choice:
+        """Stamps that are no seconds are refused before anything can be checked."""
+        if choice.field != "time" or choice.unit or unit_in(choice.column):
+            return choice
+        steps = np.diff(self._columns[choice.column])
+        middle = float(np.median(steps)) if len(steps) else 0.0
+        return replace(choice, unit=unit_of_stamps(1.0 / middle) or "") if middle > 0 else choice
+
+    def preview(self, choices: Sequence[Choice], thorough: bool) -> Preview:
+        """The whole answer for one mapping."""
+        robot, path = self._robot, self._file
+        rules = rules_of(choices, robot.n)
+        names = list(self._columns)
+        try:
+            mapping = read_mapping(rules, self._kept)
+            resolved = resolve(mapping, names, robot.n, path.name)
+        except UserError as error:
+            return self._made(Resolved({}, {}), rules, str(error))
+        try:
+            table = Table(dict(self._columns), list(self._remarks))
+            constants = self._profile.torque_constants
+            found = recording_of(path, table, robot.n, robot.name, constants, mapping)
+        except UserError as error:
+            return self._made(resolved, rules, str(error))
+        findings = findings_of(found, path.name, robot, delay=thorough)
+        shown = [
+            in_own_words(finding, found, robot.n).document()
+            | {"mends": [vars(c) for c in mends(finding, found.called, found.said, robot.n)]}
+            for finding in findings
+        ]
+        seconds = float(found.timing.grid[-1] - found.timing.grid[0])
+        made = self._made(resolved, rules, "")
+        return replace(
+            made,
+            remarks=[_without(path, said) for said in found.header_warnings],
+            findings=shown,
+            duration=seconds,
+            rate=found.timing.rate,
+        )
+
+    def _made(self, resolved: Resolved, rules: list[str], problem: str) -> Preview:
+        n, names = self._robot.n, list(self._columns)
+        order = {name: k for k, name in enumerate(names)}
+        first = [name for name in names if field_of(name, resolved.fields, n)]
+        shown = [*first, *(name for name in names if name not in set(first))][:MOST]
+        columns = [
+            _column(name, self._columns[name], field_of(name, resolved.fields, n), resolved)
+            for name in sorted(shown, key=order.__getitem__)
+        ]
+        return Preview(
+            file=self._file.name,
+            joints=self._robot.joint_names,
+            samples=len(next(iter(self._columns.values()), [])),
+            columns=columns,
+            left_out=len(names) - len(shown),
+            rules=rules,
+            problem=_without(self._file, problem),
+            remarks=[*self._remarks],
+        )
+
+
+def _column(name: str, values: Array, meant: str | None, resolved: Resolved) -> Column:
+    unit = resolved.units.get(name, Unit()) if meant else Unit()
+    seen = unit(values)
+    finite = seen[np.isfinite(seen)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (np.nan, np.nan)
+    said = resolved.said.get(name, "") if meant else ""
+    first = [float(v) for v in values[:ROWS]]
+    return Column(name, meant or "", said, first, low, high, small_curve(seen))
+
+
+def small_curve(values: Array) -> list[float]:
+    """(N,) as a line of at most 2·BUCKETS points that touches every extreme; nan for holes."""
+    if len(values) <= 2 * BUCKETS:
+        return [_short(v) for v in values]
+    edges = np.linspace(0, len(values), BUCKETS + 1).astype(int)[:-1]
+    low = np.fmin.reduceat(values, edges)
+    high = np.fmax.reduceat(values, edges)
+    rising = values[edges] <= values[np.append(edges[1:], len(values)) - 1]
+    pairs = np.where(rising[:, None], np.stack([low, high], 1), np.stack([high, low], 1))
+    return [_short(v) for v in pairs.reshape(-1)]
+
+
+def _short(value: float) -> float:
+    """As exact as a small curve can be drawn."""
+    return float(f"{value:.4g}")
+
+
+def _without(file: Path, text: str) -> str:
+    """Where the file lies for a moment is nobody's business."""
+    return text.replace(f"{file.parent}/", "")
+
+
+def _columns(
+    file: Path, profile: Profile, robot: Robot, progress: Callable[[float], None]
+) -> tuple[Mapping[str, Array], list[str]]:
+    """The file's columns and what its reader said; the last small one's are remembered, because a
+    mapping is corrected step by step."""
+    if not file.is_file():
+        table = read_table(file, profile, robot, progress)
+        return table.columns, table.remarks
+    known = file.stat()
+    version = (str(file), known.st_mtime_ns, known.st_size)
+    if version in _remembered:
+        return _remembered[version]
+    table = read_table(file, profile, robot, progress)
+    found = dict(table.columns), list(table.remarks)
+    _remembered.clear()
+    if sum(values.nbytes for values in found[0].values()) < REMEMBERED:
+        _remembered[version] = found
+    return found
+
+
+_remembered: dict[tuple[str, int, int], tuple[dict[str, Array], list[str]]] = {}

@@ -1,0 +1,6 @@
+"""Gains, limits and surroundings of a profile: seen, changed with a diff before, and undone."""
+
+from pa10d.services.tuning.edit import propose, show, undo, versions, write
+from pa10d.services.tuning.versions import own_profile
+
+__all__ = ["own_profile", "propose", "show", "undo", "versions", "write"]
