@@ -47,3 +47,9 @@ def served(data: Path, channel: str, *options: str) -> Iterator[str]:
         process.terminate()
         process.wait(30)
         process.stdout.close()
+
+
+def children_of(pid: int, module: str) -> list[int]:
+    """Processes that this one has started with ``python -m module``."""
+    asked = subprocess.run(["pgrep", "-P", str(pid), "-f", module], capture_output=True, text=True)
+    return [int(one) for one in asked.stdout.split()]

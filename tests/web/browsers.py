@@ -58,10 +58,17 @@ class Visitor:
         self.page.set_default_navigation_timeout(150_000)  # a browser may come from a cold disk
         self.asked: list[str] = []
         self.errors: list[str] = []
-        self.page.on("request", lambda request: self.asked.append(request.url))
+        self._open: set = set()
+        self.page.on("request", self._asks)
+        for end in ("requestfinished", "requestfailed"):
+            self.page.on(end, lambda request: self._open.discard(request))
         self.page.on("websocket", lambda socket: self.asked.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._heard)
+
+    def _asks(self, request) -> None:
+        self.asked.append(request.url)
+        self._open.add(request)
 
     def _heard(self, message) -> None:
         if message.type == "error" and "Failed to load resource" not in message.text:
@@ -72,6 +79,13 @@ class Visitor:
         self.page.goto(f"{self.url}/#/{section}")
         until(self.page, "document.querySelector('#arm-state')?.textContent.length > 1")
         self.page.locator(f"#{section or 'robot'} h1").wait_for()
+
+    def until_answered(self, seconds: float = 30.0) -> None:
+        """Wait until everything that was asked for has come."""
+        end = time.monotonic() + seconds
+        while self._open:
+            assert time.monotonic() < end, [request.url for request in self._open]
+            self.page.wait_for_timeout(30)
 
     def foreign(self) -> list[str]:
         """What was asked of anybody but the daemon."""

@@ -76,6 +76,7 @@ def test_a_recording_is_dropped_and_marked_and_shown(archive, visit, csv_text):
     page = visitor.page
     visitor.open("runs")
     page.evaluate(DROP, csv_text)
+    page.get_by_role("button", name="Import", exact=True).click()
     page.locator("#runs tbody tr", has_text="dropped").wait_for()
     page.get_by_label("dropped: fit").check()
     page.locator(".notice", has_text="Imported").wait_for()
@@ -85,6 +86,10 @@ def test_a_recording_is_dropped_and_marked_and_shown(archive, visit, csv_text):
     page.locator("#runs tbody tr", has_text="dropped").wait_for()
     assert page.get_by_label("dropped: fit").is_checked()
     page.evaluate(DROP, "time,q1\n0,1\n")
+    page.locator(".preview p.bad", has_text="dropped.csv: no column q2").wait_for()
+    page.get_by_role("button", name="Leave it").click()
+    page.locator(".preview").wait_for(state="detached")  # one file after the other
+    page.evaluate(DROP, "")
     page.locator(".notice.error", has_text="dropped.csv was not imported").wait_for()
     page.get_by_role("button", name="dropped").click()
     page.get_by_role("button", name="Delete").click()

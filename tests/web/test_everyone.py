@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
-SECTIONS = ("robot", "investigate", "experiments", "runs", "explore")
+SECTIONS = ("robot", "investigate", "experiments", "tune", "runs", "explore")
 SECTIONS += ("compare", "diagnose", "models")
 RULES = {
     "runOnly": {
@@ -47,6 +47,21 @@ def test_axe_finds_nothing(archive, visit, scheme, width):
     assert not wrong, "\n".join(
         f"{name}: {line}" for name, lines in wrong.items() for line in lines
     )
+
+
+def test_with_text_twice_as_large_the_numbers_of_a_list_stay_in_their_panel(archive, visit):
+    visitor = visit(archive[0], viewport={"width": 1280, "height": 900}, bypass_csp=True)
+    page = visitor.page
+    visitor.open("experiments")
+    page.locator(".set li").first.wait_for()
+    page.evaluate("document.documentElement.style.fontSize = '200%'")
+    room, needed = page.evaluate("""() => {
+      const list = document.querySelector(".set"), style = getComputedStyle(list);
+      const pen = document.createElement("canvas").getContext("2d");
+      pen.font = style.font;
+      return [parseFloat(style.paddingLeft), pen.measureText("5. ").width];
+    }""")
+    assert room >= needed
 
 
 def test_tabs_go_by_arrow_keys(archive, visit):

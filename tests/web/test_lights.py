@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 
 import pytest
-from benches import small_arm
+from benches import children_of, small_arm
 from browsers import until
 
 from pa10d.client import local_daemon
@@ -69,13 +68,7 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     # a fault: the guide says what happened and names the button that can be pressed
     until(page, "document.querySelectorAll('.scope canvas').length === 4")
     client.enable()
-    arms = subprocess.run(
-        ["pgrep", "-f", "pa10d.daemon.processes.simulator"],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    own = [int(one) for one in arms if _parent(int(one)) == pid]
+    own = children_of(pid, "pa10d.daemon.processes.simulator")
     for one in own:
         os.kill(one, signal.SIGKILL)
     page.locator("#arm-state", has_text="fault").wait_for(timeout=15_000)
@@ -92,8 +85,3 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     page.locator("#models .guide a", has_text="Reset").click()
     page.locator("#robot").wait_for()
     assert not visitor.errors
-
-
-def _parent(pid: int) -> int:
-    with open(f"/proc/{pid}/stat") as file:
-        return int(file.read().rpartition(")")[2].split()[1])

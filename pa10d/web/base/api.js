@@ -59,8 +59,8 @@ export const post = (path, body = {}) => ask("POST", path, { body });
 export const put = (path, body) => ask("PUT", path, { body });
 export const patch = (path, body) => ask("PATCH", path, { body });
 export const remove = (path) => ask("DELETE", path);
-export const upload = (file, force = false) =>
-  ask("POST", "runs", { raw: file, query: { filename: file.name, check: true, force } });
+/** A file to be looked at before it is imported. */
+export const send = (file) => ask("POST", "recordings", { raw: file, query: { filename: file.name } });
 
 /** Give a file of the API to the user: by fetch, so that the token comes along. */
 export async function download(path, query, filename) {

@@ -4,7 +4,8 @@ import { client } from "./api.js";
 import { change, state, watch } from "./store.js";
 
 const OLD = 3000, LOOK = 500; // ms
-const MOVES = ["experiment", "series", "improvement", "investigation"];
+/** Kinds of jobs that move the arm. */
+export const MOVES = ["experiment", "series", "tracking", "improvement", "investigation", "weighing"];
 const EMERGENCY = "If the arm moves, press the hardware emergency stop.";
 const MEANS = {
   offline: "No drive answers.",

@@ -15,6 +15,14 @@ export function el(tag, props = {}, ...children) {
   return made;
 }
 
+/** The same for drawings. */
+export function svg(tag, attributes, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
 /** Put children in the place of what an element holds. */
 export function fill(box, ...children) {
   box.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));

@@ -3,7 +3,9 @@ import { get } from "./api.js";
 
 export const state = {
   connected: true, robot: null, runs: [], models: [], kinds: [], startingSet: [],
+  tuned: 0, // the profile's version that the daemon told of last
   jobs: new Map(), comparisons: [], diagnoses: [], investigations: [], ready: false,
+  aside: {}, // what of the data folder cannot be read, by what it was to be
   heard: null, // when the daemon last told of the arm, by performance.now()
   pose: null, // the newest positions, rad (m)
   ticked: 0, // when the loop's clock was last seen to go on
@@ -33,10 +35,12 @@ const everything = async (path) => {
   for (let cursor; ;) {
     const page = await get(path, { limit: 500, cursor });
     items.push(...page.items);
-    if (!page.next) return items;
+    if (!page.next) return { items, aside: page.set_aside };
     cursor = page.next;
   }
 };
+/** `of` of the state, and beside it what lies there and cannot be read. */
+const keep = (of, { items, aside }) => change({ [of]: items, aside: { ...state.aside, [of]: aside } });
 
 export const loadRobot = async () => {
   const robot = await get("robot", undefined, SOON);
@@ -44,13 +48,16 @@ export const loadRobot = async () => {
   const ticked = robot.time === state.robot?.time ? state.ticked : heard;
   change({ robot, connected: true, heard, ticked });
 };
-export const loadRuns = async () => change({ runs: await everything("runs") });
-export const loadModels = async () => change({ models: await everything("models") });
+export const loadRuns = async () => keep("runs", await everything("runs"));
+export const loadModels = async () => keep("models", await everything("models"));
 export const loadAnalyses = async () => change({
   comparisons: (await get("comparisons", { limit: 100 })).items,
   diagnoses: (await get("diagnoses", { limit: 100 })).items,
 });
-export const loadInvestigations = async () => change({ investigations: (await get("investigations", { limit: 50 })).items });
+export const loadInvestigations = async () => {
+  const { items, set_aside: aside } = await get("investigations", { limit: 50 });
+  keep("investigations", { items, aside });
+};
 const loadKinds = async () => {
   const found = await get("experiments");
   change({ kinds: found.items, startingSet: found.starting_set });

@@ -42,7 +42,8 @@ export function armView(label, ...tools) {
   const reading = el("p", { class: "arm-reading muted", role: "status", "aria-live": "off" });
   const views = el("span", { class: "row" }, [["corner", "Corner"], ["front", "Front"], ["side", "Side"], ["top", "Top"]].map(([from, name]) =>
     el("button", { type: "button", class: "small", onclick: () => stage?.then((scene) => scene.look(from)) }, name)));
-  const box = el("figure", { class: "plot arm" }, el("figcaption", {}, title, views), place, tools, reading);
+  const around = el("p", { class: "muted around", hidden: true });
+  const box = el("figure", { class: "plot arm" }, el("figcaption", {}, title, views), place, tools, reading, around);
   const shown = { q: null, ghost: null, lit: [] };
   const apply = async () => {
     if (owner !== view || !stage) return;
@@ -77,6 +78,8 @@ export function armView(label, ...tools) {
           scene.canvas.setAttribute("role", "img");
           scene.canvas.setAttribute("aria-label", `${label}; its angles stand in the text below`);
           fill(place, scene.canvas);
+          around.hidden = !scene.shape.boxes.length;
+          say(around, `Around it, as the profile says: ${scene.shape.boxes.map((one) => `'${one.name}'`).join(", ")}.`);
         }
         fit();
         apply();

@@ -30,6 +30,8 @@ export class ArmScene {
     this.grid = new GridHelper(2 * Math.ceil(this.size), 4 * Math.ceil(this.size));
     this.grid.rotation.x = Math.PI / 2;
     if (Number.isFinite(shape.floor)) { this.grid.position.z = shape.floor; this.scene.add(this.grid); }
+    this.surroundings = shape.boxes.map(box);
+    for (const { root } of this.surroundings) this.scene.add(root);
     this.arm = this.body(meshes, false);
     this.ghost = this.body(meshes, true);
     this.ghost.root.visible = false;
@@ -86,6 +88,10 @@ export class ArmScene {
     this.grid.material.color = new Color(dark ? "#4a5561" : "#c3ccd6");
     this.grid.material.vertexColors = false;
     this.grid.material.needsUpdate = true;
+    for (const { skin, edge } of this.surroundings) {
+      skin.color.set(dark ? "#77664d" : "#d9c9ae");
+      edge.color.set(dark ? "#b79f78" : "#8d7b5c");
+    }
     this.light(this.lit ?? []);
   }
 
@@ -158,6 +164,31 @@ function faces({ place, vertices, triangles }, material) {
   made.matrixAutoUpdate = false;
   made.matrix.set(...place);
   return made;
+}
+
+/** A solid of the surroundings, which one sees through: the arm may stand behind it. */
+function box({ name, size, place }) {
+  const corners = [], at = (x, y, z) => 4 * x + 2 * y + z;
+  for (const x of [0, 1]) for (const y of [0, 1]) for (const z of [0, 1]) corners.push([x, y, z].map((end, k) => (end - 0.5) * size[k]));
+  const sides = [[[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]], [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]], [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]];
+  const flat = [], lines = [];
+  for (const side of sides) {
+    for (const far of [side, side.map((corner) => corner.map((end, k) => (side.every((one) => one[k] === 0) ? 1 : end)))]) {
+      const [a, b, c, d] = far.map((corner) => corners[at(...corner)]);
+      flat.push(...a, ...b, ...c, ...a, ...c, ...d); // corners of their own, so that sides stay flat
+      lines.push([a, b, c, d, a]);
+    }
+  }
+  const skin = new MeshLambertMaterial({ transparent: true, opacity: 0.55, depthWrite: false, side: DoubleSide });
+  const edge = new LineBasicMaterial(), root = new Group();
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(flat), 3));
+  geometry.computeVertexNormals();
+  root.add(new Mesh(geometry, skin), ...lines.map((points) => new Line(new BufferGeometry().setFromPoints(points.map((one) => new Vector3(...one))), edge)));
+  root.matrixAutoUpdate = false;
+  root.matrix.set(...place);
+  root.name = name;
+  return { root, skin, edge };
 }
 
 function axes(length) {

@@ -1,15 +1,8 @@
 // A motion before it is made: each joint's angle over time, as one small drawing.
-import { el } from "../base/dom.js";
+import { el, svg } from "../base/dom.js";
 import { number, seconds } from "../base/units.js";
 
-const SVG = "http://www.w3.org/2000/svg", WIDTH = 320, HEIGHT = 90, EDGE = 3;
-
-function svg(tag, attributes, ...children) {
-  const made = document.createElementNS(SVG, tag);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
-}
+const WIDTH = 320, HEIGHT = 90, EDGE = 3;
 
 /** time (N) s, q (N × n) rad, joints: {joint, q_min, q_max, dq_max}; the numbers stand below it. */
 export function courses({ kind, time, q, joints }) {

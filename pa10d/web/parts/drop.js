@@ -1,28 +1,19 @@
-// Recordings that are dropped onto the page, or chosen: read, judged, stored.
+// Recordings that are dropped onto the page, or chosen: read, looked at, decided about, stored.
 import { el } from "../base/dom.js";
-import { upload } from "../base/api.js";
+import { post, send } from "../base/api.js";
 import { loadRuns } from "../base/store.js";
-import { failed, guarded, notice } from "../base/notices.js";
+import { failed, notice } from "../base/notices.js";
+import { decide } from "./preview.js";
 
 const FILES = ".csv,.gz,.bz2,.zst,.txt,.tsv,.mcap,.db3,.parquet,.feather,.arrow,.mat,.npz,.blf,.asc,.trc,.log";
 const WORDS = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
 
-async function bring(file, force = false) {
-  const run = await upload(file, force);
+async function bring(held, { rules, force }) {
+  const run = await post(`recordings/${held.id}/import`, { map: rules, force });
   const said = (run.findings ?? []).map((one) => one.sentence);
-  notice(`Imported ${run.name}.`, { detail: said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "" });
+  const known = said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "";
+  notice(`Imported ${run.name}.`, { detail: [known, run.mapping_kept && `${run.mapping_kept}.`].filter(Boolean).join(" ") });
   return run;
-}
-
-/** Errors of the checks can be overruled; nothing else can. */
-function refused(file, error, then) {
-  if (!error.document?.findings) return failed(`${file.name} was not imported.`, error);
-  const said = error.document.findings.map((one) => `${one.sentence}${one.advice ? ` (${one.advice})` : ""}`).join("; ");
-  notice(`${file.name} was not imported: a fit to it would be wrong.`, { kind: "error", detail: said, action: { label: "Import it all the same", do: guarded("It was not imported.", async () => {
-    const run = await bring(file, true);
-    await loadRuns();
-    then(run);
-  }) } });
 }
 
 /** `then(run)` is called with every run that was stored. */
@@ -30,12 +21,32 @@ export function dropZone(id, then = () => {}) {
   const input = el("input", { type: "file", accept: FILES, multiple: true, id, class: "hidden", onchange: () => { take([...input.files]); input.value = ""; } });
   const text = el("span", {}, WORDS);
   const zone = el("div", { class: "drop" }, text, el("label", { htmlFor: id, class: "button small" }, "choose files"), input);
+  const asked = el("div", {});
+  let busy = false; // from the first byte that is read until the last answer
   const take = async (files) => {
+    if (busy) return notice("One file after the other.", { detail: "Import the one before, or leave it, first." });
+    busy = true;
     const brought = [];
-    for (const file of files) {
+    let alike = null; // what was decided for all of them
+    for (const [k, file] of files.entries()) {
       text.textContent = `Reading ${file.name} … `;
-      await bring(file).then((run) => brought.push(run), (error) => refused(file, error, then));
+      try {
+        let held = await send(file);
+        text.textContent = `${file.name} waits for you below. `;
+        let run = alike && await bring(held, alike).catch(() => null);
+        while (!run) {
+          const answer = await decide(asked, held, files.length - k - 1);
+          if (!answer) break;
+          held = answer.seen; // asked again, it stands as it was left
+          alike = answer.alike ? answer : alike;
+          run = await bring(held, answer).catch((error) => { failed(`${file.name} was not imported.`, error); });
+        }
+        if (run) brought.push(run);
+      } catch (error) {
+        failed(`${file.name} was not imported.`, error);
+      }
     }
+    busy = false;
     text.textContent = WORDS;
     await loadRuns().catch(() => {});
     brought.forEach(then);
@@ -44,5 +55,5 @@ export function dropZone(id, then = () => {}) {
   zone.addEventListener("dragover", over(true));
   zone.addEventListener("dragleave", over(false));
   zone.addEventListener("drop", (event) => { over(false)(event); take([...event.dataTransfer.files]); });
-  return zone;
+  return el("div", {}, zone, asked);
 }

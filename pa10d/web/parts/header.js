@@ -5,7 +5,7 @@ import { loadRobot, state, watch } from "../base/store.js";
 import { guarded } from "../base/notices.js";
 
 export const SECTIONS = {
-  robot: "Robot", investigate: "Investigate", experiments: "Experiments", runs: "Runs", explore: "Explore", compare: "Compare",
+  robot: "Robot", investigate: "Investigate", experiments: "Experiments", tune: "Tune", runs: "Runs", explore: "Explore", compare: "Compare",
   diagnose: "Diagnose", models: "Models",
 };
 

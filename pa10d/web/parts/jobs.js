@@ -1,14 +1,14 @@
 // What the daemon is working on: the bar at the bottom, and following one job to its end.
 import { el, fill, say } from "../base/dom.js";
 import { get, post } from "../base/api.js";
-import { over, running } from "../base/condition.js";
+import { MOVES, over, running } from "../base/condition.js";
 import { change, state, watch } from "../base/store.js";
 import { guarded } from "../base/notices.js";
 
 const WORDS = {
-  experiment: "Experiment", series: "Experiments", check: "Pre-check", identify: "Fit",
+  experiment: "Experiment", series: "Experiments", tracking: "Control laws", check: "Pre-check", identify: "Fit",
   compare: "Comparison", diagnose: "Diagnosis", add: "Adding an effect", improve: "Improvement",
-  improvement: "Improvement", preparation: "Plan", investigation: "Investigation", analysis: "Investigation", report: "Report",
+  improvement: "Improvement", preparation: "Plan", investigation: "Investigation", analysis: "Investigation", report: "Report", weighing: "Known weight", gains: "Known weight",
 };
 const waiting = new Map();
 
@@ -62,7 +62,7 @@ export function progress(pick) {
     bar.value = job.progress;
     say(text, job.status === "queued" ? `${WORDS[job.kind] ?? job.kind}: waits for its turn`
       : `${WORDS[job.kind] ?? job.kind}: ${job.message || job.status}, ${Math.round(100 * job.progress)} %`);
-    say(cancel, ["experiment", "series", "improvement", "investigation"].includes(job.kind) ? "Abort" : "Cancel");
+    say(cancel, MOVES.includes(job.kind) ? "Abort" : "Cancel");
   });
   return box;
 }
@@ -84,4 +84,4 @@ export function tray(box) {
   });
 }
 
-const moving = (job) => Number(["experiment", "series", "improvement", "investigation"].includes(job.kind));
+const moving = (job) => Number(MOVES.includes(job.kind));

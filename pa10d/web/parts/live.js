@@ -29,7 +29,7 @@ export function live() {
   const panel = el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, "Live"), age, span, chips), scopes,
     el("p", { class: "muted" }, "Show one or two joints to see their limits. Point at a plot to read its values. Vertical lines: the arm's state changed; a fault in red."));
   let trail = null, drawn = [], at = null;
-  followTelemetry(KEPT, {
+  const anew = followTelemetry(KEPT, {
     header(told) {
       trail = new Trail(KEPT, told);
       trail.seconds = Number(span.value);
@@ -45,6 +45,11 @@ export function live() {
       trail.add(start, rows);
       if (trail.rows.length) change({ pose: trail.pose() });
     },
+  });
+  let tuned = state.tuned;
+  watch(["tuned"], () => { // limits are others
+    if (state.tuned !== tuned) anew();
+    tuned = state.tuned;
   });
   watch(["robot"], () => { panel.hidden = state.robot?.state === "offline" && !trail?.rows.length; });
   setInterval(() => {

@@ -7,7 +7,7 @@ const POSES = 2400, FRAME = 50; // of a run that are fetched; ms
 
 /** {box, open(query, name, joints), point(seconds), light(joints)}; query: {run} or {fault}. */
 export function replay(label = "The arm at the cursor") {
-  const play = el("button", { type: "button", class: "small", "aria-label": "play the recording" }, "▶ Play");
+  const play = el("button", { type: "button", class: "small", "aria-label": "play the recording", disabled: true }, "▶ Play");
   const slider = el("input", { type: "range", min: 0, max: 1, step: "any", value: 0, class: "grow", "aria-label": "time in the recording, s" });
   const view = armView(label, el("div", { class: "row player" }, play, slider));
   let track = null, timer = null, asked = 0;
@@ -41,12 +41,14 @@ export function replay(label = "The arm at the cursor") {
     async open(query, name, joints) {
       const mine = ++asked;
       halt();
+      play.disabled = true; // until there is something to play
       const channel = Array.from({ length: joints }, (_, j) => `q${j + 1}`);
       const found = await table("columns", { ...query, channel, points: POSES, every: true });
       if (mine !== asked) return;
       const { time, ...rest } = found.columns;
       track = { time, columns: channel.map((one) => rest[one]) };
       slider.max = time.at(-1);
+      play.disabled = false;
       view.show({ name: `${label}: ${name}` });
       point(0);
     },

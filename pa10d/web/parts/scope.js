@@ -5,6 +5,7 @@ import { el, say } from "../base/dom.js";
 export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c"];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const LEFT = 58, RIGHT = 8, TOP = 8, BOTTOM = 20, MOST = 700; // px, points of a line
+const TICKS = [1, 2, 5, 10, 15, 20, 30], APART = 10; // s between marks of time; px between their words
 const LIMITS_OF = 2; // joints: with more, nobody could tell whose limit it is
 
 /** title, unit; `value`, `target`: (row, joint from 0) -> number; `limits`: joint -> [lower, upper]. */
@@ -153,15 +154,16 @@ export class Scope {
     }
     pen.strokeStyle = css("--grid");
     pen.textBaseline = "alphabetic";
-    const every = seconds / 6;
-    for (let k = 0; k <= 6; k += 1) {
+    const room = 1.5 * pen.measureText(`−${seconds} s`).width + APART;
+    const every = TICKS.find((one) => (one / seconds) * (right - LEFT) >= room) ?? seconds;
+    for (let k = 0; k * every <= seconds; k += 1) {
       const place = x(newest - k * every);
       pen.beginPath();
       pen.moveTo(place, TOP);
       pen.lineTo(place, bottom);
       pen.stroke();
-      pen.textAlign = k === 0 ? "right" : k === 6 ? "left" : "center";
-      pen.fillText(k ? `−${Number((k * every).toPrecision(3))} s` : "now", place, bottom + 15);
+      pen.textAlign = k === 0 ? "right" : k * every === seconds ? "left" : "center"; // the outermost stay inside
+      pen.fillText(k ? `−${k * every} s` : "now", place, bottom + 15);
     }
     pen.strokeRect(LEFT, TOP, right - LEFT, bottom - TOP);
   }

@@ -5,12 +5,14 @@ import { mayCommand, moves } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { seconds, titled } from "../base/units.js";
+import { lawOf, lawsWith } from "../parts/laws.js";
 import { formOf } from "../parts/form.js";
 import { tabsByKeys } from "../parts/tabs.js";
 import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { planned } from "../parts/planned.js";
 import { nameOf } from "../parts/picker.js";
+import { weighingPanel } from "../parts/weighing.js";
 
 let chosen = "excitation";
 
@@ -20,7 +22,7 @@ export function mount(box) {
   const outcome = el("div", { id: "outcome", "aria-live": "polite" });
   fill(box, heading("experiments", "Experiments", { Record: "Press 'Record the starting set'." }),
     startingSet(outcome),
-    el("h2", {}, "One experiment"), el("div", { class: "columns" }, kinds, form), outcome);
+    el("h2", {}, "One experiment"), el("div", { class: "columns" }, kinds, form), outcome, weighingPanel());
   watch(["kinds"], () => {
     if (!state.kinds.length) return;
     fill(kinds, state.kinds.map((kind) => el("button", {
@@ -62,11 +64,11 @@ function editor(kind, outcome) {
   const name = el("input", { id: "run-name", maxLength: 100, placeholder: `${kind.kind} (numbered)` });
   const tags = ["fit", "judge"].map((tag) => el("input", { type: "checkbox", value: tag, id: `tag-${tag}` }));
   const controller = el("select", { id: "run-controller" }, el("option", { value: "" }, "as it is"),
-    el("option", { value: "pid" }, "PID"), current().map((model) => el("option", { value: `m:${model.name}` }, `computed torque with ${model.name}`)));
+    el("option", { value: "pid" }, "PID"), lawsWith(current().map((model) => model.name)));
   const checks = el("div", { class: "checks" });
   const request = () => ({
     kind: kind.kind, parameters: form.read(), tags: tags.filter((tag) => tag.checked).map((tag) => tag.value),
-    ...(name.value.trim() ? { name: name.value.trim() } : {}), ...controllerOf(controller.value),
+    ...(name.value.trim() ? { name: name.value.trim() } : {}), ...lawOf(controller.value),
   });
   const check = el("button", { type: "button" }, "Check");
   const start = el("button", { class: "primary" }, "Start");
@@ -93,12 +95,10 @@ function editor(kind, outcome) {
   return box;
 }
 
-const controllerOf = (value) => !value ? {} : value === "pid" ? { controller: "pid" }
-  : { controller: "computed_torque", model: value.slice(2) };
-
 function verdict(found) {
   return [
     el("p", {}, el("b", { class: found.go ? "good" : "bad" }, found.go ? "Go. " : "No go. "), `The motion takes ${seconds(found.seconds)}.`),
+    found.adjusted ? el("p", { class: "warn", dataset: { adjusted: found.adjusted.pace } }, found.adjusted.sentence) : null,
     planned(found),
     el("ul", { class: "levels" }, found.checks.map((one) =>
       el("li", { class: one.level }, el("b", {}, one.level), ` ${one.sentence}`))),
@@ -116,6 +116,7 @@ async function follow(job, outcome) {
       notice(`Recorded ${names.join(", ")}.`, { action: { href: "#/runs", label: "Look" } });
       fill(outcome, el("div", { class: "panel" }, el("h2", {}, "What came out"), found.map((one) => [
         el("p", {}, el("b", {}, one.recorded.map((run) => run.name).join(", ")), ` (${titled(one.kind)})`),
+        (one.notes ?? []).map((note) => el("p", { class: "warn" }, note)),
         el("ul", {}, one.recommendation.map((sentence) => el("li", {}, sentence))),
       ])));
     },

@@ -11,6 +11,7 @@ import { courses } from "../parts/courses.js";
 import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { runPicker } from "../parts/picker.js";
+import { setAside } from "../parts/set_aside.js";
 import { storyPanel } from "../parts/story.js";
 
 const MARK = { done: "done", running: "now", waiting: "later", left_out: "left out" };
@@ -26,7 +27,7 @@ let parts = null, shown = null, known = [];
 
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "investigations" }), detail: el("div", { class: "grow" }) };
-  fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'." }), storyPanel(), form(),
+  fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'." }), storyPanel(), form(), setAside("investigations"),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["jobs", "ready"], soon);
 }

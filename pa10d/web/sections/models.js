@@ -10,6 +10,7 @@ import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
 import { tabsByKeys } from "../parts/tabs.js";
 import { heading } from "../parts/guide.js";
+import { setAside } from "../parts/set_aside.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
 import { modelPicker, runPicker } from "../parts/picker.js";
@@ -21,7 +22,7 @@ let parts = null, chosen = null, wanted = null, detailed = null, drawn = ""; // 
 export function mount(box) {
   parts = { list: tabsByKeys(el("div", { class: "versions", role: "tablist", "aria-label": "models" })), detail: el("div", { class: "grow" }),
             judge: runPicker("Judged by", "judge", () => refreshPlots()) };
-  fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(),
+  fill(box, heading("models", "Models", { Fit: "Press 'Fit'." }), fitForm(), setAside("models"),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["models", "ready"], refresh);
 }
@@ -110,7 +111,7 @@ function details(model) {
 
 const exporters = (model) => Object.entries(model.formats).map(([format, ending]) => el("button", {
   type: "button", class: "small", title: `Export ${model.name} as ${format}`,
-  onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase()));
+  onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase().replace("_", " ")));
 
 /** What the search promised and what came of it, for every joint. */
 function delivered({ delivery, joints, torque_units: units, name }) {

@@ -6,8 +6,10 @@ import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
 import { armView, inWords, shapeOnce } from "../parts/arm.js";
+import { lawInWords, lawOf, lawsWith, valueOf } from "../parts/laws.js";
 import { heading } from "../parts/guide.js";
 import { live } from "../parts/live.js";
+import { memories } from "../parts/memories.js";
 
 export function mount(box) {
   const word = el("strong", { class: "state-word" }), meaning = el("p", {}), age = el("p", { class: "warn", hidden: true });
@@ -20,7 +22,7 @@ export function mount(box) {
     el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
-      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, last, controllerChoice(), notes), table),
+      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
     el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
@@ -90,17 +92,16 @@ function controllerChoice() {
     const robot = state.robot;
     if (!robot || document.activeElement === select) return;
     const names = current().map((model) => model.name);
-    fill(select, el("option", { value: "" }, "PID"),
-      names.map((name) => el("option", { value: name }, `computed torque with ${name}`)));
-    if (robot.model && !names.includes(robot.model)) select.append(el("option", { value: robot.model }, `computed torque with ${robot.model}`));
-    select.value = robot.controller === "pid" ? "" : robot.model ?? "";
+    if (robot.model && !names.includes(robot.model)) names.push(robot.model);
+    fill(select, el("option", { value: "pid" }, "PID"), lawsWith(names));
+    select.value = valueOf(robot.controller, robot.model);
     select.disabled = !mayCommand(client) || robot.state === "offline";
   };
   select.addEventListener("change", guarded("The controller stays as it was.", async () => {
-    const model = select.value;
+    const law = lawOf(select.value);
     try {
-      await put("robot/controller", model ? { controller: "computed_torque", model } : { controller: "pid" });
-      notice("Controller changed.", { detail: model ? `Computed torque with ${model}.` : "PID." });
+      await put("robot/controller", law);
+      notice("Controller changed.", { detail: `Now it is ${lawInWords(law.controller, law.model)}.` });
     } finally {
       select.blur();
       await loadRobot();

@@ -6,8 +6,10 @@ import { failed, guarded, notice } from "../base/notices.js";
 import { number, seconds, titled, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
 import { dropZone } from "../parts/drop.js";
+import { findingsList } from "../parts/preview.js";
 import { card, empty, Zoomable } from "../parts/figure.js";
 import { replay } from "../parts/replay.js";
+import { setAside } from "../parts/set_aside.js";
 import { heading } from "../parts/guide.js";
 
 const MARKS = ["fit", "judge"];
@@ -37,7 +39,7 @@ export function mount(box) {
     const run = state.runs.find((one) => one.id === id || one.name === id);
     if (run && run.id !== selected) select(run);
   };
-  fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone("files"), search, table, none, detail);
+  fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone("files"), search, table, none, setAside("runs"), detail);
   watch(["runs", "ready"], () => {
     refresh();
     if (selected && !state.runs.some((run) => run.id === selected)) { selected = null; fill(detail); }
@@ -79,12 +81,24 @@ function wrong(run) {
   return errors.length ? el("span", { class: "tag bad", title: errors.map((one) => one.sentence).join("; ") }, `not for a fit: ${errors.map((one) => one.code.replaceAll("_", " ")).join(", ")}`) : null;
 }
 
-/** What the checks and the import said; the checks name limits, too. */
+/** What to know before fitting: what was kept when it came in, and the whole on demand. */
 function known(run) {
-  const found = (run.findings ?? []).map((one) => [one.severity, `${one.sentence}${one.advice ? ` → ${one.advice}` : ""}`]);
-  const others = run.warnings.filter((text) => !(run.findings ?? []).some((one) => text.includes(one.sentence))).map((text) => ["warning", text]);
-  const all = [...found, ...others];
-  return all.length ? el("ul", { class: "levels" }, all.map(([level, text]) => el("li", { class: level }, el("b", {}, level), ` ${text}`))) : null;
+  const box = el("div", {});
+  const look = el("button", { type: "button", class: "small", onclick: guarded("It could not be checked.", async () => {
+    say("Looking at units, signs, delay and motion …");
+    try {
+      const { items } = await get(`runs/${run.id}/check`);
+      show(items);
+    } finally { say(""); }
+  }) }, "Check it now");
+  const status = el("span", { class: "muted", role: "status" });
+  const say = (text) => { status.textContent = text; };
+  const show = (findings) => {
+    const others = run.warnings.filter((text) => !findings.some((one) => text.includes(one.sentence))).map((sentence) => ({ severity: "warning", sentence, advice: "" }));
+    fill(box, findingsList([...findings, ...others]) ?? el("p", { class: "muted" }, run.findings ? "Nothing stood against a fit when it came in." : "Not looked at yet."));
+  };
+  show(run.findings ?? []);
+  return el("div", { class: "known" }, el("div", { class: "row" }, el("h2", {}, "Before fitting"), look, status), box);
 }
 
 function details(run) {

@@ -1,0 +1,171 @@
+"""A file that is dropped onto the page is shown first: understood, corrected, imported, or left."""
+
+from __future__ import annotations
+
+import httpx
+import numpy as np
+import pytest
+from browsers import until
+from test_everyone import AXE, broken_rules
+
+DROP = """async ([name, text]) => {
+  const data = new DataTransfer();
+  for (const one of [].concat(name)) data.items.add(new File([text], one));
+  const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true });
+  document.querySelector(".drop").dispatchEvent(drop);
+}"""
+
+
+CUT = """(arrow) => [...document.querySelectorAll(".preview select")].filter((box) => {
+  const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(box);
+  pen.font = style.font;
+  const room = box.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+  return pen.measureText(box.selectedOptions[0].text).width > room - arrow;
+}).map((box) => box.selectedOptions[0].text)"""
+
+
+@pytest.fixture(scope="module")
+def strange() -> str:
+    """A logger's own names: ms, degrees that its columns do not name, a commanded torque."""
+    t = np.arange(2000) / 200.0
+    phase = t[:, None] * np.linspace(1.5, 3.0, 7)
+    q = 60.0 * np.sin(phase)
+    names = ["stamp", *(f"axis_{j}_pos" for j in range(1, 8))]
+    names += [*(f"axis_{j}_torque_cmd" for j in range(1, 8)), *(f"trq{j}" for j in range(1, 8))]
+    tau = 5.0 * np.sin(phase) + 0.4 * np.cos(phase)
+    table = np.column_stack([1e3 * t, q, tau, 0.95 * tau + 0.02 * np.sin(40 * phase)])
+    rows = [";".join(f"{v:.6g}" for v in row) for row in table]
+    return "\n".join([";".join(names), *rows])
+
+
+@pytest.fixture
+def page(archive, visit):
+    visitor = visit(archive[0], bypass_csp=True)
+    visitor.open("runs")
+    yield visitor.page
+    assert not visitor.errors
+
+
+def shown(page):
+    """The dialogue, once it has looked at everything."""
+    page.locator(".preview").wait_for()
+    until(page, "document.querySelector('.preview')?.getAttribute('aria-busy') === 'false'")
+    return page.locator(".preview")
+
+
+def test_a_guess_is_corrected_and_imported(page, archive, strange):
+    page.evaluate(DROP, ["log.txt", strange])
+    box = shown(page)
+    assert page.evaluate("document.activeElement.textContent") == "Before log.txt is imported"
+    assert page.get_by_label("axis_1_pos: read as").input_value() == "q1"
+    assert page.get_by_label("axis_1_pos: unit").input_value() == "deg"
+    assert page.get_by_label("stamp: unit").input_value() == "ms"
+    assert page.get_by_label("axis_7_torque_cmd: read as").input_value() == ""
+    assert box.locator("tbody svg polyline").count() == 22
+    row = box.locator("tbody tr", has_text="axis_1_pos")
+    assert "-1.047 … 1.047 rad" in row.inner_text()
+    assert "--map 'stamp[ms]=time' 'axis_{n}_pos[deg]=q'" in box.locator("code").text_content()
+
+    page.get_by_label("axis_1_pos: unit").fill("1")  # as if it were rad
+    for joint in range(2, 8):
+        page.get_by_label(f"axis_{joint}_pos: unit").fill("1")
+    box.locator(".levels .error", has_text="look like degrees").wait_for()
+    assert box.get_by_role("button", name="Import", exact=True).is_disabled()
+    assert box.get_by_role("button", name="Import it all the same").is_visible()
+    box.locator(".levels .error").get_by_role("button", name="Mend it").click()
+    until(page, "!document.querySelector('.preview .levels .error')")
+    assert page.get_by_label("axis_1_pos: unit").input_value() == "deg"
+
+    page.get_by_label("trq1: read as").select_option("")
+    box.locator("p.bad", has_text="no column tau1").wait_for()
+    page.get_by_label("axis_1_torque_cmd: read as").select_option("tau1")
+    box.locator(
+        ".levels .warning", has_text="axis_1_torque_cmd: a torque that was asked"
+    ).wait_for()
+    shown(page)
+    box.get_by_role("button", name="Import", exact=True).click()
+    page.locator("#runs tbody tr", has_text="log").wait_for()
+    page.locator(".notice", has_text="Imported log").wait_for()
+    run = httpx.get(f"{archive[0]}/api/v1/runs/log", trust_env=False).json()
+    assert "commanded" in [finding["code"] for finding in run["findings"]]
+
+    page.get_by_role("button", name="log", exact=True).click()
+    known = page.locator("#run-detail .known")
+    known.locator("li.warning", has_text="a torque that was asked for").wait_for()
+    known.get_by_role("button", name="Check it now").click()
+    known.locator("li.info", has_text="2000 samples at 200 Hz").wait_for()
+    httpx.delete(f"{archive[0]}/api/v1/runs/log", trust_env=False).raise_for_status()
+
+
+def test_it_goes_by_keyboard_and_can_be_left(page, archive, strange):
+    before = len(httpx.get(f"{archive[0]}/api/v1/runs", trust_env=False).json()["items"])
+    page.evaluate(DROP, ["log.txt", strange])
+    shown(page)
+    page.keyboard.press("Tab")
+    names = []
+    for _ in range(80):
+        names.append(
+            page.evaluate("document.activeElement.ariaLabel || document.activeElement.textContent")
+        )
+        if names[-1] == "Leave it":
+            break
+        page.keyboard.press("Tab")
+    assert {"stamp: read as", "stamp: unit", "columns of log.txt", "Import"} <= set(names)
+    page.keyboard.press("Enter")
+    page.locator(".preview").wait_for(state="detached")
+    after = httpx.get(f"{archive[0]}/api/v1/runs", trust_env=False).json()["items"]
+    assert len(after) == before
+
+
+def test_several_files_alike_are_asked_once(page, archive, strange):
+    page.evaluate(DROP, [["a.txt", "b.txt", "c.txt"], strange])
+    box = shown(page)
+    box.get_by_role("button", name="Import this and the 2 others alike").click()
+    for name in ("a", "b", "c"):
+        page.locator("#runs tbody tr").get_by_role("button", name=name, exact=True).wait_for()
+        httpx.delete(f"{archive[0]}/api/v1/runs/{name}", trust_env=False).raise_for_status()
+
+
+def test_a_file_that_is_dropped_while_another_is_read_waits_for_it(page, strange):
+    sent = []
+    page.route("**/api/v1/recordings?*", lambda route: sent.append(route))
+    page.evaluate(DROP, ["a.txt", strange])
+    page.locator(".drop", has_text="Reading a.txt").wait_for()
+    page.evaluate(DROP, ["b.txt", strange])
+    page.locator(".notice", has_text="One file after the other").wait_for()
+    [first] = sent
+    first.continue_()
+    page.unroute("**/api/v1/recordings?*")
+    assert "Before a.txt" in shown(page).locator("h2").inner_text()
+    page.get_by_role("button", name="Leave it").click()
+    page.locator(".drop", has_text="Drop recordings here").wait_for()
+    page.evaluate(DROP, ["b.txt", strange])
+    assert "Before b.txt" in shown(page).locator("h2").inner_text()
+    page.get_by_role("button", name="Leave it").click()
+
+
+def test_a_file_that_is_no_longer_kept_can_be_left(page, archive, strange):
+    page.evaluate(DROP, ["log.txt", strange])
+    with page.expect_response("**/preview") as answer:
+        shown(page)
+    kept = answer.value.json()["id"]
+    httpx.delete(f"{archive[0]}/api/v1/recordings/{kept}", trust_env=False).raise_for_status()
+    page.get_by_role("button", name="Leave it").click()
+    page.locator(".preview").wait_for(state="detached")
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1440), ("dark", 390)])
+def test_everyone_can_use_it(archive, visit, strange, scheme, width):
+    size = {"width": width, "height": 900}
+    visitor = visit(archive[0], color_scheme=scheme, viewport=size, bypass_csp=True)
+    visitor.open("runs")
+    page = visitor.page
+    page.evaluate(DROP, ["log.txt", strange])
+    shown(page)
+    page.evaluate(AXE)
+    assert broken_rules(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.evaluate(CUT, 16) == [], "what a column is read as can be read"
+    page.get_by_role("button", name="Leave it").click()
+    page.locator(".preview").wait_for(state="detached")
+    assert not visitor.errors
