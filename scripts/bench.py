@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-KINDS = ("loop", "simulate", "identify", "excitation", "diagnose", "real")
+KINDS = ("loop", "simulate", "identify", "excitation", "diagnose", "real", "long")
 
 
 def main(arguments: list[str] | None = None) -> int:

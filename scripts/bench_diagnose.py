@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from backends.virtual.datasets import make_runs
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.regression.state import State
+from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import robot_from_profile
 from pa10d.identify import identify
 from pa10d.judgement import in_band
@@ -65,7 +65,7 @@ def run(rounds: int = 3) -> dict[str, Any]:
 def fit_side(model: TorqueModel, fit: list[Recording], held: list[Recording]) -> np.ndarray:
     """(M, p+1) weighted columns of the given model on the fit side, and the torque."""
     train, judged, _ = two_sides(model, fit, held)
-    state = State.start(model, train, judged)
+    state = SearchState.start(model, train, judged)
     blocks = [
         np.column_stack([columns, train.tau[j]]) / state.fit.sigma[j]
         for j, columns in state.matrix(0).items()

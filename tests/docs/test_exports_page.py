@@ -11,6 +11,7 @@ from documents import blocks
 
 from pa10d.export.endings import FORMATS
 from pa10d.export.formats import export
+from pa10d.services.models import write_export
 
 sys.path.append(str(Path(__file__).parents[1] / "models"))
 import model_examples as examples
@@ -41,3 +42,11 @@ def test_the_c_lines(tmp_path):
     (tmp_path / "arm.h").write_text(export(examples.textbook("arm"), "c").text, encoding="utf-8")
     (tmp_path / "use.c").write_text(blocks(PAGE, "c")[0], encoding="utf-8")
     subprocess.run(["gcc", "-std=c99", "-Wall", "-Werror", "-c", "use.c"], cwd=tmp_path, check=True)
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no g++ on this machine")
+def test_the_cpp_lines(tmp_path):
+    write_export(export(examples.textbook("arm"), "ros2_control"), tmp_path)
+    (tmp_path / "use.cpp").write_text(blocks(PAGE, "cpp")[0], encoding="utf-8")
+    command = ["g++", "-std=c++17", "-Wall", "-Werror", "-Iinclude", "-c", "use.cpp"]
+    subprocess.run(command, cwd=tmp_path, check=True)

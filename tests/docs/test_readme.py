@@ -90,9 +90,9 @@ def serve(command: str, place: Path, environment: dict[str, str]) -> dict:
             if " serves " in line:
                 break
         url = line.split()[-1]
-        assert "pa10d" in httpx.get(f"{url}/", trust_env=False).text
-        assert httpx.get(f"{url}/healthz", trust_env=False).json()["status"] == "ok"
-        return httpx.get(f"{url}/api/v1/robot", trust_env=False).json()
+        assert "pa10d" in httpx.get(f"{url}/", trust_env=False, timeout=60).text
+        assert httpx.get(f"{url}/healthz", trust_env=False, timeout=60).json()["status"] == "ok"
+        return httpx.get(f"{url}/api/v1/robot", trust_env=False, timeout=60).json()
     finally:
         process.terminate()
         process.wait(40)

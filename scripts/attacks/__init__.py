@@ -1,0 +1,1 @@
+"""What ``scripts/reliability.py`` does to a daemon, a kind of attack per module."""
