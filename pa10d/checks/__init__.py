@@ -8,7 +8,7 @@ from pa10d.checks.channels import check_channels
 from pa10d.checks.commanded import check_commanded
 from pa10d.checks.counters import check_counters
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
-from pa10d.checks.finding import Finding
+from pa10d.checks.finding import Finding, Mend
 from pa10d.checks.geometry import check_geometry
 from pa10d.checks.timing import check_timing, unit_of_stamps
 from pa10d.checks.units import beyond_limits, check_units
@@ -19,6 +19,7 @@ from pa10d.measurement.sampling import Timing
 __all__ = [
     "Delay",
     "Finding",
+    "Mend",
     "beyond_limits",
     "check_commanded",
     "check_recording",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label
+from pa10d.checks.finding import Finding, Mend, joint_label
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -37,12 +37,13 @@ def check_counters(recording: Recording, names: tuple[str, ...] | None) -> Itera
             bits = wraps(block[:, j])
             if bits is None:
                 continue
+            signed = Mend(f"{field}{j + 1}", f"i{bits}")
             yield Finding(
                 "error",
                 "wrapped",
                 f"{joint_label(j, names)}: {field} jumps between 0 and {WORDS[bits]:.0f}: numbers "
                 f"with a sign, read without it ({WORDS[bits] - 1:.0f} for −1)",
-                f"--map '{field}{j + 1}[i{bits}]={field}{j + 1}', with the unit's factor behind "
-                f"it, such as [i{bits}*0.001]",
+                f"--map {signed.option}, with the unit's factor behind it, such as [i{bits}*0.001]",
                 j + 1,
+                (signed,),
             )

@@ -2,25 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 Severity = Literal["info", "warning", "error"]
 
 
 @dataclass(frozen=True)
+class Mend:
+    """A field that is to be read in another unit: ``q{n}`` for all joints, ``q3`` for one.
+
+    complete: False where its unit has words in it, such as RATIO, for what only the owner knows.
+    """
+
+    field: str
+    unit: str
+    complete: bool = True
+
+    @property
+    def option(self) -> str:
+        """As ``--map`` takes it, with the names of this program for the file's columns."""
+        return f"'{self.field}[{self.unit}]={self.field.removesuffix('{n}')}'"
+
+
+@dataclass(frozen=True)
 class Finding:
-    """``error``: a fit would be wrong; ``warning``: it would be poorer; ``info``: good to know."""
+    """``error``: a fit would be wrong; ``warning``: it would be poorer; ``info``: good to know.
+
+    mends: the options that the advice names, in its order.
+    """
 
     severity: Severity
     code: str  # short and stable, for programs
     sentence: str
     advice: str = ""
     joint: int | None = None  # from 1
+    mends: tuple[Mend, ...] = field(default=(), compare=False)
 
     def document(self) -> dict[str, Any]:
         """As JSON knows it."""
-        return asdict(self)
+        said = asdict(self)
+        del said["mends"]
+        return said
 
     def __str__(self) -> str:
         return f"{self.severity}: {self.sentence}" + (f" → {self.advice}" if self.advice else "")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label
+from pa10d.checks.finding import Finding, Mend, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
 from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
 from pa10d.measurement.recording import Recording
@@ -42,14 +42,15 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
         label = joint_label(j, robot.joint_names)
         what = " and ".join(name for name in TURNED[signs] if name != "dq")
         have = [name for name in TURNED[signs] if name != "dq" or recording.dq is not None]
-        rules = " ".join(f"'{name}{j + 1}[-1]={name}{j + 1}'" for name in have)
+        turns = tuple(Mend(f"{name}{j + 1}", "-1") for name in have)
         yield Finding(
             "warning",
             "turned",
             f"{label}: {what} counts the other way than the URDF: turned round, the textbook model "
             f"leaves {share:.0%} of the error",
-            f"--map {rules}",
+            f"--map {' '.join(turn.option for turn in turns)}",
             j + 1,
+            turns,
         )
     if not turned:
         yield from _weighed(part, robot)
@@ -163,13 +164,15 @@ def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
         error = float(np.sqrt((scores**2).sum()) / power)
         if told < TOLD or abs(slope) < SURE * error or 1 / OFF < abs(slope) < OFF:
             continue
+        scaled = Mend(f"tau{j + 1}", f"{1 / abs(slope):.3g}")
         yield Finding(
             "warning",
             "torque_scale",
             f"{joint_label(j, robot.joint_names)}: tau is {abs(slope):.2g} times the weight of the "
             "URDF's bodies: motor-side, in another unit, or bodies that are placeholders?",
-            f"--map 'tau{j + 1}[{1 / abs(slope):.3g}]=tau{j + 1}', better with the gear ratio",
+            f"--map {scaled.option}, better with the gear ratio",
             j + 1,
+            (scaled,),
         )
 
 

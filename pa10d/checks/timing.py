@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pa10d.checks.finding import Finding, percent
+from pa10d.checks.finding import Finding, Mend, percent
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 
@@ -48,11 +48,13 @@ def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Findin
 
 def _plausible(rate: float) -> Iterator[Finding]:
     if (unit := unit_of_stamps(rate)) is not None:
+        stamps = Mend("time", unit)
         yield Finding(
             "error",
             "time_unit",
             f"{rate:.3g} Hz: the stamps look like {STAMPS[unit][1]}",
-            f"--map 'time[{unit}]=time'",
+            f"--map {stamps.option}",
+            mends=(stamps,),
         )
         return
     if rate < SLOW:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label, percent
+from pa10d.checks.finding import Finding, Mend, joint_label, percent
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 
@@ -57,11 +57,13 @@ def _angles(
     largest: Array, turning: NDArray[np.bool_], robot: Robot | None, recording: Recording
 ) -> Iterator[Finding]:
     if (largest[turning] > 1e4).any():
+        counts = Mend("q{n}", "rev/COUNTS", complete=False)
         yield Finding(
             "error",
             "counts",
             f"q reaches {largest.max():.3g}: these look like encoder counts",
-            "q must be in rad: --map 'q{n}[rev/COUNTS]=q' with the joint's counts per revolution",
+            f"q must be in rad: --map {counts.option} with the joint's counts per revolution",
+            mends=(counts,),
         )
         return
     bounded = np.ones(recording.joints, bool)
@@ -74,13 +76,15 @@ def _angles(
     if far.any():
         joints = ", ".join(str(j + 1) for j in np.flatnonzero(far))
         sure = bool((far & bounded).any())  # a joint without limits may turn on and on
+        degrees, geared = Mend("q{n}", "deg"), Mend("q{n}", "1/RATIO", complete=False)
         yield Finding(
             "error" if sure else "warning",
             "degrees",
             f"q reaches {largest[far].max():.4g} on joint {joints}: these look like degrees"
             + ("" if sure else f", or like {largest[far].max() / (2 * np.pi):.0f} turns"),
-            "q must be in rad: --map 'q{n}[deg]=q'; motor-side angles: 'q{n}[1/RATIO]=q' with the "
-            "gear ratio",
+            f"q must be in rad: --map {degrees.option}; motor-side angles: {geared.option} with "
+            "the gear ratio",
+            mends=(degrees, geared),
         )
 
 
@@ -118,19 +122,23 @@ def _torques(largest: Array, robot: Robot) -> Iterator[Finding]:
         return
     share = largest[known] / robot.effort[known]
     if share.max() < 0.01:
+        geared = Mend("tau{n}", "RATIO", complete=False)
         yield Finding(
             "warning",
             "torque_small",
             f"the torques stay below {percent(share.max())} of the limits: perhaps they are "
             "motor-side, or in kN·m",
-            "tau must be in N·m at the joint: --map 'tau{n}[RATIO]=tau' with the gear ratio",
+            f"tau must be in N·m at the joint: --map {geared.option} with the gear ratio",
+            mends=(geared,),
         )
     if np.median(share) > 3:
+        small, rated = Mend("tau{n}", "mNm"), Mend("tau{n}", "RATED/1000", complete=False)
         yield Finding(
             "warning",
             "torque_large",
             f"the torques are {np.median(share):.3g} times the limits (median joint): perhaps they "
             "are in N·mm, per mille or counts",
-            "tau must be in N·m at the joint: --map 'tau{n}[mNm]=tau', or of per mille "
-            "'tau{n}[RATED/1000]=tau'",
+            f"tau must be in N·m at the joint: --map {small.option}, or of per mille "
+            f"{rated.option}",
+            mends=(small, rated),
         )

@@ -2,47 +2,36 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
-from pa10d.checks import Finding
+from pa10d.checks import Finding, Mend
 from pa10d.store.column_choices import Choice, composed, rules_of
-from pa10d.store.column_mapping import read_unit
 
-_OPTION = re.compile(r"'(time|(?:q|dq|tau)(?:\d+|\{n\}))\[([^\]]+)\]=(?:time|(?:q|dq|tau)\d*)'")
 Names = Mapping[str, str]
 
 
 def in_words_of(finding: Finding, called: Names, said: Names, n: int) -> Finding:
     """Its ``--map`` options with the file's own columns. called: field -> column; said: column ->
     the unit that it is read in so far."""
-
-    def own(match: re.Match[str]) -> str:
-        rules = rules_of(_choices(match[1], match[2], called, said, n), n)
-        return " ".join(f"'{rule}'" for rule in rules)
-
-    return replace(finding, advice=_OPTION.sub(own, finding.advice))
+    advice = finding.advice
+    for mend in finding.mends:
+        own = rules_of(_choices(mend, called, said, n), n)
+        advice = advice.replace(mend.option, " ".join(f"'{rule}'" for rule in own))
+    return replace(finding, advice=advice)
 
 
 def mends(finding: Finding, called: Names, said: Names, n: int) -> list[Choice]:
-    """What would mend it, as far as its advice leaves nothing to be filled in. finding: as the
-    checks made it."""
-    out = []
-    for field, unit in _OPTION.findall(finding.advice):
-        try:
-            read_unit(unit)
-        except (ValueError, ZeroDivisionError):
-            continue  # RATIO, COUNTS: only the owner knows
-        out += _choices(field, unit, called, said, n)
-    return out
+    """What would mend it, as far as nothing is left to be filled in."""
+    whole = (mend for mend in finding.mends if mend.complete)
+    return [choice for mend in whole for choice in _choices(mend, called, said, n)]
 
 
-def _choices(field: str, unit: str, called: Names, said: Names, n: int) -> list[Choice]:
-    prefix, template, _ = field.partition("{n}")
-    fields = [f"{prefix}{j}" for j in range(1, n + 1)] if template else [field]
+def _choices(mend: Mend, called: Names, said: Names, n: int) -> list[Choice]:
+    prefix, template, _ = mend.field.partition("{n}")
+    fields = [f"{prefix}{j}" for j in range(1, n + 1)] if template else [mend.field]
     columns = [called.get(one, one) for one in fields]
     return [
-        Choice(column, one, composed(said.get(column, ""), unit))
+        Choice(column, one, composed(said.get(column, ""), mend.unit))
         for column, one in zip(columns, fields, strict=True)
     ]

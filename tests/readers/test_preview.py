@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_broken_kinds import BROKEN
 from test_formats import FILES, JOINTS, URDF, can_log, columns, lines
 
+from pa10d.checks import check_recording
 from pa10d.cli import main
 from pa10d.common.errors import UserError
+from pa10d.measurement.recording import Recording
 from pa10d.services.import_preview import Preview, preview_recording, small_curve
+from pa10d.services.mending import mends
 from pa10d.services.robots import load_robot
 from pa10d.services.runs import import_run
 from pa10d.store import RunStore
@@ -150,6 +155,17 @@ def test_what_mends_a_finding_is_a_choice(tmp_path, motion, robot):
     assert "--map 'pos{n}[-1*deg]=q'" in by_code["degrees"]["advice"]
     assert [tuple(c.values()) for c in by_code["wrapped"]["mends"]] == [("tau1", "tau1", "i16")]
     assert meant(preview_recording(path, *robot))["tau1"] == ("tau1", "i16")
+
+
+def test_what_mends_does_not_hang_on_the_words_of_an_advice(motion):
+    t, q, _, tau = motion
+    finding = next(f for f in check_recording(Recording("r", t, np.degrees(q), tau))
+                   if f.code == "degrees")  # fmt: skip
+    for said in (finding, replace(finding, advice="bitte in Radiant")):
+        assert mends(said, {"q1": "a", "q2": "b"}, {"a": "-1"}, 2) == [
+            Choice("a", "q1", "-1*deg"), Choice("b", "q2", "deg"),
+        ]  # fmt: skip
+    assert "mends" not in finding.document()
 
 
 def test_units_are_put_together():
