@@ -339,7 +339,9 @@ class Parameter(BaseModel):
     urdf: float | None = Field(
         description="The same of the bodies that the URDF has; null for effects"
     )
-    flags: list[str] = Field(examples=[["weak"], ["not determined"], ["at its bound"]])
+    flags: list[str] = Field(
+        examples=[["weak"], ["not determined"], ["at its bound"], ["from the prior"]]
+    )
 
 
 class Delivery(BaseModel):
@@ -427,6 +429,14 @@ Joints = Annotated[list[Joint], Field(max_length=64)]
 Force = Annotated[bool, Field(description="Also runs that the checks have an error against")]
 
 
+class LeftOut(Strict):
+    """A stretch of a run, s since its first sample."""
+
+    run: Name
+    begin: float = Field(ge=0)
+    end: float = Field(gt=0)
+
+
 class IdentifyRequest(Strict):
     """Fit the textbook model."""
 
@@ -437,6 +447,14 @@ class IdentifyRequest(Strict):
     robust: bool = Field(False, description="Let samples far off the model count less")
     faster_than: Annotated[list[float], Field(max_length=64)] | None = Field(
         None, description="rad/s per joint: fit only samples in which the joint is faster"
+    )
+    prior: float | None = Field(
+        None, gt=0, le=1000,
+        description="Bodies are the URDF's, give or take this many % of what is usual for a link "
+        "(one standard deviation); default: nothing is known of them",
+    )  # fmt: skip
+    left_out: Annotated[list[LeftOut], Field(max_length=200)] = Field(
+        [], description="Stretches that this fit does not use, beside those of the runs themselves"
     )
     replace: bool = False
     force: Force = False

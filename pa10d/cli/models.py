@@ -24,6 +24,7 @@ def add_commands(commands: Commands) -> None:
         examples=(
             "pa10d identify train --profile robot.urdf --name m0",
             "pa10d identify monday tuesday --with torque_offset --name m0",
+            "pa10d identify monday --leave-out monday 12 14.5 --prior 30 --name m0",
         ),
     )
     _runs(parser)
@@ -44,6 +45,15 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument(
         "--robust", action="store_true",
         help="let samples far off the model count less: knocks, collisions, glitches",
+    )  # fmt: skip
+    parser.add_argument(
+        "--leave-out", dest="left_out", nargs=3, metavar=("RUN", "BEGIN", "END"), action="append",
+        default=[], help="seconds of a run that this fit does not use; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--prior", type=float, metavar="PERCENT",
+        help="bodies are the URDF's, give or take this much of what is usual for a link: decides "
+        "what the motion leaves open",
     )  # fmt: skip
     force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
@@ -74,8 +84,9 @@ def identify(options: argparse.Namespace) -> Answer:
     made = identify_runs(
         _library(options), options.runs, options.profile, name=options.name,
         cutoff=options.cutoff, with_effects=options.effects,
-        robust=options.robust, faster_than=options.faster_than, replace=options.replace,
-        force=options.force, progress=progress_line(),
+        robust=options.robust, faster_than=options.faster_than, prior=options.prior,
+        left_out=_stretches(options.left_out), replace=options.replace, force=options.force,
+        progress=progress_line(),
     )  # fmt: skip
     found = made.summary
     for warning in found.get("warnings", ()):
@@ -91,6 +102,16 @@ def identify(options: argparse.Namespace) -> Answer:
         ),
     ]
     return Answer(found, "\n".join(lines))
+
+
+def _stretches(given: Sequence[Sequence[str]]) -> list[tuple[str, float, float]]:
+    from pa10d.common.errors import UserError
+
+    try:
+        return [(run, float(begin), float(end)) for run, begin, end in given]
+    except ValueError as error:
+        said = " ".join(given[-1])
+        raise UserError(f"--leave-out {said}: expected a run and two times in seconds") from error
 
 
 def compare(options: argparse.Namespace) -> Answer:

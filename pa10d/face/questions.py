@@ -22,6 +22,7 @@ def identify(
     runs: Sequence[Run],
     cutoff_hz: float | None = None,
     extra: Sequence[str] = (),
+    prior: float | None = None,
     name: str = "model",
     progress: Progress | None = None,
     cancel: Cancel | None = None,
@@ -29,12 +30,13 @@ def identify(
     """The textbook model: rigid bodies, rotor inertia, Coulomb and viscous friction.
 
     cutoff_hz: of the low-pass on both sides; default: from the data. extra: ids of further effects,
-    on every joint, such as ``"torque_offset"``. progress(share done, what is being done); cancel:
-    asked now and then, True raises ``Cancelled``.
+    on every joint, such as ``"torque_offset"``. prior: % of what is usual for a link, by which its
+    body may differ from the URDF's; default: nothing is known of it. progress(share done, what is
+    being done); cancel: asked now and then, True raises ``Cancelled``.
     """
     made, _ = identified(
         recordings(runs), robot.tree, name=name, cutoff=cutoff_hz, with_effects=tuple(extra),
-        progress=progress, cancel=cancel,
+        prior=prior, progress=progress, cancel=cancel,
     )  # fmt: skip
     return Model(made)
 

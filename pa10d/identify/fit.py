@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
+from pa10d.identify.prior import Prior
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.uncertainty import Uncertainty, covariance
@@ -53,11 +54,13 @@ def weighted_fit(
     layout: Layout,
     smoothing: Smoothing,
     weights: Sequence[Array] | None = None,
+    prior: Prior | None = None,
 ) -> Fit:
     """Fit everything in the layout; each v0 that was found counts as one more unknown when the
     errors are worked out, because it makes the others less certain.
 
     weights: per piece (M, n), by which rows are multiplied beside 1/σ of their joint
+    prior: what is known of the bodies beforehand
     """
 
     def stretches(bent: NDArray[np.bool_] | None = None) -> Iterator[Rows]:
@@ -76,8 +79,8 @@ def weighted_fit(
     plain = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(moving, inner, strict=True))
     still = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(rest, inner, strict=True))
     sigma = estimate_weights(plain, still, inner, size)
-    solution = solve(plain, inner, size, sigma)
-    wide = solve(moving, outer, size + len(found), sigma)
+    solution = _solved(plain, inner, size, sigma, prior)
+    wide = _solved(moving, outer, size + len(found), sigma, prior)
     residuals, keeps = [], []
     for rows in stretches():
         residuals.append(rows.residual(inner, solution.beta))
@@ -97,11 +100,23 @@ def weighted_fit(
             ],
             pieces.lowpass,
         ),
+        None if prior is None else prior.information(size + len(found)),
     )
     errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
     return Fit(solution, uncertainty.first(size), rms, torque, errors, plain)
+
+
+def _solved(
+    factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array, prior: Prior | None
+) -> Solution:
+    if prior is None:
+        return solve(factors, indices, size, sigma)
+    known = solve(
+        [*factors, prior.triangle], [*indices, prior.unknowns()], size, np.append(sigma, 1.0)
+    )
+    return replace(known, sigma=sigma)
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:

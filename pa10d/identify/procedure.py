@@ -18,6 +18,7 @@ from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import weighted_fit
 from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
+from pa10d.identify.prior import urdf_prior
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
@@ -39,6 +40,7 @@ def identify(
     with_effects: Sequence[str] = (),
     robust: bool = False,
     faster_than: Sequence[float] | None = None,
+    prior: float | None = None,
     progress: Callable[[float, str], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> TorqueModel:
@@ -49,6 +51,8 @@ def identify(
     robust: let samples far off the model count less (knocks, collisions, glitches)
     faster_than: rad/s per joint; only samples in which the joint is faster are fitted, because
     friction is linear there (set A of Vuong & Ang 2009)
+    prior: %, how near the bodies are to the URDF's, of what is usual for a link (one standard
+    deviation); default: nothing is known of them
     progress: called with (share done, what is being done)
     cancel: asked now and then; True raises ``Cancelled``
     """
@@ -65,7 +69,9 @@ def identify(
     speeds = None if faster_than is None else check_speeds(faster_than, robot)
     # the matrices are many and small: threads of the linear algebra would mostly wait
     with threadpool_limits(limits=1, user_api="blas"):
-        return _identify(recordings, robot, name, cutoff, with_effects, robust, speeds, say, tick)
+        return _identify(
+            recordings, robot, name, cutoff, with_effects, robust, speeds, prior, say, tick
+        )
 
 
 def _identify(
@@ -76,11 +82,13 @@ def _identify(
     with_effects: Sequence[str],
     robust: bool,
     faster_than: Array | None,
+    prior: float | None,
     say: Callable[[float, str], None],
     tick: Callable[[], None],
 ) -> TorqueModel:
     say(0.0, "base parameters")
     layout = textbook(robot, with_effects)
+    known = None if prior is None else urdf_prior(layout, prior)
     why: Cutoff | None = None
     if cutoff is None:
         say(0.05, "cut-off")
@@ -102,7 +110,7 @@ def _identify(
         layout = with_smoothing(layout, smoothing)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
-    fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing)
+    fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing, prior=known)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout)
     warnings = warnings_of(layout, fit, feasible, smoothing, shift, seen)
@@ -115,10 +123,13 @@ def _identify(
         "weights": [float(s) for s in fit.solution.sigma],
         "correlation_s": [float(s) for s in fit.uncertainty.correlation],
         "rank": fit.solution.rank,
+        "open": [layout.names()[k] for k in fit.solution.open],
         "robust": robust,
     }
     if faster_than is not None:
         notes["faster_than"] = faster_than.tolist()
+    if known is not None:
+        notes["prior"] = known.document()
     say(1.0, "done")
     return model_of(name, layout, fit, feasible, cutoff, shift, recordings, notes)
 

@@ -51,12 +51,14 @@ def covariance(
     degrees: Array,
     rate: float,
     lack: Array,
+    known: Array | None = None,
 ) -> Uncertainty:
     """Sandwich covariance of a weighted solution.
 
     stretches: yields the rows again, in the order of ``residuals`` [(M, n) N·m] and ``keeps``
     degrees: (n,) unknowns that each joint's equation had to pay for; rate: decimated, Hz
     lack: (n,) (N·m)² of each residual that is the model's own (see ``lacking``)
+    known: (p, p) of the normal matrix that was known before the data, with errors of its own
     """
     n, size = len(indices), len(solution.beta)
     longest = int(np.clip(LONGEST * rate, 4, max(4, max(len(r) for r in residuals) // 4)))
@@ -91,7 +93,8 @@ def covariance(
     rough = np.diag(inverse @ blockwise @ inverse) * blocks / max(blocks - 1, 1)
     ratio = np.sqrt(rough / np.maximum(np.diag(smooth), 1e-300))
     inflation = np.where(ratio > 1.0 + 2.0 / np.sqrt(2.0 * blocks), ratio, 1.0)
-    whole = smooth * np.outer(inflation, inflation) + inverse @ missing @ inverse
+    beside = missing if known is None else missing + known
+    whole = smooth * np.outer(inflation, inflation) + inverse @ beside @ inverse
     return Uncertainty(whole, length, inflation)
 
 

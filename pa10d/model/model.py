@@ -87,12 +87,19 @@ class TorqueModel:
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     @property
+    def left_open(self) -> frozenset[str]:
+        """Names of the unknowns that the data of the fit leave open."""
+        return frozenset(self.notes.get("open", ()))
+
+    @property
     def base_values(self) -> list[Value]:
         """h with the whole of its doubt, the torque constants' included."""
         share = self.robot.gain_share(())
         names = [parameter_name(k) for k in self.base.kept]
         return [
-            Value(float(v), float(e), parameter_unit(name)).with_gain_error(share)
+            Value(
+                float(v), float(e), parameter_unit(name), determined=name not in self.left_open
+            ).with_gain_error(share)
             for v, e, name in zip(self.h, self.std_errors, names, strict=False)
         ]
 
@@ -129,6 +136,9 @@ class TorqueModel:
         found = term.effect.values(
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
+        for name, value in found.items():
+            if f"{term.label}: {name}" in self.left_open:
+                found[name] = replace(value, determined=False)
         return as_told(self.robot, term, found)
 
     def contextualise(self, context: Context) -> Context:

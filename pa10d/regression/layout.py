@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
@@ -100,16 +101,37 @@ def has_sign(term: Term, joint: int) -> bool:
 
 def structure(robot: Robot, base: BaseParameters) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """(n, b): which base parameters load which joint; (n,): whose rotor inertia is one of them."""
-    n, samples = robot.n, 200
-    q, dq, ddq = random_motion(robot, samples, seed=2)
-    columns = regressor(robot, q, dq, ddq, base.kept)
+    columns, ddq = _shown(robot, base)
     size = np.abs(columns).max(axis=0)
     seen = size > 1e-12 * size.max(axis=0)
-    basis, _ = np.linalg.qr(columns.reshape(samples * n, -1))
-    redundant = np.zeros(n, dtype=bool)
-    for j in range(n):
-        rotor = np.zeros((samples, n))
-        rotor[:, j] = ddq[:, j] / np.linalg.norm(ddq[:, j])
-        rest = rotor.ravel() - basis @ (basis.T @ rotor.ravel())
-        redundant[j] = np.linalg.norm(rest) < SPANNED
+    basis, _ = np.linalg.qr(columns.reshape(-1, columns.shape[2]))
+    redundant = np.zeros(robot.n, dtype=bool)
+    for j in range(robot.n):
+        rotor = _rotor(ddq, j)
+        redundant[j] = np.linalg.norm(rotor - basis @ (basis.T @ rotor)) < SPANNED
     return seen, redundant
+
+
+def rotors_within(robot: Robot, base: BaseParameters) -> Array:
+    """(b, r): what 1 kg·m² (or kg) of each rotor adds to the base parameters, for the rotors that
+    the rigid bodies take in."""
+    columns, ddq = _shown(robot, base)
+    matrix = columns.reshape(-1, columns.shape[2])
+    joints = np.flatnonzero(structure(robot, base)[1]).tolist()
+    if not joints:
+        return np.zeros((len(base), 0))
+    torques = np.column_stack([_rotor(ddq, j) * np.linalg.norm(ddq[:, j]) for j in joints])
+    return np.asarray(scipy.linalg.lstsq(matrix, torques)[0])
+
+
+def _shown(robot: Robot, base: BaseParameters) -> tuple[Array, Array]:
+    """Columns (N, n, b) of a random motion, and its accelerations (N, n)."""
+    q, dq, ddq = random_motion(robot, 200, seed=2)
+    return regressor(robot, q, dq, ddq, base.kept), ddq
+
+
+def _rotor(ddq: Array, joint: int) -> Array:
+    """(N·n,) torques of a rotor, of length 1."""
+    torque = np.zeros_like(ddq)
+    torque[:, joint] = ddq[:, joint] / np.linalg.norm(ddq[:, joint])
+    return np.asarray(torque.ravel())

@@ -22,6 +22,7 @@ Indices = Sequence[NDArray[np.int64]]
 NEAR_NULL = 1e-5
 NUMERICAL = 1e-10  # of the largest singular value: nothing but rounding
 DEMANDED = 10.0  # standard deviations of the noise by which data must ask for a near-null direction
+MOVED = 1e-3  # share of a truncated direction; what rounding mixes into it is a millionth of that
 ROUNDS = 2
 
 
@@ -50,6 +51,11 @@ class Solution:
     def rank(self) -> int:
         """Number of directions solved for."""
         return self.right.shape[1]
+
+    @property
+    def open(self) -> NDArray[np.int64]:
+        """Unknowns that a truncated direction moves: the data leave them open."""
+        return np.flatnonzero(np.linalg.norm(self.lost, axis=1) > MOVED)
 
 
 def estimate_weights(

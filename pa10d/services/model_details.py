@@ -12,6 +12,7 @@ from pa10d.model import TorqueModel
 from pa10d.model.impossible import impossible
 
 WEAK = 0.3  # of a value: a standard error above that
+UNCHANGED = 0.9  # of the standard error before the data: they told next to nothing
 NEAR = 1e-6  # of a range: as good as at its end
 
 
@@ -40,13 +41,14 @@ def parameter_list(model: TorqueModel) -> list[dict[str, Any]]:
     ``urdf``: the same base parameter of the bodies that the URDF has, null for effects;
     ``flags``: what is to be known of the value, in words."""
     sentences, urdf = model.base.sentences(), model.base.of(model.robot.parameters)
+    before = (model.notes.get("prior") or {}).get("std_errors") or [None] * len(urdf)
     found = [
         {
             "name": parameter_name(int(k)),
             **value.document(),
             "meaning": sentences[i],
             "urdf": float(urdf[i]),
-            "flags": flags(value),
+            "flags": flags(value, before=before[i]),
         }
         for i, (k, value) in enumerate(zip(model.base.kept, model.base_values, strict=True))
     ]
@@ -65,13 +67,20 @@ def parameter_list(model: TorqueModel) -> list[dict[str, Any]]:
     return found
 
 
-def flags(value: Value, bounds: tuple[float, float] | None = None) -> list[str]:
-    """``not determined``, ``at its bound``, ``weak`` (a standard error above 30 % of the value)."""
+def flags(
+    value: Value, bounds: tuple[float, float] | None = None, before: float | None = None
+) -> list[str]:
+    """``not determined``, ``at its bound``, ``weak`` (a standard error above 30 % of the value),
+    ``from the prior``: as unsure as before any data.
+
+    before: standard error that the value had then"""
     said = [] if value.determined else ["not determined"]
     if bounds is not None and min(abs(value.value - bound) for bound in bounds) <= NEAR * (
         bounds[1] - bounds[0]
     ):
         said.append("at its bound")
-    if value.determined and value.std_error > WEAK * abs(value.value):
+    if value.determined and before is not None and value.std_error > UNCHANGED * before:
+        said.append("from the prior")
+    elif value.determined and value.std_error > WEAK * abs(value.value):
         said.append("weak")
     return said

@@ -26,6 +26,7 @@ from pa10d.store import RunInfo
 from pa10d.store.folders import write_text
 from pa10d.store.models import ModelInfo
 from pa10d.store.out_of_core import LARGE, RecordingOnDisk, size_in_memory
+from pa10d.store.runs import in_order
 
 if TYPE_CHECKING:
     from pa10d.export.endings import Format
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 JUDGED_BY = 2  # runs, for what an export loses
 Progress = Callable[[float, str], None]
+Stretch = tuple[str, float, float]
+"""A run, and begin and end in s since its first sample."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,8 @@ def identify_runs(
     with_effects: Sequence[str] = (),
     robust: bool = False,
     faster_than: Sequence[float] | None = None,
+    prior: float | None = None,
+    left_out: Sequence[Stretch] = (),
     replace: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -83,13 +88,17 @@ def identify_runs(
 ) -> Identified:
     """Fit the textbook model to stored runs and store it; nothing is stored where that fails.
 
-    force: also to runs that the checks have an error against."""
+    prior: % of what is usual for a link, by which bodies may differ from the URDF's; left_out: what
+    this fit does not use, beside what the runs themselves leave out; force: also to runs that the
+    checks have an error against."""
     from pa10d.identify import summary
 
     if not replace:
         library.models.refuse_taken(name)
     robot = load_robot(profile)[1]
-    _, recordings = read_runs(library, runs, robot, force=force, out_of_core=True)
+    infos, recordings = read_runs(library, runs, robot, force=force, out_of_core=True)
+    for run, stretches in stretches_of(library, infos, left_out).items():
+        recordings[run] = recordings[run].without(stretches)
     model, found = identified(
         recordings,
         robot,
@@ -98,13 +107,36 @@ def identify_runs(
         with_effects=tuple(with_effects),
         robust=robust,
         faster_than=faster_than,
+        prior=prior,
         progress=progress,
         cancel=cancel,
     )
+    if left_out:
+        model.notes["left_out"] = [
+            {"run": library.runs.find(run).name, "begin": begin, "end": end}
+            for run, begin, end in left_out
+        ]
     info = library.models.save(model, replace=replace)
     return Identified(
         info, model, {**summary(model), **found.document(), "id": info.id, "name": info.name}
     )
+
+
+def stretches_of(
+    library: Library, infos: Sequence[RunInfo], left_out: Sequence[Stretch]
+) -> dict[int, tuple[tuple[float, float], ...]]:
+    """Place of a run -> all that is left out of it, for runs of which something more is."""
+    ids = [info.id for info in infos]
+    more: dict[int, list[tuple[float, float]]] = {}
+    for name, begin, end in left_out:
+        found = library.runs.find(name)
+        if found.id not in ids:
+            raise UserError(
+                f"left out {begin:g} to {end:g} s of {found.name!r}: expected a stretch of one of "
+                f"the runs that are fitted to, {', '.join(info.name for info in infos)}"
+            )
+        more.setdefault(ids.index(found.id), []).append((begin, end))
+    return {k: in_order(infos[k], [*infos[k].excluded, *new]) for k, new in more.items()}
 
 
 def identified(

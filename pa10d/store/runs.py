@@ -193,7 +193,7 @@ class RunStore:
                 self._refuse_taken(checked_name(name))
                 info = info.but(name=name)
             info = info if tags is None else info.but(tags=tags)
-            info = info if excluded is None else info.but(excluded=_in_order(info, excluded))
+            info = info if excluded is None else info.but(excluded=in_order(info, excluded))
             info.save(self.path(info))
         return info
 
@@ -295,7 +295,7 @@ def _version(path: Path) -> Version | None:
     return found.st_ino, found.st_mtime_ns, found.st_size
 
 
-def _in_order(
+def in_order(
     info: RunInfo, excluded: Sequence[tuple[float, float]]
 ) -> tuple[tuple[float, float], ...]:
     """Stretches that overlap become one; UserError for what lies outside the run."""

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from backends.virtual.datasets import make_runs
+from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.identify import identify
 from pa10d.judgement import judge
 from pa10d.measurement.recording import Recording
+from pa10d.services.library import open_library
+from pa10d.services.models import identify_runs
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels, RunStore, Samples
 
@@ -65,3 +68,47 @@ def test_the_store_keeps_stretches_in_order_and_within_the_run(tmp_path):
         with pytest.raises(UserError, match=r"expected a stretch within 0 to 9\.99"):
             store.change("one", excluded=[wrong])
     assert store.change("one", excluded=[]).excluded == ()
+
+
+@pytest.fixture
+def stored(tmp_path, clean):
+    """The same, spoiled, in a store."""
+    robot, run = clean
+    library = open_library(tmp_path)
+    stamps = (run.t * 1e9).round().astype("int64")
+    channels = Channels(joints=robot.joint_names)
+    profile = load_robot("pa10-sim")[0]
+    with library.runs.building("one", "one", channels, profile) as writer:
+        writer.append(Samples(stamps, run.q, spoiled(run).tau))
+    return library, str(profile.path)
+
+
+def test_one_fit_leaves_out_what_others_use(stored):
+    library, profile = stored
+    bad = identify_runs(library, ["one"], profile, name="bad", cutoff=10.0)
+    good = identify_runs(
+        library, ["one"], profile, name="good", cutoff=10.0, left_out=[("one", *WRONG)]
+    )
+    assert max(good.info.rms) < 0.2 * max(bad.info.rms)
+    assert good.model.notes["left_out"] == [{"run": "one", "begin": 6.0, "end": 8.0}]
+    assert library.runs.find("one").excluded == (), "the run stays as it was"
+
+
+@pytest.mark.parametrize(
+    ("stretch", "says"),
+    [
+        (("one", 3.0, 99.0), "expected a stretch within 0 to 19"),
+        (("none", 3.0, 4.0), "none"),
+    ],
+)
+def test_a_stretch_that_is_none_is_refused(stored, stretch, says):
+    library, profile = stored
+    with pytest.raises(UserError, match=says):
+        identify_runs(library, ["one"], profile, name="m", left_out=[stretch])
+    assert not library.models.all()
+
+
+def test_a_time_on_the_command_line_is_a_number(tmp_path, capsys):
+    command = ["identify", "one", "--name", "m", "--leave-out", "one", "3", "x"]
+    assert main(["--data", str(tmp_path), *command]) != 0
+    assert "--leave-out one 3 x: expected a run and two times" in capsys.readouterr().err

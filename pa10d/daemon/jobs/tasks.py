@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +89,8 @@ def identify(
     replace: bool,
     progress: Progress,
     force: bool = False,
+    prior: float | None = None,
+    left_out: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """The textbook model → what ``pa10d identify --json`` says."""
     from pa10d.services.library import open_library
@@ -96,7 +98,8 @@ def identify(
 
     return identify_runs(
         open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
-        robust=robust, faster_than=faster_than, replace=replace, force=force,
+        robust=robust, faster_than=faster_than, prior=prior, replace=replace, force=force,
+        left_out=[(one["run"], one["begin"], one["end"]) for one in left_out],
         progress=progress,
     ).summary  # fmt: skip
 

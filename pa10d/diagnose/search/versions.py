@@ -51,6 +51,9 @@ def snapshot(
     lost = (
         ("warnings", "delivery") if frozen else ("warnings", "feasible", "noise_floor", "delivery")
     )
+    if not frozen:  # fitted to the data alone, and perhaps to others
+        same = {run.name for run in part.train.runs} <= set(given.runs)
+        lost = (*lost, "prior", "left_out", *(() if same else ("open",)))
     notes = {k: v for k, v in given.notes.items() if k not in lost}
     model = replace(
         part.model,

@@ -1,35 +1,47 @@
-// How a model is fitted, where the usual way is not wanted: cut-off, terms, samples.
+// How a model is fitted, where the usual way is not wanted: cut-off, terms, samples, stretches, what
+// is known of the bodies.
 import { el } from "../base/dom.js";
+import { get } from "../base/api.js";
+import { failed } from "../base/notices.js";
+import { choices } from "./choices.js";
+import { stretches } from "./stretches.js";
 
-const TERMS = [
-  ["torque_offset", "a constant offset of each torque sensor"],
-  ["stribeck", "Stribeck friction in every joint"],
-  ["coulomb_asymmetry", "Coulomb friction that differs by direction"],
-];
-
-/** {box, read()}: read() gives what differs from the usual, as ``POST models`` takes it. */
-export function fitOptions() {
+/** {box, read(), refresh()}: read() gives what differs from the usual, as ``POST models`` takes it;
+    refresh() is for when others are chosen with `runs`, the picker of those that are fitted to. */
+export function fitOptions(runs) {
   const cutoff = el("input", { id: "fit-cutoff", type: "number", min: 0.1, step: "any", placeholder: "from the data", size: 8 });
-  const terms = TERMS.map(([id, says]) => ({ id, says, input: el("input", { type: "checkbox", id: `fit-${id}` }) }));
+  const prior = el("input", { id: "fit-prior", type: "number", min: 0.1, max: 1000, step: "any", placeholder: "nothing is known", size: 8 });
   const robust = el("input", { type: "checkbox", id: "fit-robust" });
   const faster = el("input", { id: "fit-faster", spellcheck: "false", placeholder: "all samples" });
-  const check = (input, says) => el("label", { htmlFor: input.id }, input, ` ${says}`);
+  const named = new Set(), out = stretches(runs);
+  let effects = [];
+  const terms = choices("Further terms", () => effects, named, () => {});
+  const field = (label, says, ...inside) => el("div", { class: "field" }, el("label", { htmlFor: inside[0].id }, label), inside, el("small", {}, says));
+  const box = el("details", { class: "grow options" }, el("summary", {}, "Options"), el("div", { class: "fields" },
+    field("cut-off", "Hz, of the zero-phase low-pass on both sides", cutoff),
+    el("div", { class: "field" }, terms.box, el("small", {}, "on every joint; better asked for by a diagnosis")),
+    field("bodies as in the URDF within", "% of what is usual for a link, one standard deviation: decides what the motion leaves open", prior),
+    el("div", { class: "field" }, el("span", { class: "label" }, "knocks and glitches"), el("label", { htmlFor: robust.id }, robust, " let samples far off count less")),
+    field("only faster than", "rad/s, one number or one per joint: where friction is a straight line", faster), out.box));
+  box.addEventListener("toggle", () => {
+    if (!box.open || effects.length) return;
+    get("effects").then(({ items }) => {
+      effects = items.filter((one) => one.scope !== "pair" && !["textbook", "chosen"].includes(one.question)).map((one) => ({ id: one.id, label: one.title, note: one.equation }));
+      terms.refresh();
+    }).catch((error) => failed("The effects cannot be listed.", error));
+  });
   return {
-    box: el("details", { class: "grow options" }, el("summary", {}, "Options"), el("div", { class: "fields" },
-      el("div", { class: "field" }, el("label", { htmlFor: cutoff.id }, "cut-off"), cutoff, el("small", {}, "Hz, of the zero-phase low-pass on both sides")),
-      el("div", { class: "field" }, el("span", { class: "label" }, "further terms"), terms.map((one) => check(one.input, one.says)), el("small", {}, "better asked for by a diagnosis")),
-      el("div", { class: "field" }, el("span", { class: "label" }, "knocks and glitches"), check(robust, "let samples far off count less")),
-      el("div", { class: "field" }, el("label", { htmlFor: faster.id }, "only faster than"), faster, el("small", {}, "rad/s, one number or one per joint: where friction is a straight line")))),
+    box, refresh: out.refresh,
     read() {
-      const named = terms.filter((one) => one.input.checked).map((one) => one.id);
       const speeds = faster.value.split(/[\s,;]+/).filter(Boolean).map((word) => {
         const value = Number(word);
         if (!Number.isFinite(value) || value < 0) throw new Error(`only faster than: '${word}' is no speed.`);
         return value;
       });
       return {
-        ...(cutoff.value ? { cutoff: Number(cutoff.value) } : {}), ...(named.length ? { with_effects: named } : {}),
-        ...(robust.checked ? { robust: true } : {}), ...(speeds.length ? { faster_than: speeds } : {}),
+        ...(cutoff.value ? { cutoff: Number(cutoff.value) } : {}), ...(named.size ? { with_effects: [...named] } : {}),
+        ...(prior.value ? { prior: Number(prior.value) } : {}), ...(robust.checked ? { robust: true } : {}),
+        ...(speeds.length ? { faster_than: speeds } : {}), ...(out.read().length ? { left_out: out.read() } : {}),
       };
     },
   };

@@ -54,7 +54,8 @@ function refresh() {
 }
 
 function fitForm() {
-  const runs = runPicker("Fit to", "fit"), how = fitOptions();
+  let how = null;
+  const runs = runPicker("Fit to", "fit", () => { how?.refresh(); allow(); });
   const name = el("input", { id: "model-name", maxLength: 100, size: 12, required: true });
   const start = el("button", { class: "primary", id: "fit-start", type: "button", onclick: guarded("The model could not be fitted.", async () => {
     const job = await postSound("models", { runs: runs.ids, name: name.value.trim(), ...how.read() });
@@ -62,11 +63,14 @@ function fitForm() {
     wanted = made.name;
     notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: `#/compare/of/${made.name}`, label: "See where it fails" } });
   }) }, "Fit");
-  watch(["models", "runs"], () => {
-    if (document.activeElement !== name) name.value = nextModelName(current().map((model) => model.name));
+  how = fitOptions(runs);
+  function allow() {
+    if (!how) return;
     start.disabled = !runs.ids.length;
     start.title = start.disabled ? "choose at least one run" : "";
-  });
+  }
+  watch(["models"], () => { if (document.activeElement !== name) name.value = nextModelName(current().map((model) => model.name)); });
+  allow();
   return el("div", { class: "panel row pickers" }, el("h2", {}, "New model"), runs.box,
     el("label", { class: "picker" }, el("span", {}, "Name"), name), start, how.box);
 }
