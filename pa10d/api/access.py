@@ -89,7 +89,7 @@ class AccessMiddleware:
             return self._judge(scope, headers)
         size = headers.get("content-length", "0")
         if size.isdecimal() and int(size) > self._limit(scope):
-            return "too-large", f"{size} bytes, at most {self._limit(scope)} are taken", {}
+            return "too-large", self._too_large(scope, f"{size} bytes"), {}
         return None
 
     def _judge(self, scope: Scope, headers: Headers) -> tuple[str, str, dict[str, str]] | None:
@@ -110,6 +110,12 @@ class AccessMiddleware:
         upload = scope["path"].rstrip("/") in UPLOADS and scope.get("method") == "POST"
         return self._access.upload if upload else BODY
 
+    def _too_large(self, scope: Scope, found: str) -> str:
+        """With the way that a larger recording has into the store."""
+        limit = self._limit(scope)
+        way = "" if limit == BODY else "; on the daemon's machine 'pa10d run import FILE' takes it"
+        return f"{found}, at most {limit} are taken{way}"
+
     def _limited(self, scope: Scope, receive: Receive) -> Receive:
         """Count what comes without a stated length, too."""
         if scope["type"] != "http":
@@ -121,7 +127,7 @@ class AccessMiddleware:
             message = await receive()
             taken += len(message.get("body", b""))
             if taken > limit:
-                raise HTTPException(413, f"more than {limit} bytes")
+                raise HTTPException(413, self._too_large(scope, "more"))
             return message
 
         return counting

@@ -2,5 +2,6 @@
 
 from pa10d.readers.read import read_recording, read_table
 from pa10d.readers.table import Table, recording_of
+from pa10d.readers.value_guess import guessed_by_value
 
-__all__ = ["Table", "read_recording", "read_table", "recording_of"]
+__all__ = ["Table", "guessed_by_value", "read_recording", "read_table", "recording_of"]

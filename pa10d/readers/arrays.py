@@ -3,41 +3,66 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers.packed import first_bytes
 from pa10d.readers.table import Table
-from pa10d.readers.text import first_bytes
 from pa10d.store.channels import Array
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
+CLOCKS = ("time", "t", "timestamp", "stamp")
+STREAM = b"\xff\xff\xff\xff"
+"""How Arrow's stream begins, which has no name of its own at its head."""
+PREFIXES = {"extra": "", "command": "cmd_"}
+"""Structs of our own files whose fields are called by more, or less, than their own names."""
+Place = tuple[str, ...]
 
 
 def read_npz(path: Path) -> Table:
-    """Arrays by name; objects are not unpacked."""
+    """Arrays by name, also one array of records; objects are not unpacked."""
     try:
-        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
-            return Table(spread({name: file[name] for name in file.files}))
+        with path.open("rb") as raw:
+            found = np.load(raw, allow_pickle=False)
+            if isinstance(found, np.ndarray):
+                return Table(spread(_of_one(found)))
+            with found as file:
+                return Table(spread({name: file[name] for name in file.files}))
     except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
         raise _damaged(path, "a NumPy .npz of plain arrays", error) from error
+
+
+def _of_one(found: Array) -> Mapping[str, Any]:
+    """A .npy file: records by their fields, a table by columns without names."""
+    if found.dtype.names:
+        return {"": found}
+    table = np.atleast_2d(found.T if found.ndim == 1 else found)
+    return {f"c{k + 1}": column for k, column in enumerate(table.T)}
 
 
 def read_mat(path: Path) -> Table:
     """MATLAB up to v7 by SciPy, v7.3 by h5py: arrays, or a struct of them."""
     from scipy.io import loadmat
 
-    if _is_hdf5(path):
+    if is_hdf5(path):
         return _read_hdf5(path)
     try:
         content = loadmat(path, simplify_cells=True)
     except Exception as error:  # whatever a damaged file makes of SciPy
         raise _damaged(path, "a MAT file", error) from error
-    return Table(spread({k: v for k, v in content.items() if not k.startswith("__")}))
+    named = {k: v for k, v in content.items() if not k.startswith("__")}
+    if any(type(value).__name__ == "MatlabOpaque" for value in content.values()):
+        raise UserError(
+            f"{path}: a MATLAB object (table, timeseries …), which MATLAB alone can unpack; "
+            "expected arrays or a struct: table2struct(T, 'ToScalar', true)"
+        )
+    return Table(spread(named))
 
 
 def read_arrow(path: Path) -> Table:
@@ -47,26 +72,32 @@ def read_arrow(path: Path) -> Table:
 
     try:
         is_parquet = first_bytes(path, 4) == b"PAR1"
-        found = parquet.read_table(path) if is_parquet else feather.read_table(path)
+        if is_parquet:
+            found = parquet.read_table(path)
+        elif first_bytes(path, 4) == STREAM:
+            with pa.OSFile(str(path)) as source, pa.ipc.open_stream(source) as stream:
+                found = stream.read_all()
+        else:
+            found = feather.read_table(path)
     except (pa.ArrowException, OSError) as error:
         raise _damaged(path, "a Parquet or Arrow file", error) from error
     return Table(spread({name: _of_arrow(found[name]) for name in found.column_names}))
 
 
 def spread(content: Mapping[str, Any]) -> dict[str, Array]:
-    """Everything that is numbers, flat: ``q`` (N, n) -> q1 … qn, structs by their fields."""
-    lengths = [len(v) for _, v in _leaves(content) if v.ndim]
-    length = max(lengths, default=0)
+    """Everything that is numbers, flat: ``q`` (N, n) -> q1 … qn, structs by their fields.
+
+    Fields that are called alike in two structs keep the structs' names: ``measured.q1``.
+    """
+    leaves = list(_leaves(content))
+    length = _samples_in(leaves)
+    blocks = [(place, found) for place, v in leaves if (found := _rows(v, length)) is not None]
+    alike = Counter(_called(place) for place, _ in blocks)
     out: dict[str, Array] = {}
-    for name, values in _leaves(content):
-        block = values[:, None] if values.ndim == 1 else values
-        if block.ndim != 2:
-            continue
-        if len(block) != length and block.shape[1] == length:
-            block = block.T
-        if len(block) != length:
-            continue
-        called = SPELT.get(name, name)
+    for place, block in blocks:
+        called = _called(place)
+        if alike[called] > 1:
+            called = ".".join(part for part in place if part)
         if block.shape[1] == 1:
             lone = called in ("q", "tau", "dq", "temp", "i")
             out[f"{called}1" if lone else called] = np.ascontiguousarray(block[:, 0])
@@ -75,13 +106,50 @@ def spread(content: Mapping[str, Any]) -> dict[str, Array]:
     return out
 
 
-def _leaves(content: Mapping[str, Any], within: str = "") -> Iterator[tuple[str, Array]]:
+def _called(place: Place) -> str:
+    """By the last name alone, as far as nobody else is called so."""
+    name = f"{PREFIXES.get(place[-2], '')}{place[-1]}" if len(place) > 1 else place[-1]
+    return SPELT.get(name, name)
+
+
+def _samples_in(leaves: Sequence[tuple[Place, Array]]) -> int:
+    """As many as there are stamps; without any as the longest array has."""
+    clocks = [len(v) for place, v in leaves if place[-1].lower() in CLOCKS and v.ndim == 1]
+    return max(clocks or [len(v) for _, v in leaves if v.ndim], default=0)
+
+
+def _rows(values: Array, length: int) -> Array | None:
+    """(length, k), whichever way round it was; None for what is something else."""
+    block = values[:, None] if values.ndim == 1 else values
+    if block.ndim != 2:
+        return None
+    if len(block) != length and block.shape[1] == length:
+        block = block.T
+    return block if len(block) == length else None
+
+
+def _leaves(content: Mapping[str, Any], within: Place = ()) -> Iterator[tuple[Place, Array]]:
     for name, value in content.items():
+        place = (*within, name)
         if isinstance(value, Mapping):
-            prefix = {"extra": "", "command": "cmd_"}.get(name, "")
-            yield from _leaves(value, prefix)
+            yield from _leaves(value, place)
+        elif isinstance(value, np.ndarray) and value.dtype.names:
+            fields = {field: value[field] for field in value.dtype.names}
+            yield from _leaves(fields, place)
+        elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype.hasobject):
+            yield from _leaves(_listed(name, value), place)
         elif isinstance(value, np.ndarray) and value.dtype.kind in "fiub" and value.size > 1:
-            yield f"{within}{name}", np.squeeze(value.astype(np.float64))
+            yield place, np.squeeze(value.astype(np.float64))
+
+
+def _listed(name: str, values: Any) -> dict[str, Any]:
+    """An array of structs: each by its number, Simulink's signals by their labels."""
+    out: dict[str, Any] = {}
+    for k, value in enumerate(np.ravel(np.asarray(values, dtype=object)), 1):
+        if isinstance(value, Mapping):
+            label = str(value.get("label") or "")
+            out[label or f"{name}{k}"] = value.get("values", value)
+    return out
 
 
 def _of_arrow(column: Any) -> Any:
@@ -97,7 +165,8 @@ def _of_arrow(column: Any) -> Any:
     return None
 
 
-def _is_hdf5(path: Path) -> bool:
+def is_hdf5(path: Path) -> bool:
+    """By its first bytes; MATLAB puts 512 of its own before them."""
     head = first_bytes(path, 1024)
     return b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520])
 
@@ -107,24 +176,26 @@ def _read_hdf5(path: Path) -> Table:
         import h5py
     except ImportError as error:
         raise UserError(
-            f"{path}: a MAT file of version 7.3, which needs h5py; expected "
+            f"{path}: a MAT file of version 7.3 (HDF5), which needs h5py; expected "
             "pip install 'pa10d[matlab]', or a file saved with -v7"
         ) from error
-    found: dict[str, Array] = {}
+    found: dict[str, Any] = {}
 
     def visit(name: str, item: Any) -> None:
-        if (
-            isinstance(item, h5py.Dataset)
-            and item.dtype.kind in "fiub"
-            and not name.startswith("#")
-        ):
-            found[name.rpartition("/")[2]] = np.asarray(item[()]).T  # MATLAB counts columns first
+        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+            return
+        if item.dtype.kind in "fiub" and item.attrs.get("MATLAB_class") != b"char":
+            *structs, own = name.split("/")
+            inner = found
+            for struct in structs:
+                inner = inner.setdefault(struct, {})
+            inner[own] = np.asarray(item[()]).T  # MATLAB counts columns first
 
     try:
         with h5py.File(path) as file:
             file.visititems(visit)
     except OSError as error:
-        raise _damaged(path, "a MAT file", error) from error
+        raise _damaged(path, "a MAT or HDF5 file", error) from error
     return Table(spread(found))
 
 

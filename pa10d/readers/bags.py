@@ -1,4 +1,4 @@
-"""ROS 2 bags, folders or single files: joint states by name onto the robot's joints."""
+"""ROS 2 bags, folders or single files, and ROS 1's: joint states by name onto the joints."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda shar
     seen: dict[str, Topic] = {}
     try:
         store = get_typestore(Stores.ROS2_HUMBLE)
-        with AnyReader([_opened(path)], default_typestore=store) as reader:
+        with AnyReader(_opened(path), default_typestore=store) as reader:
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
             if not wanted:
                 there = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
@@ -81,16 +81,20 @@ def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda shar
     return table
 
 
-def _opened(path: Path) -> Path:
-    """rosbags opens single files of both kinds, and folders by their metadata."""
-    if path.is_dir() and not (path / "metadata.yaml").is_file():
-        files = sorted([*path.glob("*.mcap"), *path.glob("*.db3")])
-        if len(files) != 1:
-            raise UserError(
-                f"{path}: no metadata.yaml and {len(files)} bag files; expected a bag's folder"
-            )
-        return files[0]
-    return path
+def _opened(path: Path) -> list[Path]:
+    """rosbags opens single files of both kinds, and folders by their metadata; a folder that has
+    lost it is all of its files, of one kind."""
+    if not path.is_dir() or (path / "metadata.yaml").is_file():
+        return [path]
+    kinds = [sorted(path.glob(f"*{kind}")) for kind in (".mcap", ".db3", ".bag")]
+    there = [files for files in kinds if files]
+    if len(there) != 1:
+        count = sum(map(len, there))
+        raise UserError(
+            f"{path}: no metadata.yaml and {count} bag files"
+            f"{' of several kinds' if there else ''}; expected a bag's folder"
+        )
+    return there[0]
 
 
 def _keep(topic: Topic, message: Any, msgtype: str, stamp: int) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
+from pa10d.readers import packed, text
 from pa10d.readers.table import Table, recording_of
 from pa10d.store.column_mapping import read_mapping
 from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
@@ -18,7 +20,12 @@ from pa10d.store.run_reader import read_run
 
 Progress = Callable[[float], None]
 CAN_LOGS = (".blf", ".asc", ".trc")
+BINARY = (b"\x89MCAP", b"SQLite format 3", b"#ROSBAG", b"PAR1", b"ARROW1", b"MATLAB", b"\x89HDF",
+          b"\x93NUMPY", b"PK\x03\x04", b"LOGG", b"\xff\xff\xff\xff")  # fmt: skip
+"""How files begin that are no text."""
+BY_NAME = (".mcap", ".db3", ".bag", ".mat", ".npz", ".npy", ".log", *CAN_LOGS)
 PLAIN = (".csv", ".gz", "")
+LOOK = 1 << 16  # bytes that are looked at to tell plain CSV from other text
 
 
 def read_recording(
@@ -39,9 +46,9 @@ def read_recording(
     kept, constants = profile.map or [], profile.torque_constants
     rules = read_mapping(mapping, kept)
     if _is_plain_csv(path):
-        return read_csv(path, robot.n, robot.name, constants, mapping, kept)
+        return read_csv(path, robot.n, robot.name, constants, mapping, kept, robot.joint_names)
     table = _table(path, profile, robot, progress)
-    return recording_of(path, table, robot.n, robot.name, constants, rules)
+    return recording_of(path, table, robot.n, robot.name, constants, rules, robot.joint_names)
 
 
 def read_table(
@@ -57,7 +64,24 @@ def read_table(
 
 
 def _table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
-    from pa10d.readers import arrays, bags, can_logs, text
+    if not path.is_dir() and packed.is_packed(path):
+        head, suffix = packed.inner_head(path, 16), Path(packed.inner_name(path)).suffix.lower()
+        if head.startswith(BINARY) or suffix in BY_NAME:
+            return _unpacked_table(path, profile, robot, progress)
+        return _with_stamps(text.read_text(path))
+    return _table_of(path, profile, robot, progress)
+
+
+def _unpacked_table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
+    with packed.unpacked_file(path) as plain:
+        try:
+            return _table_of(plain, profile, robot, progress)
+        except UserError as error:
+            raise UserError(str(error).replace(str(plain), str(path))) from error
+
+
+def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
+    from pa10d.readers import arrays, bags, can_logs
 
     kind = path.suffix.lower()
     if path.is_dir():
@@ -66,16 +90,16 @@ def _table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Ta
         if (path / BAG).is_file():
             return _own(path / BAG) or bags.read_bag(path, robot.joint_names, progress)
         return bags.read_bag(path, robot.joint_names, progress)
-    head = text.first_bytes(path, 16)
+    head = packed.first_bytes(path, 16)
     if kind == ".mcap" or head.startswith(b"\x89MCAP"):
         return _own(path) or bags.read_bag(path, robot.joint_names, progress)
-    if kind == ".db3" or head.startswith(b"SQLite format 3"):
+    if kind == ".db3" or head.startswith((b"SQLite format 3", b"#ROSBAG")):
         return bags.read_bag(path, robot.joint_names, progress)
-    if head.startswith((b"PAR1", b"ARROW1")):
+    if head.startswith((b"PAR1", b"ARROW1", arrays.STREAM)):
         return arrays.read_arrow(path)
-    if kind == ".mat" or head.startswith(b"MATLAB"):
+    if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
         return arrays.read_mat(path)
-    if kind in (".npz", ".npy"):
+    if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
         return arrays.read_npz(path)
     if kind in CAN_LOGS or (kind == ".log" and head.startswith(b"(")):
         return can_logs.read_can_log(path, profile)
@@ -110,11 +134,12 @@ def _lerobot(path: Path) -> Table:
     if not files:
         raise UserError(f"{path}: no data/**/*.parquet; expected a LeRobot data set")
     try:
-        version = json.loads((path / "meta" / "info.json").read_text()).get("codebase_version")
-    except ValueError as error:
+        info = json.loads((path / "meta" / "info.json").read_text())
+        version, features = info.get("codebase_version"), info.get("features")
+    except (ValueError, AttributeError) as error:
         raise UserError(f"{path}/meta/info.json: {error}; expected JSON") from error
     table = read_arrow(files[0])
-    columns = dict(table.columns)
+    columns = _named_features(table.columns, features)
     remarks = [f"a LeRobot data set ({version})"]
     if "episode_index" in columns:
         first = columns["episode_index"] == columns["episode_index"][0]
@@ -126,39 +151,51 @@ def _lerobot(path: Path) -> Table:
     return Table(columns, remarks)
 
 
+def _named_features(columns: Mapping[str, Any], features: object) -> dict[str, Any]:
+    """Each entry of a feature by the name that the data set has for it."""
+    called: dict[str, str] = {}
+    for feature, about in features.items() if isinstance(features, dict) else ():
+        names = about.get("names") if isinstance(about, dict) else None
+        while isinstance(names, dict) and len(names) == 1:  # {"motors": […]}
+            names = next(iter(names.values()))
+        if isinstance(names, list) and len(set(map(str, names))) == len(names):
+            called |= {f"{feature}{k}": f"{feature}.{name}" for k, name in enumerate(names, 1)}
+    return {called.get(name, name): values for name, values in columns.items()}
+
+
 def _with_stamps(table: Table) -> Table:
     """Seconds and nanoseconds in two columns are one time."""
     columns = dict(table.columns)
-    for sec in [name for name in columns if name.lower().rpartition(".")[2] in ("sec", "secs")]:
-        for fine in ("nanosec", "nsec", "nsecs", "nanosecs"):
-            nano = sec[: len(sec) - len(sec.rpartition(".")[2])] + fine
-            if nano in columns and "time" not in columns:
-                whole = columns.pop(sec)
-                columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
-                break
+    for sec, nano in text.stamps_in_two(list(columns)):
+        if "time" not in columns:
+            whole = columns.pop(sec)
+            columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
     return Table(columns, table.remarks)
 
 
 def _is_plain_csv(path: Path) -> bool:
-    """Commas, UTF-8, a header in the first line: the reader for it names the wrong cell."""
+    """Commas, UTF-8, a header in the first line and numbers below it: the reader for it names the
+    wrong cell."""
     if path.is_dir() or path.suffix.lower() not in (*PLAIN, ".txt"):
         return False
-    if path.suffix.lower() == ".gz" or is_gzip(path):
-        return True
-    with path.open("rb") as file:
-        first = file.read(1 << 16).split(b"\n", 1)[0]
+    gzipped = is_gzip(path)
+    if not gzipped and packed.is_packed(path):
+        return False
+    try:
+        head = packed.inner_head(path, LOOK)
+    except UserError:
+        return gzipped  # said with the line at which it ends
+    if head.startswith(BINARY):
+        return False
+    first, _, rest = head.partition(b"\n")
     try:
         line = first.decode("utf-8-sig")
     except UnicodeDecodeError:
         return False
-    if "\0" in line or line.lstrip().startswith(("#", "%", "//")):
+    if "\0" in line or line.lstrip().startswith(text.COMMENT):
         return False
     names = [cell.strip() for cell in line.split(",")]
-    return not (len(names) < 3 or any(sign in line for sign in (";", "\t")) or _all_numbers(names))
-
-
-def _all_numbers(names: list[str]) -> bool:
-    try:
-        return bool([float(name) for name in names])
-    except ValueError:
+    if len(names) < 3 or any(sign in line for sign in (";", "\t")) or text.numbers(names):
         return False
+    below = rest.partition(b"\n")[0].decode("utf-8", "replace")
+    return not (text.stamps_in_two(names) or text.units_or_moments(below))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers.value_guess import guessed_by_value
 from pa10d.store.channels import Array, Samples
+from pa10d.store.column_choices import rules_of
 from pa10d.store.column_mapping import Rule, Unit, resolve
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences
@@ -31,11 +34,15 @@ def recording_of(
     robot: str,
     constants: Sequence[float] | None,
     rules: Sequence[Rule],
+    joints: Sequence[str] = (),
 ) -> CsvRecording:
-    """See ``pa10d.store.csv_import.read_csv``; the same for columns that are in memory."""
+    """See ``pa10d.store.csv_import.read_csv``; the same for columns that are in memory.
+
+    joints: the robot's own names for them, by which columns may be called.
+    """
     names = tuple(table.columns)
     resolved = resolve(rules, names, n, str(path))
-    header = Header(str(path), names, resolved.fields)
+    header = Header(str(path), names, resolved.fields, joints)
     try:
         columns = header.columns(n, constants is not None, robot)
     except UserError as error:
@@ -43,7 +50,7 @@ def recording_of(
             raise
         raise UserError(
             f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
-            f"--map c1=time c2=q1 … ({len(names)} columns)"
+            f"--map {_by_value(table, n)} ({len(names)} columns)"
         ) from error
     cells = _Cells(path, names, table.columns, resolved.units)
     t = cells.take(columns.time)
@@ -70,6 +77,11 @@ def recording_of(
     return CsvRecording(
         samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said
     )
+
+
+def _by_value(table: Table, n: int) -> str:
+    rules = rules_of(guessed_by_value(table.columns, n), n)
+    return " ".join(map(shlex.quote, rules)) if rules else "c1=time c2=q1 …"
 
 
 class _Cells:

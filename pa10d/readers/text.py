@@ -3,21 +3,16 @@ other encodings. Plain CSV has a reader of its own, which names the cell that is
 
 from __future__ import annotations
 
-import bz2
-import contextlib
 import csv
-import gzip
 import io
 import re
-import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, cast
 
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers.moments import seconds_since_first
+from pa10d.readers.packed import DAMAGED, unpacked
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
 from pa10d.store.column_mapping import UNITS
@@ -25,31 +20,10 @@ from pa10d.store.csv_locate import most_unpacked
 
 DELIMITERS = (";", "\t", "|", ",")
 COMMENT = ("#", "%", "//")
+NANOSECONDS = ("nanosec", "nsec", "nsecs", "nanosecs")
 LOOK = 1 << 16  # bytes that are looked at to tell the dialect
+_EXCEL = re.compile(r"sep=(.)", re.I)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
-
-
-@contextmanager
-def unpacked(path: Path) -> Iterator[IO[bytes]]:
-    """The file's bytes, whatever it was packed with; told by content."""
-    head = first_bytes(path, 4)
-    with contextlib.ExitStack() as stack:
-        if head[:2] == b"\x1f\x8b":
-            yield cast(IO[bytes], stack.enter_context(gzip.open(path)))
-        elif head[:3] == b"BZh":
-            yield cast(IO[bytes], stack.enter_context(bz2.open(path)))
-        elif head == b"\x28\xb5\x2f\xfd":
-            import pyarrow as pa
-
-            yield stack.enter_context(pa.input_stream(str(path), compression="zstd"))
-        else:
-            yield stack.enter_context(path.open("rb"))
-
-
-def first_bytes(path: Path, count: int) -> bytes:
-    """By which a file's kind is told."""
-    with path.open("rb") as file:
-        return file.read(count)
 
 
 def read_text(path: Path) -> Table:
@@ -64,7 +38,9 @@ def read_text(path: Path) -> Table:
         body = body[1:]
     if not body:
         raise UserError(f"{path}: an empty file; expected a header and rows of numbers")
-    delimiter = _delimiter(body[0])
+    named_by_excel = _EXCEL.fullmatch(body[0].strip())
+    body = body[1:] if named_by_excel and len(body) > 1 else body
+    delimiter = named_by_excel[1] if named_by_excel else _delimiter(body[0])
     comma = delimiter != "," and bool(_DECIMAL_COMMA.search(" ".join(body[:20])))
     first = _cells(body[0], delimiter)
     bare = all(_number(cell, comma) is not None for cell in first)
@@ -77,7 +53,34 @@ def read_text(path: Path) -> Table:
     named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
     below = len(lines) - len(body) + 1
     remarks = [f"no header: columns are called {names[0]} … {names[-1]}"] if bare else []
-    return Table(_numbers(path, body, named, delimiter, comma, below), remarks)
+    found = _numbers(path, body, named, delimiter, comma, below)
+    left = [name for name in named if name not in found]
+    if left:
+        remarks.append(f"no numbers in {', '.join(left)}: left out")
+    return Table(found, remarks)
+
+
+def numbers(cells: list[str]) -> bool:
+    """Whether this is a row of samples, not of names."""
+    return all(_number(cell, comma=False) is not None for cell in cells)
+
+
+def stamps_in_two(names: list[str]) -> list[tuple[str, str]]:
+    """Columns of seconds, each with the one that has its nanoseconds."""
+    out = []
+    for sec in names:
+        end = sec.rpartition(".")[2]
+        if end.lower() in ("sec", "secs"):
+            fine = (sec[: len(sec) - len(end)] + word for word in NANOSECONDS)
+            out += [(sec, name) for name in fine if name in names][:1]
+    return out
+
+
+def units_or_moments(line: str) -> bool:
+    """Whether the row below the names holds their units, or stamps that are no numbers."""
+    cells = _cells(line, ",")
+    moments = any(":" in cell and seconds_since_first([cell]) is not None for cell in cells)
+    return moments or bool(_units(line, ",", len(cells), comma=False))
 
 
 def _decoded(path: Path) -> str:
@@ -85,7 +88,7 @@ def _decoded(path: Path) -> str:
     try:
         with unpacked(path) as file:
             raw = file.read(most + 1)
-    except (OSError, EOFError, zlib.error) as error:
+    except DAMAGED as error:
         raise UserError(f"{path}: the packed data are damaged; expected a whole file") from error
     if len(raw) > most:
         raise UserError(f"{path}: becomes more than {most} bytes of text; expected a recording")
@@ -176,7 +179,7 @@ def _numbers(
         values = [_number(cell, comma) if cell else np.nan for cell in column]
         if all(value is not None for value in values):
             out[name] = np.array(values, dtype=np.float64)
-        elif (stamps := _moments(column)) is not None:
+        elif (stamps := seconds_since_first(column)) is not None:
             out[name] = stamps
         elif sum(value is not None for value in values) > len(values) / 2:
             row = next(i for i, value in enumerate(values) if value is None)
@@ -185,14 +188,3 @@ def _numbers(
                 "expected a finite number"
             )
     return out
-
-
-def _moments(column: list[str]) -> Array | None:
-    """ISO 8601 stamps as s since the first; None where they are none."""
-    try:
-        stamps = np.array([cell.rstrip("Z") for cell in column], dtype="datetime64[ns]")
-    except ValueError:
-        return None
-    if not len(stamps) or np.isnat(stamps).any():
-        return None
-    return np.asarray((stamps - stamps[0]).astype(np.int64) * 1e-9)

@@ -20,7 +20,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import Table, read_table, recording_of
+from pa10d.readers import Table, guessed_by_value, read_table, recording_of
 from pa10d.services.mending import mends
 from pa10d.services.runs import findings_of, in_own_words
 from pa10d.store.column_choices import Choice, field_of, rules_of
@@ -121,6 +121,8 @@ class _Look:
         choices = [Choice(c, f, kept.said.get(c, "")) for c, f in kept.fields.items()]
         taken = {*kept.fields, *kept.fields.values()}
         by_name = guessed(names, n, self._robot.joint_names)
+        if not by_name and not choices and "c1" in names:  # a file without a header
+            by_name = guessed_by_value(self._columns, n)
         choices += [c for c in by_name if c.column not in taken and c.field not in taken]
         choices = [self._with_unit_of_time(choice) for choice in choices]
         for _ in range(ROUNDS):
@@ -158,7 +160,10 @@ class _Look:
         try:
             table = Table(dict(self._columns), list(self._remarks))
             constants = self._profile.torque_constants
-            found = recording_of(path, table, robot.n, robot.name, constants, mapping)
+            names_of_joints = robot.joint_names
+            found = recording_of(
+                path, table, robot.n, robot.name, constants, mapping, names_of_joints
+            )
         except UserError as error:
             return self._made(resolved, rules, str(error))
         findings = findings_of(found, path.name, robot, delay=thorough)

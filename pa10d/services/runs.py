@@ -30,10 +30,10 @@ from pa10d.store.column_guess import guessed, was_asked_for
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
-PACKED = (".gz", ".bz2", ".zst")
+PACKED = (".gz", ".bz2", ".zst", ".xz", ".zip")
 KNOWN = (
-    ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".parquet", ".feather", ".arrow", ".mat",
-    ".npz", ".blf", ".asc", ".log", ".trc",
+    ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".bag", ".parquet", ".feather", ".arrow",
+    ".arrows", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".blf", ".asc", ".log", ".trc",
 )  # fmt: skip
 
 

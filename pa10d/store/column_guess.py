@@ -15,8 +15,10 @@ WORDS = {
     "temp": r"temp",
     "q": r"position|\bpos|angle|\bang|\bq|theta|phi",
 }
-VAGUE = {"q": r"joint"}  # where no name says more
-DEMANDED = re.compile(r"desired|target|command|\bcmd|\bref|setpoint|goal|error|\bdes", re.I)
+VAGUE = {"q": r"joint|\bstate"}  # where no name says more
+DEMANDED = re.compile(
+    r"desired|target|command|\bcmd|\bref|setpoint|goal|error|\bdes|\baction", re.I
+)
 TIMES = {"t", "time", "stamp", "timestamp", "seconds", "sec", "secs", "zeit"}
 _NUMBER = re.compile(r"\d+")
 _UNIT = re.compile(r"_(deg|rad|ms|us|ns|Nm|mNm|rpm)$")

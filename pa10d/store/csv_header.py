@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from pa10d.common.errors import UserError
-from pa10d.store.column_guess import guess
+from pa10d.store.column_choices import rules_of
+from pa10d.store.column_guess import guessed
 from pa10d.store.column_mapping import FIELD, Unit
 
 _ALIASES = {"t", "stamp", "timestamp", "time_s", "time[s]", "time [s]", "seconds", "sec"}
@@ -44,9 +45,15 @@ class Columns:
 class Header:
     """The names of a file's first line, with the user's mapping applied."""
 
-    def __init__(self, where: str, names: Sequence[str], mapping: dict[str, str]) -> None:
-        """``where``: file and line, as messages begin."""
-        self.where = where
+    def __init__(
+        self,
+        where: str,
+        names: Sequence[str],
+        mapping: dict[str, str],
+        joints: Sequence[str] = (),
+    ) -> None:
+        """``where``: file and line, as messages begin; joints: the robot's own names for them."""
+        self.where, self._joints = where, joints
         self.names = tuple(name.strip() for name in names)
         self._check_it_is_one()
         self._place: dict[str, int] = {}
@@ -133,14 +140,18 @@ class Header:
                 break
         if not hint and missing[0].startswith("tau") and f"i{missing[0][3:]}" in have:
             hint = "; motor currents need 'torque_constants' in the profile"
-        options = guess(self.names, n)
+        chosen = guessed(self.names, n, self._joints)
+        options = rules_of(chosen, n)
         if len(options) > 1:
             hint = "; perhaps --map " + " ".join(map(shlex.quote, options))
+        fields = {choice.field for choice in chosen}
+        if "i1" in fields and "tau1" in missing and "tau1" not in fields:
+            hint += "; motor currents need 'torque_constants' in the profile"
         some = ", ".join(missing[:8]) + (" …" if len(missing) > 8 else "")
         return f"{self.where}: no column {some}; found {self._found()}; expected {wanted}{hint}"
 
     def _found(self) -> str:
-        text = ", ".join(self.names)
+        text = ", ".join(self.names) or "nothing"
         return text if len(text) <= 120 else text[:117] + "..."
 
 

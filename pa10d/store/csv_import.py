@@ -43,17 +43,19 @@ def read_csv(
     torque_constants: Sequence[float] | None = None,
     mapping: Sequence[str] = (),
     kept: Sequence[str] = (),
+    joints: Sequence[str] = (),
 ) -> CsvRecording:
     """A recording of a robot with n joints; UserError names file, line and column.
 
     torque_constants: (n,) N·m per A, used for joints that have a motor current but no torque.
     mapping: ``COLUMN=FIELD`` options; kept: further ones, for whatever columns are there.
+    joints: the robot's own names for its joints, by which columns may be called.
     """
     rules = read_mapping(mapping, kept)
     refuse_bombs(path)
     names = [name.strip() for name in _first_line(path)]
     given = resolve(rules, names, n, f"{path}:1")
-    header = Header(f"{path}:1", names, given.fields)
+    header = Header(f"{path}:1", names, given.fields, joints)
     columns = header.columns(n, torque_constants is not None, robot)
     columns.units = {names.index(name): unit for name, unit in given.units.items()}
     table, warnings = _Table(path, columns), list(columns.warnings)

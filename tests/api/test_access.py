@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import httpx
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
+
+import pa10d
+from pa10d.api.access import UPLOAD
 
 PROBLEM = "application/problem+json"
 
@@ -127,7 +132,18 @@ def test_an_oversized_upload_is_refused_by_its_stated_length(arm):
     with socket.create_connection((host, int(port)), 10) as raw:
         head = f"POST /api/v1/runs HTTP/1.1\r\nHost: {host}:{port}\r\nContent-Length: {1 << 40}\r\n"
         raw.sendall(head.encode() + b"Content-Type: text/csv\r\n\r\ntime,q1")
-        assert b" 413 " in raw.recv(4096).split(b"\r\n")[0]
+        answer = b""
+        while b"pa10d run import" not in answer and (part := raw.recv(4096)):
+            answer += part
+        assert b" 413 " in answer.split(b"\r\n")[0]
+        assert b"on the daemon's machine 'pa10d run import FILE' takes it" in answer
+
+
+def test_the_page_refuses_what_the_daemon_would():
+    page = (Path(pa10d.__file__).parent / "web" / "parts" / "drop.js").read_text()
+    said = re.search(r"LARGEST = (\d+) \* 2 \*\* 20;", page)
+    assert said
+    assert int(said[1]) << 20 == UPLOAD
 
 
 def test_other_machines_need_a_token(tmp_path):

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import bz2
+import datetime as dt
 import gzip
+import io
 import json
+import lzma
+import zipfile
 
 import can
 import numpy as np
@@ -275,10 +279,146 @@ def mcap_by_others(folder, motion):
     return path, ()
 
 
-def zstd(text):
+def zstd(content):
     import pyarrow as pa
 
-    return bytes(pa.compress(text.encode(), codec="zstd", asbytes=True))
+    raw = content if isinstance(content, bytes) else content.encode()
+    return bytes(pa.compress(raw, codec="zstd", asbytes=True))
+
+
+def packed_file(make, ending, pack):
+    """Whatever ``make`` writes, packed by somebody who had no idea what it was."""
+
+    def write(folder, motion):
+        path, mapping = make(folder, motion)
+        out = folder / f"{path.name}{ending}"
+        out.write_bytes(pack(path.read_bytes()))
+        path.unlink()
+        return out, mapping
+
+    return write
+
+
+def zipped(content):
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("run.csv", content)
+    return file.getvalue()
+
+
+def ros1_bag(folder, motion):
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    t, q, dq, tau = motion
+    store = get_typestore(Stores.ROS1_NOETIC)
+    state = store.types["sensor_msgs/msg/JointState"]
+    header, stamp = (
+        store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"],
+    )  # fmt: skip
+    path = folder / "run.bag"
+    with Writer(path) as writer:
+        link = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
+        for k in range(len(t)):
+            ns = round(t[k] * 1e9) + 10**18
+            head = header(k, stamp(ns // 10**9, ns % 10**9), "")
+            message = state(head, list(JOINTS), q[k].copy(), dq[k].copy(), tau[k].copy())
+            writer.write(link, ns, store.serialize_ros1(message, state.__msgtype__))
+    return path, ()
+
+
+def without_metadata(make):
+    def write(folder, motion):
+        path, mapping = make(folder, motion)
+        (path / "metadata.yaml").unlink()
+        return path, mapping
+
+    return write
+
+
+def arrow_stream(folder, motion):
+    import pyarrow as pa
+
+    path, table = folder / "run.arrows", pa.table(columns(*motion))
+    with pa.OSFile(str(path), "wb") as sink, pa.ipc.new_stream(sink, table.schema) as writer:
+        writer.write_table(table)
+    return path, ()
+
+
+def records(folder, motion):
+    t, q, _, tau = motion
+    rows = np.zeros(len(t), dtype=[("time", "f8"), ("q", "f8", (2,)), ("tau", "f8", (2,))])
+    rows["time"], rows["q"], rows["tau"] = t, q, tau
+    np.save(folder / "run.npy", rows)
+    return folder / "run.npy", ()
+
+
+def plain_array(folder, motion):
+    t, q, _, tau = motion
+    np.save(folder / "run.npy", np.column_stack([t, q, tau]))
+    return folder / "run.npy", ("c1=time", "c2=q1", "c3=q2", "c4=tau1", "c5=tau2")
+
+
+def hdf5(folder, motion):
+    h5py = pytest.importorskip("h5py", reason="no h5py for HDF5")
+    t, q, _, tau = motion
+    with h5py.File(folder / "run.h5", "w") as file:
+        file["time"], file["log/q"], file["log/tau"] = t, q, tau
+    return folder / "run.h5", ()
+
+
+def two_structs(first, second):
+    """What was wanted stands beside what was measured, called alike."""
+
+    def write(folder, motion):
+        t, q, _, tau = motion
+        blocks = {"measured": {"q": q, "tau": tau}, "desired": {"q": q + 1, "tau": tau + 1}}
+        log = {"time": t, first: blocks[first], second: blocks[second]}
+        savemat(folder / "run.mat", {"log": log})
+        return folder / "run.mat", ("log.measured.q{n}=q", "log.measured.tau{n}=tau")
+
+    return write
+
+
+def simulink(folder, motion):
+    """A structure with time."""
+    t, q, _, tau = motion
+    signals = [{"label": "q", "values": q}, {"label": "tau", "values": tau}]
+    savemat(folder / "run.mat", {"out": {"time": t, "signals": signals}})
+    return folder / "run.mat", ()
+
+
+def moments(form, delimiter=","):
+    """Stamps in words that a clock would print, beginning shortly before midnight."""
+
+    def make(table, motion):
+        begin = dt.datetime(2026, 3, 1, 23, 59, 59, tzinfo=dt.UTC)
+        stamps = [begin + dt.timedelta(microseconds=round(v * 1e6)) for v in motion[0]]
+        rest = {k: v for k, v in table.items() if k != "time"}
+        rows = [delimiter.join(["timestamp", *rest])]
+        for stamp, *values in zip(stamps, *rest.values(), strict=True):
+            rows.append(delimiter.join([form(stamp), *map(repr, map(float, values))]))
+        return "\n".join(rows)
+
+    return make
+
+
+NAMED = ("timestamp=time",)
+
+
+def lerobot_with_names(folder, motion):
+    path, _ = lerobot(folder, motion)
+    features = {
+        f"observation.{kind}": {"names": [f"{joint}.{end}" for joint in JOINTS]}
+        for kind, end in (("state", "pos"), ("effort", "eff"))
+    }
+    info = {"codebase_version": "v3.0", "features": features}
+    (path / "meta" / "info.json").write_text(json.dumps(info))
+    return path, [
+        f"observation.{kind}.{joint}.{end}={field}{j}"
+        for kind, end, field in (("state", "pos", "q"), ("effort", "eff", "tau"))
+        for j, joint in enumerate(JOINTS, 1)
+    ]
 
 
 def two_line_header(table, motion):
@@ -376,6 +516,38 @@ FILES = {
     "one .mcap by others": mcap_by_others,
     "one .db3": bag(single=True),
     "one .mcap": bag("mcap", single=True),
+    "csv.xz": text("run.csv.xz", lambda c, m: lzma.compress(lines(c).encode())),
+    "zip": text("run.zip", lambda c, m: zipped(lines(c))),
+    "one .db3, packed": packed_file(bag(single=True), ".zst", zstd),
+    "one .mcap, packed": packed_file(bag("mcap", single=True), ".gz", gzip.compress),
+    "npz, packed": packed_file(npz(), ".bz2", bz2.compress),
+    "bag of ROS 1": ros1_bag,
+    "bag folder without metadata": without_metadata(bag("mcap")),
+    "bag folder, split, without metadata": without_metadata(split_bag),
+    "arrow stream": arrow_stream,
+    "npy of records": records,
+    "npy": plain_array,
+    "hdf5": hdf5,
+    "mat, wanted last": two_structs("measured", "desired"),
+    "mat, wanted first": two_structs("desired", "measured"),
+    "mat of simulink": simulink,
+    "iso, commas": text("run.csv", moments(lambda d: f"{d:%Y-%m-%dT%H:%M:%S.%fZ}"), NAMED),
+    "iso, a zone": text(
+        "run.csv",
+        moments(lambda d: d.astimezone(dt.timezone(dt.timedelta(hours=2))).isoformat()),
+        NAMED,
+    ),
+    "days first": text(
+        "run.csv", moments(lambda d: f"{d:%d.%m.%Y %H:%M:%S,%f}", ";"), NAMED
+    ),
+    "time of day": text("run.csv", moments(lambda d: f"{d:%H:%M:%S.%f}"), NAMED),
+    "sec and nanosec, commas": text("run.csv", lambda c, m: split_stamps(c, m).replace(";", ",")),
+    "units in a second line, commas": text(
+        "run.csv", lambda c, m: lines(c).replace("\n", "\ns,rad,rad,Nm,Nm\n", 1)
+    ),
+    "as a spreadsheet says": text("run.csv", lambda c, m: "sep=;\n" + lines(c, ";", decimal_comma)),
+    "lerobot, with names": lerobot_with_names,
+    "can .log, packed": packed_file(can_log(".log"), ".xz", lzma.compress),
     "can .log": can_log(".log"),
     "can .asc": can_log(".asc"),
     "can .blf": can_log(".blf"),

@@ -13,6 +13,7 @@ from pa10d.checks import check_recording
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.measurement.recording import Recording
+from pa10d.readers import read_recording
 from pa10d.services.import_preview import Preview, preview_recording, small_curve
 from pa10d.services.mending import mends
 from pa10d.services.robots import load_robot
@@ -77,21 +78,13 @@ def test_names_units_and_ranges_make_a_guess(tmp_path, motion, robot):
     assert codes(found) & {"degrees", "time_unit", "commanded"} == set()
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FILES if kind != "no header"])
+@pytest.mark.parametrize("kind", FILES)
 def test_a_preview_is_what_an_import_makes_of_it(kind, tmp_path, motion, robot):
     profile, arm = robot
     if kind.startswith("can"):
         pytest.skip("the readers' test has a profile with drives")
-    path, mapping = FILES[kind](tmp_path, motion)
+    path, _ = FILES[kind](tmp_path, motion)
     found = preview_recording(path, profile, arm, thorough=False)
-    if mapping and kind.startswith("lerobot"):
-        assert found.problem
-        choices = [
-            Choice(f"observation.{what}{j}", f"{field}{j}")
-            for what, field in (("state", "q"), ("effort", "tau"))
-            for j in (1, 2)
-        ]
-        found = preview_recording(path, profile, arm, [*choices, Choice("time", "time")])
     assert found.problem == ""
     if kind.startswith("other units,"):  # torques of N·mm are questioned, not guessed
         (large,) = [f for f in found.findings if f["code"] == "torque_large"]
@@ -112,6 +105,35 @@ def test_joints_are_known_by_the_robot_s_names(robot):
     }  # fmt: skip
     assert guess(["arm1_j1_pos", "arm1_j2_pos", "raw_1_pos"], 2) == ["arm1_j{n}_pos=q"]
     assert guess(["t_ms", "joint0", "joint1", "x1"], 2) == ["t_ms[ms]=time", "joint{n-1}=q"]
+
+
+def test_columns_without_names_are_told_by_their_values(tmp_path, motion, robot):
+    t, q, dq, tau = motion
+    blocks = {"time": t[:, None], "q": q, "wanted": q + 0.001, "dq": dq, "tau": tau}
+    path = tmp_path / "log.txt"
+    np.savetxt(path, np.hstack(list(blocks.values())))
+    line = "c1=time c2=q1 c3=q2 c6=dq1 c7=dq2 c8=tau1 c9=tau2"
+    assert preview_recording(path, *robot).rules == line.split()
+    with pytest.raises(UserError, match=rf"or --map {line} \(9 columns\)"):
+        read_recording(path, *robot)
+
+
+def test_a_refusal_knows_the_joints_by_name_and_what_currents_need(tmp_path, motion, robot):
+    t, q, _, tau = motion
+    names = [f"/joint_states/{joint}/{what}" for what in ("position", "effort") for joint in JOINTS]
+    table = dict(zip(["__time", *names], [t, *q.T, *tau.T], strict=True))
+    with pytest.raises(UserError, match="perhaps --map __time=time /joint_states/shoulder/pos"):
+        read_recording(written(tmp_path, table), *robot)
+    table = {"time": t, "pos1": q[:, 0], "pos2": q[:, 1], "amps1": tau[:, 0], "amps2": tau[:, 1]}
+    with pytest.raises(UserError, match="motor currents need 'torque_constants'"):
+        read_recording(written(tmp_path, table), *robot)
+
+
+def test_what_holds_no_numbers_is_said(tmp_path, motion, robot):
+    path = written(tmp_path, columns(*motion), delimiter=";")
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"{rows[0]};mode", *(f"{row};auto" for row in rows[1:])]))
+    assert preview_recording(path, *robot).remarks == ["log.csv: no numbers in mode: left out"]
 
 
 def test_a_choice_is_corrected_and_what_is_wrong_is_said(tmp_path, motion, robot):

@@ -5,7 +5,8 @@ import { loadRuns } from "../base/store.js";
 import { failed, notice } from "../base/notices.js";
 import { decide } from "./preview.js";
 
-const FILES = ".csv,.gz,.bz2,.zst,.txt,.tsv,.mcap,.db3,.parquet,.feather,.arrow,.mat,.npz,.blf,.asc,.trc,.log";
+const FILES = ".csv,.gz,.bz2,.zst,.xz,.zip,.txt,.tsv,.dat,.mcap,.db3,.bag,.parquet,.feather,.arrow,.arrows,.mat,.h5,.hdf5,.npz,.npy,.blf,.asc,.trc,.log";
+const LARGEST = 512 * 2 ** 20; // bytes, as the daemon takes them
 const WORDS = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
 
 async function bring(held, { rules, force }) {
@@ -31,6 +32,7 @@ export function dropZone(id, then = () => {}) {
     for (const [k, file] of files.entries()) {
       text.textContent = `Reading ${file.name} … `;
       try {
+        if (file.size > LARGEST) throw new Error(`${Math.ceil(file.size / 1e6)} MB, at most ${Math.floor(LARGEST / 1e6)} MB come through the page: on the machine of the daemon, pa10d run import ${file.name} takes it.`);
         let held = await send(file);
         text.textContent = `${file.name} waits for you below. `;
         let run = alike && await bring(held, alike).catch(() => null);
