@@ -85,6 +85,10 @@ def weighted_fit(
     for rows in stretches():
         residuals.append(rows.residual(inner, solution.beta))
         keeps.append(rows.keep)
+    motion = [
+        Stretch.of(piece.equation, residual, keep)
+        for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
+    ]
     uncertainty = covariance(
         lambda: stretches(smoothing.found),
         outer,
@@ -93,13 +97,8 @@ def weighted_fit(
         keeps,
         _degrees(moving, outer, wide),
         pieces.rate,
-        lacking(
-            [
-                Stretch.of(piece.equation, residual, keep)
-                for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
-            ],
-            pieces.lowpass,
-        ),
+        motion,
+        lacking(motion, pieces.lowpass),
         None if prior is None else prior.information(size + len(found)),
     )
     errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)

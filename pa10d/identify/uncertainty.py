@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.rows import Rows
-from pa10d.regression.lacking import weight_of
+from pa10d.regression.lacking import Stretch, weight_of
 from pa10d.regression.solution import Solution
 from pa10d.regression.spectrum import autocovariance, coloured_gram, correlation_length, flat_top
+from pa10d.regression.suspects import Suspects, Tally, worst
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,7 @@ def covariance(
     keeps: Sequence[NDArray[np.bool_]],
     degrees: Array,
     rate: float,
+    motion: Sequence[Stretch],
     lack: Array,
     known: Array | None = None,
 ) -> Uncertainty:
@@ -57,7 +59,8 @@ def covariance(
 
     stretches: yields the rows again, in the order of ``residuals`` [(M, n) N·m] and ``keeps``
     degrees: (n,) unknowns that each joint's equation had to pay for; rate: decimated, Hz
-    lack: (n,) (N·m)² of each residual that is the model's own (see ``lacking``)
+    motion: of the same stretches; lack: (n,) (N·m)² of each residual that is the model's own (see
+    ``lacking``)
     known: (p, p) of the normal matrix that was known before the data, with errors of its own
     """
     n, size = len(indices), len(solution.beta)
@@ -74,16 +77,22 @@ def covariance(
         length[j] = reach / rate
     samples = sum(len(r) for r in residuals)
     own = weight_of(lack, np.sum([k.sum(axis=0) for k in keeps], axis=0)) / solution.sigma**4
-    missing = np.zeros((size, size))
+    missing = np.zeros((n, size, size))
+    suspects = Suspects(motion)
+    tallies = {j: Tally() for j in range(n) if lack[j] > 0.0}
     block = max(1, min(int(max(BLOCK, 2 * length.max()) * rate), samples // FEWEST_BLOCKS))
     meat, blockwise, blocks = np.zeros((size, size)), np.zeros((size, size)), 0
-    for rows, residual in zip(stretches(), residuals, strict=True):
+    for rows, residual, moved in zip(stretches(), residuals, motion, strict=True):
         scores = np.zeros((-(-len(residual) // block), size))
         starts = np.arange(0, len(residual), block)
         for j, index in enumerate(indices):
             columns = np.where(rows.keep[:, j, None], rows.columns[j], 0.0)
             meat[np.ix_(index, index)] += coloured_gram(columns, tapered[j])
-            missing[np.ix_(index, index)] += own[j] * (columns.T @ columns)
+            missing[j][np.ix_(index, index)] += own[j] * (columns.T @ columns)
+            if j in tallies:
+                keep = rows.keep[:, j]
+                basis = columns[keep] @ solution.right[index] / solution.sigma[j]
+                tallies[j].add(suspects.families(moved, j), basis, residual[keep, j])
             weighted = columns * (residual[:, j, None] / solution.sigma[j] ** 2)
             scores[:, index] += np.add.reduceat(weighted, starts, axis=0)
         blockwise += scores.T @ scores
@@ -93,8 +102,13 @@ def covariance(
     rough = np.diag(inverse @ blockwise @ inverse) * blocks / max(blocks - 1, 1)
     ratio = np.sqrt(rough / np.maximum(np.diag(smooth), 1e-300))
     inflation = np.where(ratio > 1.0 + 2.0 / np.sqrt(2.0 * blocks), ratio, 1.0)
-    beside = missing if known is None else missing + known
-    whole = smooth * np.outer(inflation, inflation) + inverse @ beside @ inverse
+    whole = smooth * np.outer(inflation, inflation)
+    if known is not None:
+        whole = whole + inverse @ known @ inverse
+    for j, tally in tallies.items():
+        turn = solution.right / solution.sigma[j]
+        named = [turn @ doubt @ turn.T for doubt in tally.doubts(float(lack[j]))]
+        whole = whole + worst([inverse @ missing[j] @ inverse, *named])
     return Uncertainty(whole, length, inflation)
 
 

@@ -34,19 +34,22 @@ UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as
 
 @dataclass(frozen=True)
 class Stretch:
-    """Residual (M, n) N·m with the samples that count (M, n), and the motion behind it (M, n)."""
+    """Residual (M, n) N·m with the samples that count (M, n), and the motion behind it: rad, rad/s,
+    rad/s² (M, n)."""
 
     residual: Array
     keep: NDArray[np.bool_]
     q: Array
     dq: Array
+    ddq: Array
 
     @classmethod
     def of(cls, run: RunEquation, residual: Array, keep: NDArray[np.bool_]) -> Stretch:
         """What a fit leaves of a run, or of a piece of it. Copies: views would keep the raw motion
         of every piece in memory."""
         context, factor = run.context, run.lowpass.factor
-        return cls(residual, keep, context.q[::factor].copy(), context.dq[::factor].copy())
+        q, dq, ddq = (x[::factor].copy() for x in (context.q, context.dq, context.ddq))
+        return cls(residual, keep, q, dq, ddq)
 
 
 def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:

@@ -40,7 +40,8 @@ def test_intervals_hold_beside_an_effect_that_nobody_modelled(name):
 
 
 def stretch(residual: np.ndarray, q: np.ndarray, dq: np.ndarray) -> Stretch:
-    return Stretch(residual[:, None], np.ones((len(q), 1), dtype=bool), q[:, None], dq[:, None])
+    keep, ddq = np.ones((len(q), 1), dtype=bool), np.gradient(dq)
+    return Stretch(residual[:, None], keep, q[:, None], dq[:, None], ddq[:, None])
 
 
 def test_noise_lacks_nothing_and_a_function_of_motion_does():

@@ -20,6 +20,7 @@ from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.regression.lacking import Stretch, lacking, weight_of
 from pa10d.regression.spectrum import colour, coloured_gram
+from pa10d.regression.suspects import Suspects, Tally, worst
 
 Array = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ def honest_covariance(state: SearchState) -> Array:
     asks whether there is more than noise; who reads a model asks how far off it may be."""
     fit = state.fit
     grams = noise_grams(state.train, fit.residual, fit.basis)
-    return _covariance(state, fit, _with_lack(state, grams, fit.basis))
+    return _covariance(state, fit, grams) + _of_lack(state, fit.basis, fit.to_beta)
 
 
 @dataclass(frozen=True)
@@ -150,8 +151,8 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
             gram = gram + penalty.T @ penalty
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     grams = noise_grams(state.train, state.fit.residual, left)
-    middle = np.sum(list(_with_lack(state, grams, left).values()), axis=0)
-    covariance = inverse @ middle @ inverse
+    middle = np.sum(list(grams.values()), axis=0)
+    covariance = inverse @ middle @ inverse + _of_lack(state, left, np.asarray(inverse))
     if state.knowledge is not None:
         covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     slopes = {j: c[:, k:] for j, c in columns.items()}
@@ -166,17 +167,30 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
     return covariance[:k, :k], shape_errors
 
 
-def _with_lack(state: SearchState, grams: dict[int, Array], columns: PerJoint) -> dict[int, Array]:
-    """The same Gram matrices, with what the model lacks besides the noise (see ``lacking``)."""
-    side, sigma = state.train, state.fit.sigma
-    there = side.scatter(state.fit.residual)
+def _of_lack(state: SearchState, columns: PerJoint, turn: Array) -> Array:
+    """(p, p) how far what the model lacks may move ``turn`` (p, k) times what weighted columns
+    (m_j, k) see of the torque (see ``lacking`` and ``suspects``)."""
+    side, sigma, fit = state.train, state.fit.sigma, state.fit
+    there = side.scatter(fit.residual)
     stretches = [
         Stretch.of(run, residual * sigma, keep)
         for run, keep, residual in zip(side.runs, side.keep, there, strict=True)
     ]
     samples = np.sum([k.sum(axis=0) for k in side.keep], axis=0).astype(float)
-    weight = weight_of(lacking(stretches, side.runs[0].lowpass), samples) / sigma**2
-    return {j: g + weight[j] * (columns[j].T @ columns[j]) for j, g in grams.items()}
+    lack = lacking(stretches, side.runs[0].lowpass)
+    weight = weight_of(lack, samples) / sigma**2
+    suspects, whole = Suspects(stretches), np.zeros((len(turn), len(turn)))
+    for j in (j for j in range(side.n) if lack[j] > 0.0):
+        tally, start = Tally(), 0
+        for stretch in stretches:
+            rows = slice(start, start + int(stretch.keep[:, j].sum()))
+            residual = fit.residual[j][rows] * sigma[j]
+            tally.add(suspects.families(stretch, j), fit.basis[j][rows], residual, columns[j][rows])
+            start = rows.stop
+        found = [d / sigma[j] ** 2 for d in tally.doubts(float(lack[j]))]
+        anything = weight[j] * (columns[j].T @ columns[j])
+        whole += worst([turn @ doubt @ turn.T for doubt in (anything, *found)])
+    return whole
 
 
 def noise_grams(side: Side, residual: PerJoint, columns: PerJoint) -> dict[int, Array]:
