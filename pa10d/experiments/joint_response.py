@@ -70,23 +70,32 @@ def stroke_friction(
     """From windows of steady sliding, each angle and sent torque (N,), to and fro over one way at
     two speeds; None where the joint did not slide there.
 
-    Half of the difference between to and fro is C + B·|dq|, whatever gravity does on the way; a
-    joint that rings on its spring has the same mean.
+    Half of the difference between to and fro in one place is C + B·|dq|, whatever gravity does
+    there; a joint that rings on its spring has the same mean. To and fro are not seen in quite the
+    same places, so what the torque gains along the way is taken off.
     """
     means = []
     for q, torque in strokes:
         t = np.arange(len(q)) / rate
         bent, speed = np.polyfit(t - t.mean(), q, 2)[:2]
-        means.append((float(torque.mean()) - inertia * 2.0 * float(bent), float(speed)))
+        mean = float(torque.mean()) - inertia * 2.0 * float(bent)
+        means.append((mean, float(speed), float(q.mean())))
     pairs = [(a, b) for a, b in zip(means[::2], means[1::2], strict=False)]
     if not pairs or any(min(a[1], -b[1]) < SLIDES for a, b in pairs):
         return None
+    slope = _along_the_way(strokes)
     speeds = np.array([0.5 * (a[1] - b[1]) for a, b in pairs])
-    halves = np.array([0.5 * (a[0] - b[0]) for a, b in pairs])
+    halves = np.array([0.5 * (a[0] - b[0] - slope * (a[2] - b[2])) for a, b in pairs])
     columns = np.stack([np.ones_like(speeds), speeds], axis=1)
     coulomb, viscous = scipy.optimize.nnls(columns, np.maximum(halves, 0.0))[0]
     moved = max(float(np.ptp(q)) for q, _ in strokes)
     return Friction(float(coulomb), float(viscous), moved, float(halves.max()))
+
+
+def _along_the_way(strokes: Sequence[tuple[Array, Array]]) -> float:
+    """N·m/rad that the torque gains with the angle, the same in all strokes: gravity's slope."""
+    way, effort = (np.concatenate([x[k] - x[k].mean() for x in strokes]) for k in (0, 1))
+    return float(way @ effort / (way @ way))
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,32 @@ def test_synchronous_commands_wait_for_sync(bench: Bench) -> None:
     assert bench.read(0x6071) == 78, "event-driven: at once"
 
 
+def test_one_frame_is_for_every_rpdo_that_listens_to_it(bench: Bench) -> None:
+    make_pdo(bench, 0x1400, RPDO, 255, TORQUE)
+    make_pdo(bench, 0x1401, RPDO, 1, OFFSET)
+    bench.nmt(1)
+    bench.send(RPDO, (77).to_bytes(2, "little"))
+    assert [bench.read(0x6071), bench.read(0x60B2)] == [77, 0], "the second waits for SYNC"
+    bench.sync()
+    assert bench.read(0x60B2) == 77
+
+
+def test_a_pdo_goes_on_counting_and_waiting_while_another_is_set_up(bench: Bench) -> None:
+    make_pdo(bench, 0x1800, TPDO, 5, STATUS)
+    make_pdo(bench, 0x1802, TPDO + 0x200, 255, QUIET)
+    make_pdo(bench, 0x1400, RPDO, 1, TORQUE)
+    bench.nmt(1)
+    assert len(of(bench.sync(3), TPDO + 0x200)) == 1, "once, as nothing was told yet"
+    bench.send(RPDO, (77).to_bytes(2, "little"))
+    assert emergencies(bench.send(RPDO, b"\1")) == [0x8210]
+    assert [bench.abort(0x1801, 10, 2, 5), bench.abort(0x1401, 255, 1, 2)] == [0, 0]
+    assert emergencies(bench.send(RPDO, b"\1")) == [], "told already"
+    sent = bench.sync(2)
+    assert len(of(sent, TPDO)) == 1, "the fifth SYNC"
+    assert of(sent, TPDO + 0x200) == [], "nothing changed"
+    assert bench.read(0x6071) == 77, "what was received took effect"
+
+
 # --- what may be written, and when ---
 
 

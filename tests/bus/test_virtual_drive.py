@@ -30,6 +30,9 @@ def test_sdo_transfers_byte_by_byte(bench: Bench) -> None:
     assert bench.sdo("21 17 10 00 02 00 00 00") == "60 17 10 00 00 00 00 00"  # segmented
     assert bench.sdo("0b c8 00 00 00 00 00 00") == "20 00 00 00 00 00 00 00"
     assert bench.read(0x1017) == 200
+    assert bench.sdo("21 17 10 00 09 00 00 00") == "60 17 10 00 00 00 00 00"  # nine announced
+    assert bench.sdo("0b 64 00 00 00 00 00 00") == "80 17 10 00 10 00 07 06"  # two came
+    assert bench.read(0x1017) == 200
 
 
 @pytest.mark.parametrize(

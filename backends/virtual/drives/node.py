@@ -13,10 +13,12 @@ from backends.virtual.drives.injection import Injection, Injector
 from backends.virtual.drives.object_dictionary import LiveDictionary, Value, key_of
 from backends.virtual.drives.pdo import (
     INVALID,
+    MAPPINGS,
+    RPDO,
+    TPDO,
     ReceivePdo,
     TransmitPdo,
-    receive_pdos,
-    transmit_pdos,
+    declared,
 )
 from backends.virtual.drives.sdo_server import SdoServer
 
@@ -72,7 +74,9 @@ class CanopenNode:
         self._application, self._send, self._boot_time = application, send, boot_time
         self._sdo = SdoServer(dictionary)
         self._producer, self._consumer, self._guard = Producer(), Consumer(), Guard()
-        self._rpdos: dict[int, ReceivePdo] = {}
+        self._receive: dict[int, ReceivePdo] = {}  # by communication record, as the next one
+        self._transmit: dict[int, TransmitPdo] = {}
+        self._rpdos: dict[int, list[ReceivePdo]] = {}  # those that exist, by identifier
         self._tpdos: list[TransmitPdo] = []
         self.sync_id = 0x80
         self._boot_left = boot_time
@@ -97,9 +101,10 @@ class CanopenNode:
         elif can_id == 0x600 + self.id:
             if self.state != STOPPED and (answer := self._sdo.answer(data)) is not None:
                 self._say(0x580, answer)
-        elif (pdo := self._rpdos.get(can_id)) is not None:
+        elif (pdos := self._rpdos.get(can_id)) is not None:
             if self.state == OPERATIONAL:
-                self._take(pdo, data)
+                for pdo in pdos:
+                    self._take(pdo, data)
         elif can_id > 0x700:
             self._consumer.heard(can_id - 0x700)
 
@@ -108,7 +113,7 @@ class CanopenNode:
         if self.injector.silent or self.state != OPERATIONAL:
             return
         self.since_sync = 0.0
-        for pdo in self._rpdos.values():
+        for pdo in self._receive.values():
             if pdo.waiting is not None:
                 data, pdo.waiting = pdo.waiting, None
                 pdo.apply(data)
@@ -165,9 +170,28 @@ class CanopenNode:
 
     def configure(self) -> None:
         """Take over the communication settings from the dictionary."""
-        self._rpdos = {pdo.cob_id: pdo for pdo in receive_pdos(self.dictionary)}
-        self._tpdos = transmit_pdos(self.dictionary)
+        dictionary = self.dictionary
+        self._receive = {k: ReceivePdo(dictionary, k) for k in declared(dictionary, RPDO)}
+        self._transmit = {k: TransmitPdo(dictionary, k) for k in declared(dictionary, TPDO)}
+        self._sort_pdos()
         self._watch_others()
+
+    def _configure_pdo(self, index: int) -> None:
+        """One record was written: the other PDOs go on counting and waiting where they are."""
+        record = index & ~MAPPINGS
+        if record in self._receive:
+            self._receive[record] = ReceivePdo(self.dictionary, record)
+        elif record in self._transmit:
+            self._transmit[record] = TransmitPdo(self.dictionary, record)
+        self._sort_pdos()
+        self.on_routes()
+
+    def _sort_pdos(self) -> None:
+        self._rpdos = {}
+        for pdo in self._receive.values():
+            if pdo.enabled:
+                self._rpdos.setdefault(pdo.cob_id, []).append(pdo)
+        self._tpdos = [pdo for pdo in self._transmit.values() if pdo.enabled]
 
     def _watch_others(self) -> None:
         self._consumer.configure(self.dictionary)
@@ -190,7 +214,7 @@ class CanopenNode:
             for pdo in self._tpdos:
                 pdo.restart()
         if state != OPERATIONAL:
-            for received in self._rpdos.values():
+            for received in self._receive.values():
                 received.waiting = None
         self.state = state
 
@@ -256,7 +280,7 @@ class CanopenNode:
         elif key == HISTORY:
             self.errors.empty()
         elif key_of(0x1400) <= key < key_of(0x1C00):
-            self.configure()
+            self._configure_pdo(key >> 8)
         elif key < key_of(0x1400):
             self._watch_others()
         self._application.written(key, value)

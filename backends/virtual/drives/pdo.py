@@ -40,8 +40,8 @@ class _Pdo:
 class ReceivePdo(_Pdo):
     """One RPDO. ``waiting`` was received and takes effect with the next SYNC."""
 
-    def __init__(self, dictionary: LiveDictionary, number: int) -> None:
-        super().__init__(dictionary, RPDO + number)
+    def __init__(self, dictionary: LiveDictionary, communication: int) -> None:
+        super().__init__(dictionary, communication)
         self.waiting: bytes | None = None
         self.wrong_length = False  # the last frame's; told once
 
@@ -57,10 +57,10 @@ class ReceivePdo(_Pdo):
 class TransmitPdo(_Pdo):
     """One TPDO, and when it is due."""
 
-    def __init__(self, dictionary: LiveDictionary, number: int) -> None:
-        super().__init__(dictionary, TPDO + number)
-        self._inhibit = dictionary.number(TPDO + number, 3) * 1e-4  # s
-        self._longest = dictionary.number(TPDO + number, 5) * 1e-3 or inf  # s, the event timer
+    def __init__(self, dictionary: LiveDictionary, communication: int) -> None:
+        super().__init__(dictionary, communication)
+        self._inhibit = dictionary.number(communication, 3) * 1e-4  # s
+        self._longest = dictionary.number(communication, 5) * 1e-3 or inf  # s, the event timer
         self.restart()
 
     def restart(self) -> None:
@@ -114,17 +114,7 @@ class TransmitPdo(_Pdo):
         return self._struct.pack(*[values.get(key, 0) for key in self.keys])
 
 
-def receive_pdos(dictionary: LiveDictionary) -> list[ReceivePdo]:
-    """The RPDOs that exist at the moment."""
-    made = [ReceivePdo(dictionary, k) for k in _numbers(dictionary, RPDO)]
-    return [pdo for pdo in made if pdo.enabled]
-
-
-def transmit_pdos(dictionary: LiveDictionary) -> list[TransmitPdo]:
-    """The TPDOs that exist at the moment."""
-    made = [TransmitPdo(dictionary, k) for k in _numbers(dictionary, TPDO)]
-    return [pdo for pdo in made if pdo.enabled]
-
-
-def _numbers(dictionary: LiveDictionary, first: int) -> list[int]:
-    return [k for k in range(4) if key_of(first + k, 1) in dictionary.entries]
+def declared(dictionary: LiveDictionary, first: int) -> list[int]:
+    """The communication records of a direction that this drive has."""
+    records = range(first, first + MAPPINGS)
+    return [record for record in records if key_of(record, 1) in dictionary.entries]

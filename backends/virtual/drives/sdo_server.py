@@ -7,6 +7,7 @@ from struct import Struct
 from backends.virtual.drives.object_dictionary import (
     BAD_COMMAND,
     BAD_TOGGLE,
+    OTHER_LENGTH,
     LiveDictionary,
     SdoAbort,
 )
@@ -26,6 +27,7 @@ class SdoServer:
         self._toggle = 0
         self._upload: bytes | None = None
         self._download: bytearray | None = None
+        self._announced: int | None = None  # bytes that a download said it would have
 
     def answer(self, request: bytes) -> bytes | None:
         """The eight bytes to send back, or None where silence is right."""
@@ -60,6 +62,7 @@ class SdoServer:
         else:
             self._dictionary.entry(*self._object)
             self._download, self._toggle = bytearray(), 0
+            self._announced = int.from_bytes(request[4:], "little") if command & 1 else None
         return HEAD.pack(0x60, *self._object).ljust(8, b"\0")
 
     def _declared_size(self) -> int:
@@ -73,6 +76,8 @@ class SdoServer:
         self._download += request[1 : 1 + size]
         if request[0] & 1:
             data, self._download = bytes(self._download), None
+            if self._announced not in (None, len(data)):
+                raise SdoAbort(OTHER_LENGTH)
             self._dictionary.write(*self._object, data)
         return bytes([0x20 | request[0] & 0x10]).ljust(8, b"\0")
 
