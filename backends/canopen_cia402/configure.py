@@ -15,7 +15,14 @@ from backends.canopen_cia402.lifeline import be_watched
 from backends.canopen_cia402.mapping import map_pdos
 from backends.canopen_cia402.objects import ESSENTIAL, WANTED, declared, lack
 from backends.canopen_cia402.remote import Remote, SetupError
-from backends.canopen_cia402.takeover import clear_offsets, contradictions, own_sync, untold
+from backends.canopen_cia402.takeover import (
+    clear_offsets,
+    contradictions,
+    hear_emergencies,
+    let_through,
+    own_sync,
+    untold,
+)
 from backends.limits import AxisLimits
 from backends.scaling import Scaling
 from pa10d.profile import Drive, Risk
@@ -76,7 +83,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     _require_usable(remote, wish)
     outputs, brake_lacks = take_brake(remote, wish.drive)
     lifeline = be_watched(remote, wish.master, wish.silence_ms, wish.drive.heartbeat_ms)
-    lacks = [*lifeline.lacks, *brake_lacks]
+    lacks = [*lifeline.lacks, *brake_lacks, *hear_emergencies(remote)]
     lacks += [lack(index) for index in WANTED if not declared(node, index)]
     lacks += untold(remote)
     lacks += _set_up(remote, wish)
@@ -119,7 +126,7 @@ def _require_usable(remote: Remote, wish: Wish) -> None:
             shown = "nothing" if found is None else f"0x{found:X}"
             reasons.append(f"{name} (0x1018:{sub}): found {shown}, profile expects 0x{expected:X}")
     reasons += _mode_reasons(remote)
-    reasons += contradictions(remote, wish.drive)
+    reasons += contradictions(remote, wish.drive, _ends(wish))
     rates = remote.node.object_dictionary.device_information.allowed_baudrates
     if rates and wish.bitrate not in rates:
         shown = ", ".join(f"{rate / 1000:g}" for rate in sorted(rates))
@@ -152,6 +159,8 @@ def _set_up(remote: Remote, wish: Wish) -> list[str]:
         elif problem:
             name, meaning = WANTED[index]
             lacks.append(f"{name} (0x{index:04X}): {problem}; {meaning}")
+    if (most := _most_torque(wish)) is not None:
+        lacks += let_through(remote, most)
     lacks += _left_to_the_user(remote)
     return lacks + _choose_torque_mode(remote)
 
@@ -183,9 +192,9 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
         (0x605C, 0, 1),
         (0x605E, 0, cia402.FaultReaction.QUICK_STOP),
     ]
-    if isfinite(limits.torque):
-        settings.append((0x6072, 0, min(round(1000 * limits.torque / scaling.rated), 0xFFFF)))
-    ends = sorted(_counts(scaling, q) for q in (limits.lower, limits.upper))
+    if (most := _most_torque(wish)) is not None:
+        settings.append((0x6072, 0, most))
+    ends = _ends(wish)
     settings += [(0x607D, 1, ends[0]), (0x607D, 2, ends[1])]
     product = _product(remote)
     if isfinite(limits.acceleration) and product in vendors.DECELERATION_IN_COUNTS:
@@ -194,6 +203,19 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
         speed = DRIVE_SPEED * limits.velocity * wish.drive.gear_ratio  # rad/s of the motor
         settings.append((0x6080, 0, round(speed * 60 / (2 * pi))))
     return settings + _cycle_time(wish.period)
+
+
+def _most_torque(wish: Wish) -> int | None:
+    """Per mille of the rated torque, None: no limit is known."""
+    if not isfinite(wish.limits.torque):
+        return None
+    return min(round(1000 * wish.limits.torque / wish.scaling.rated), 0xFFFF)
+
+
+def _ends(wish: Wish) -> tuple[int, int]:
+    """The counts between which the joint moves."""
+    one, other = (_counts(wish.scaling, q) for q in (wish.limits.lower, wish.limits.upper))
+    return min(one, other), max(one, other)
 
 
 def _left_to_the_user(remote: Remote) -> list[str]:

@@ -26,6 +26,7 @@ class Lifeline:
 def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) -> Lifeline:
     """Have node ``master``'s silence noticed and answered by a fault, by whatever the drive has."""
     made = Lifeline()
+    _forget(remote, master)
     problem = remote.write(0x1016, master << 16 | silence_ms, 1)
     if problem is not None:
         made.guarded = _guard(remote, heartbeat_ms)
@@ -38,6 +39,13 @@ def be_watched(remote: Remote, master: int, silence_ms: int, heartbeat_ms: int) 
         made.risks["unknown_reaction"] = _sentence(0x6007, problem)
     made.lacks[:0] = made.risks.values()
     return made
+
+
+def _forget(remote: Remote, master: int) -> None:
+    """Another entry of the same node, which an earlier master left, would keep ours out."""
+    for sub in range(2, (remote.read(0x1016) or 0) + 1):
+        if (remote.read(0x1016, sub) or 0) >> 16 & 0x7F == master:
+            remote.write(0x1016, 0, sub)
 
 
 def not_accepted(drive: Drive, risks: dict[Risk, str]) -> list[str]:

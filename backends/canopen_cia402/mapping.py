@@ -6,6 +6,7 @@ from backends.canopen_cia402.layout import COMMAND, FEEDBACK, Layout, layout_of,
 from backends.canopen_cia402.remote import Remote, SetupError
 
 INVALID = 1 << 31
+MOST = 0x200  # PDOs in each direction
 SYNCHRONOUS = 1  # transmission type: every SYNC
 TIMERS = {3: "inhibit time", 5: "event timer", 6: "SYNC start value"}  # by sub-index
 
@@ -21,10 +22,20 @@ def map_pdos(remote: Remote) -> tuple[Layout, Layout]:
 
 
 def _silence_other_pdos(remote: Remote) -> None:
-    for index in (0x1401, 0x1402, 0x1403, 0x1801, 0x1802, 0x1803):
-        cob_id = remote.read(index, 1)
-        if cob_id is not None and not cob_id & INVALID:
-            remote.write(index, cob_id | INVALID, 1)
+    """Whoever set them up, none but ours writes to the drive or fills the bus."""
+    left = []
+    for first, name in ((0x1400, "RPDO"), (0x1800, "TPDO")):
+        for index in range(first + 1, first + MOST):
+            if index not in remote.node.object_dictionary:
+                continue
+            cob_id = remote.read(index, 1)
+            if cob_id is None or cob_id & INVALID:
+                continue
+            problem = remote.write(index, cob_id | INVALID, 1)
+            if not (remote.read(index, 1) or 0) & INVALID:
+                left.append(f"{name} {index - first + 1} (0x{index:04X}) stays on: {problem}")
+    if left:
+        raise SetupError(left)
 
 
 def _map(

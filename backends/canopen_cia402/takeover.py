@@ -9,7 +9,7 @@ from math import isclose
 
 from backends import vendors
 from backends.canopen_cia402.objects import lack
-from backends.canopen_cia402.remote import Remote
+from backends.canopen_cia402.remote import Remote, SetupError
 from pa10d.profile import Drive
 
 OFFSETS = {
@@ -20,6 +20,8 @@ OFFSETS = {
 RATED_TORQUE_TOLERANCE = 0.02
 RATIO_TOLERANCE = 1e-4  # of a gear that both sides write as a ratio of small numbers
 POLARITY_BITS = {0x80: "position", 0x40: "velocity", 0x20: "torque"}
+ONE_SIDED = {0x60E0: "Positive torque limit value", 0x60E1: "Negative torque limit value"}
+OFF, NOT_USED = 1 << 31, 1 << 30  # bits of a COB-ID
 SYNC_ID, SYNC_BITS, PRODUCES = 0x80, 0x7FFFFFFF, 1 << 30  # bit 31 means nothing
 
 
@@ -42,12 +44,52 @@ def own_sync(remote: Remote) -> list[str]:
         reasons.append(f"COB-ID SYNC (0x1005): expected 0x80, {problem}: ours is not heard")
     if (problem := remote.ensure(0x1019, 0)) is not None:
         reasons.append(f"SYNC counter (0x1019): expected 0, {problem}: our SYNC has no counter")
+    if (problem := remote.ensure(0x1007, 0)) is not None:
+        reasons.append(
+            f"Synchronous window length (0x1007): expected 0, {problem}: commands that come later "
+            "after SYNC would be thrown away"
+        )
     return reasons
 
 
-def contradictions(remote: Remote, drive: Drive) -> list[str]:
-    """Where drive and profile give the same number different meanings."""
-    return [*_polarity(remote), *_counts(remote, drive), *_rated_torque(remote, drive)]
+def hear_emergencies(remote: Remote) -> list[str]:
+    """The drive tells its errors where we listen; else what that means."""
+    found, expected = remote.read(0x1014), 0x80 + remote.node.id
+    if found is None or found & ~NOT_USED in (0, expected):  # 0: as the drive has it by itself
+        return []
+    remote.write(0x1014, found | OFF)  # its identifier cannot be changed before that
+    if (problem := remote.ensure(0x1014, expected)) is None:
+        return []
+    return [
+        f"COB-ID EMCY (0x1014): expected 0x{expected:X}, {problem}: its emergencies are not heard, "
+        "a fault shows in the statusword alone"
+    ]
+
+
+def let_through(remote: Remote, per_mille: int) -> list[str]:
+    """No older limit keeps the drive from the torque that it may give; else which one does."""
+    lacks = []
+    for index, name in ONE_SIDED.items():
+        found = remote.read(index)
+        if found is None or found == per_mille:
+            continue
+        if (problem := remote.ensure(index, per_mille)) is not None:
+            lacks.append(
+                f"{name} (0x{index:04X}): expected {per_mille}, {problem}: to that side the drive "
+                "gives another torque than asked for"
+            )
+    return lacks
+
+
+def contradictions(remote: Remote, drive: Drive, ends: tuple[int, int]) -> list[str]:
+    """Where drive and profile give the same number different meanings. ends: counts between which
+    the joint moves."""
+    return [
+        *_polarity(remote),
+        *_counts(remote, drive),
+        *_range(remote, ends),
+        *_rated_torque(remote, drive),
+    ]
 
 
 def untold(remote: Remote) -> list[str]:
@@ -99,6 +141,22 @@ def _counts(remote: Remote, drive: Drive) -> list[str]:
     return [
         f"{name}: found {_shown(per_turn)} to a turn, with a gear of {drive.gear_ratio:g} that is "
         f"{expected} to one of the joint, profile counts_per_rev has {drive.counts_per_rev:g}"
+    ]
+
+
+def _range(remote: Remote, ends: tuple[int, int]) -> list[str]:
+    """A position that runs over within the joint's limits would look like a jump."""
+    try:
+        low, high = remote.read(0x607B, 1), remote.read(0x607B, 2)
+    except SetupError:  # a drive that does not tell
+        return []
+    if low is None or high is None or low >= high:  # both 0: there is no range
+        return []
+    if low <= ends[0] and ends[1] <= high:
+        return []
+    return [
+        f"Position range limit (0x607B): found {low} … {high}, the joint moves from {ends[0]} to "
+        f"{ends[1]}: its position would run over on the way; expected 0 and 0, or a wider range"
     ]
 
 

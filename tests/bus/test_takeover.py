@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -222,3 +223,87 @@ def test_sync_that_a_drive_has_elsewhere_is_ours_again() -> None:
         pytest.raises(SetupError, match=r"COB-ID SYNC \(0x1005\): expected 0x80, found 129"),
     ):
         configure(node, wish())
+
+
+# --- what else an earlier master may have left ---
+
+
+def test_limits_watches_and_pdos_of_an_earlier_master(profile: Profile) -> None:
+    """5 % of the torque to one side would let the arm sink; the same heartbeat watched twice is
+    refused by the drive."""
+    assert profile.drives is not None
+    with second_master(profile, 1) as node:
+        node.sdo[0x60E0].raw = node.sdo[0x60E1].raw = 50
+    arm = CanopenBackend(profile)
+    arm.open()
+    try:
+        driver = Driver(arm)
+        by_hand.enable(arm, driver.hold)
+        driver.run(0.3)
+    finally:
+        arm.close()
+    with second_master(profile, 1) as node:
+        most = node.sdo[0x6072].raw
+        assert [node.sdo[0x60E0].raw, node.sdo[0x60E1].raw] == [most, most]
+
+
+def test_an_older_watch_on_our_heartbeat_gives_way() -> None:
+    with node_made_from(EPOS4) as node:
+        node.sdo[0x1016][2].raw = 127 << 16 | 9000
+        assert configure(node, wish(EPOS4_RATED)).risks == {}
+        assert [node.sdo[0x1016][k].raw for k in (1, 2)] == [127 << 16 | 250, 0]
+
+
+def test_a_pdo_that_cannot_be_silenced_is_refused() -> None:
+    with node_made_from(EROB, frozen=((0x1402, 1),)) as node:
+        node.sdo[0x1402][1].raw = 0x405
+        with pytest.raises(SetupError, match=r"RPDO 3 \(0x1402\) stays on"):
+            configure(node, wish())
+
+
+def test_every_pdo_is_silenced_however_many_there_are(tmp_path: Path) -> None:
+    node_with = tmp_path / "many.eds"
+    text = EROB.read_text(errors="replace")
+    records = re.findall(r"(?ms)^\[1[46]03(?:sub\d+)?\].*?(?=^\[|\Z)", text)
+    node_with.write_text(text + "\n" + re.sub(r"(?m)^\[(1[46])03", r"[\g<1>07", "".join(records)))
+    with node_made_from(node_with) as node:
+        node.sdo[0x1407][1].raw = 0x385  # another drive's feedback, say
+        configure(node, wish())
+        assert node.sdo[0x1407][1].raw == 0x80000385
+
+
+def test_a_window_in_which_commands_count_is_opened(tmp_path: Path) -> None:
+    with_window = tmp_path / "window.eds"
+    more = "\n[1007]\nParameterName=Window\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\n"
+    with_window.write_text(EROB.read_text(errors="replace") + more + "DefaultValue=0\n")
+    with node_made_from(with_window, x1007=100) as node:
+        configure(node, wish())
+        assert node.sdo[0x1007].raw == 0
+    with (
+        node_made_from(with_window, frozen=((0x1007, 0),), x1007=100) as node,
+        pytest.raises(SetupError, match=r"window length \(0x1007\): expected 0, found 100"),
+    ):
+        configure(node, wish())
+
+
+def test_emergencies_that_nobody_hears_are_told() -> None:
+    with node_made_from(EROB, x1014=0x80000085) as node:
+        lacks = "\n".join(configure(node, wish()).lacks)
+    assert "COB-ID EMCY (0x1014): expected 0x85, found" in lacks
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "refused"),
+    [(0, 0, False), (-(2**31), 2**31 - 1, False), (0, 524287, True), (-250000, 10**6, True)],
+)
+def test_a_position_that_runs_over_on_the_way_is_refused(
+    low: int, high: int, refused: bool
+) -> None:
+    """±3 rad are ±250 332 counts."""
+    with node_made_from(EPOS4) as node:
+        node.sdo[0x607B][1].raw, node.sdo[0x607B][2].raw = low, high
+        if refused:
+            with pytest.raises(SetupError, match=r"Position range limit \(0x607B\): found"):
+                configure(node, wish(EPOS4_RATED))
+        else:
+            configure(node, wish(EPOS4_RATED))
