@@ -25,6 +25,7 @@ Complex = NDArray[np.complex128]
 SMOOTH = 10.0  # Hz below which friction is looked for
 SLIDES = 0.01  # rad/s: slower is stuck
 FEWEST = 30  # samples that slide
+PATH = 3  # degree of the path through a window of steady sliding
 ALIKE = 0.05  # of a response: what no model of ours explains
 PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
 LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
@@ -64,38 +65,32 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
     return Friction(float(found[0]), float(found[1]), moved, reach)
 
 
-def stroke_friction(
-    strokes: Sequence[tuple[Array, Array]], rate: float, inertia: float
-) -> Friction | None:
+def stroke_friction(strokes: Sequence[tuple[Array, Array]], rate: float) -> Friction | None:
     """From windows of steady sliding, each angle and sent torque (N,), to and fro over one way at
     two speeds; None where the joint did not slide there.
 
-    Half of the difference between to and fro in one place is C + B·|dq|, whatever gravity does
-    there; a joint that rings on its spring has the same mean. To and fro are not seen in quite the
-    same places, so what the torque gains along the way is taken off.
+    torque = C·sgn(dq) + B·dq + J·ddq + g0 + g1·q, by least squares, with a smooth path through each
+    window: to and fro are not seen in quite the same places, and what gravity gains from one to the
+    other is no friction. What shakes or rings in a window has no share in it.
     """
-    means = []
+    columns, efforts, speeds = [], [], []
     for q, torque in strokes:
         t = np.arange(len(q)) / rate
-        bent, speed = np.polyfit(t - t.mean(), q, 2)[:2]
-        mean = float(torque.mean()) - inertia * 2.0 * float(bent)
-        means.append((mean, float(speed), float(q.mean())))
-    pairs = [(a, b) for a, b in zip(means[::2], means[1::2], strict=False)]
-    if not pairs or any(min(a[1], -b[1]) < SLIDES for a, b in pairs):
+        path = np.polynomial.Polynomial.fit(t, q, PATH)
+        dq, ddq = path.deriv()(t), path.deriv(2)(t)
+        speeds.append(float(dq.mean()))
+        columns.append(np.stack([np.sign(speeds[-1]) + 0 * t, dq, ddq, 0 * t + 1, path(t)], axis=1))
+        efforts.append(torque)
+    pairs = list(zip(speeds[::2], speeds[1::2], strict=False))
+    if not pairs or any(min(to, -fro) < SLIDES for to, fro in pairs):
         return None
-    slope = _along_the_way(strokes)
-    speeds = np.array([0.5 * (a[1] - b[1]) for a, b in pairs])
-    halves = np.array([0.5 * (a[0] - b[0] - slope * (a[2] - b[2])) for a, b in pairs])
-    columns = np.stack([np.ones_like(speeds), speeds], axis=1)
-    coulomb, viscous = scipy.optimize.nnls(columns, np.maximum(halves, 0.0))[0]
+    seen, wanted = np.concatenate(columns), np.concatenate(efforts)
+    scale = np.maximum(np.linalg.norm(seen, axis=0), 1e-6)
+    lower = np.array([0.0, 0.0, 0.0, -np.inf, -np.inf])
+    found = scipy.optimize.lsq_linear(seen / scale, wanted, bounds=(lower, np.inf)).x / scale
+    coulomb, viscous = float(found[0]), float(found[1])
     moved = max(float(np.ptp(q)) for q, _ in strokes)
-    return Friction(float(coulomb), float(viscous), moved, float(halves.max()))
-
-
-def _along_the_way(strokes: Sequence[tuple[Array, Array]]) -> float:
-    """N·m/rad that the torque gains with the angle, the same in all strokes: gravity's slope."""
-    way, effort = (np.concatenate([x[k] - x[k].mean() for x in strokes]) for k in (0, 1))
-    return float(way @ effort / (way @ way))
+    return Friction(coulomb, viscous, moved, coulomb + viscous * max(map(abs, speeds)))
 
 
 @dataclass(frozen=True)

@@ -134,12 +134,11 @@ def _refuse_blocked(found: Mapping[int, Friction]) -> None:
 def _stroke_friction(seen: Seen, robot: Robot, j: int) -> Friction:
     spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
     cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
-    own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
     cuts = [seen.between(max(span.begin, span.end - PERIOD), span.end) for span in spans]
     windows = [(seen.q[one, j], seen.torque[one, j]) for one in cuts]
-    found = stroke_friction(windows, seen.rate, float(own))
-    if found is not None:
+    if (found := stroke_friction(windows, seen.rate)) is not None:
         return found
+    own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
     return friction_of(seen.q[cut, j], seen.torque[cut, j], seen.rate, float(own))
 
 

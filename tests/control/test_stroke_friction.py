@@ -26,6 +26,20 @@ def test_gravity_on_the_way_is_no_friction(slope: float) -> None:
         stroke(0.04, 0.32, 0.3, slope),
         stroke(0.14, -0.32, 0.3, slope),
     ]
-    found = stroke_friction(strokes, RATE, inertia=1.0)
+    found = stroke_friction(strokes, RATE)
     assert found is not None
     assert (found.coulomb, found.viscous) == pytest.approx((DRY, WET), rel=1e-6)
+
+
+def test_a_servo_that_is_still_settling_is_no_friction_either() -> None:
+    """The quick strokes gain speed on the way, with 2 kg·m² to be carried along."""
+    strokes = []
+    for speed, seconds in ((0.15, 1.0), (-0.15, 1.0), (0.3, 0.3), (-0.3, 0.3)):
+        t = np.arange(round(seconds * RATE)) / RATE
+        dq, ddq = speed * (0.9 + t / 3.0), speed / 3.0 + 0 * t
+        q = speed * (0.9 * t + t * t / 6.0) + (0.01 if speed > 0 else 0.16)
+        effort = DRY * np.sign(speed) + WET * dq + 2.0 * ddq - 100.0 * q
+        strokes.append((q, effort))
+    found = stroke_friction(strokes, RATE)
+    assert found is not None
+    assert (found.coulomb, found.viscous) == pytest.approx((DRY, WET), rel=1e-3)
