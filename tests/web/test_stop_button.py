@@ -82,6 +82,28 @@ def test_nothing_covers_stop(archive, visit, width):
     assert not visitor.errors
 
 
+def test_stop_grows_with_the_text_and_covers_nothing(archive, visit):
+    """At 200 % text, as a browser's own setting gives it."""
+    url, _ = archive
+    for width in (390, 1360):
+        visitor = visit(url, viewport={"width": width, "height": 700})
+        page = visitor.page
+        visitor.open("runs")
+        size = "() => parseFloat(getComputedStyle(document.getElementById('stop')).fontSize)"
+        before = page.evaluate(size)
+        page.evaluate("() => { document.documentElement.style.fontSize = '200%'; }")
+        assert page.evaluate(size) == 2 * before
+        assert page.evaluate(ON_TOP)
+        page.click("#stop")
+        heard(page)
+        apart = """() => document.getElementById("stop-said").getBoundingClientRect().top
+          >= document.getElementById("stop").getBoundingClientRect().bottom"""
+        assert page.evaluate(apart)
+        right = """() => { const box = document.getElementById("stop").getBoundingClientRect();
+          return box.left >= 0 && box.right <= innerWidth; }"""
+        assert page.evaluate(right)
+
+
 def test_stop_by_keyboard_also_while_typing(archive, visit):
     url, _ = archive
     visitor = visit(url)
