@@ -37,6 +37,7 @@ class HeldFiles:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._files: dict[str, HeldFile] = {}
+        self._taken: set[str] = set()
         self._clock = clock
 
     async def keep(self, held: HeldFile) -> None:
@@ -46,7 +47,9 @@ class HeldFiles:
         await self.tidy()
 
     def get(self, number: str) -> HeldFile:
-        """Problem where there is none, or no longer."""
+        """Problem where there is none, or no longer, or not now."""
+        if number in self._taken:
+            raise Problem("conflict", f"file {number!r} is being imported or let go just now")
         if number not in self._files:
             raise Problem("not-found", f"no file {number!r} is waiting; send it again")
         return self._files[number]
@@ -56,12 +59,16 @@ class HeldFiles:
         """It, out of everybody's reach while it is decided about; gone then, or, where that failed,
         waiting as before."""
         held = self._files.pop(self.get(number).id)
+        self._taken.add(held.id)
         try:
             yield held
+            await held.clear()
         except BaseException:
-            self._files[held.id] = held
+            if held.path.exists():
+                self._files[held.id] = held
             raise
-        await held.clear()
+        finally:
+            self._taken.discard(held.id)
 
     async def let_go(self, number: str) -> HeldFile:
         """It is gone."""

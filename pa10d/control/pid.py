@@ -13,6 +13,7 @@ from pa10d.control.reference import Reference
 Array = NDArray[np.float64]
 
 AWAY, STILL = 5e-3, 5e-3  # rad from its place, rad/s: such a joint sticks
+FAR, LET_GO = 0.07, 0.1  # rad beyond its place, where a push ends within so many s
 
 
 class Controller(Protocol):
@@ -45,6 +46,7 @@ class Pid:
         self.pushes = bool(gains.push.any())
         self._limit, self._period = limit, period
         self._integral = np.zeros_like(limit)
+        self._pushed = np.zeros_like(limit)  # N·m of the integral that pushes gave
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
 
@@ -57,17 +59,27 @@ class Pid:
         error, error_rate = reference.q - q, reference.dq - dq
         rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
+        self._pushed[:] = 0.0
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
         """PID on the tracking error."""
         error = reference.q - q
         self._integral += self._period * self.gains.ki * error
         if self.pushes:
-            stuck = (np.abs(error) > AWAY) & (np.abs(dq) < STILL)
-            self._integral += self._period * self.gains.push * np.sign(error) * stuck
+            self._integral += self._push(error, dq)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
         return self.gains.kp * error + damping + self._integral + reference.extra
+
+    def _push(self, error: Array, dq: Array) -> Array:
+        """N·m more for joints that stick. One that goes far beyond its place under a push that
+        outweighs its gains is not brought back by them: the push is let go."""
+        stuck = (np.abs(error) > AWAY) & (np.abs(dq) < STILL)
+        leaves = (np.abs(error) > FAR) & (self._pushed * error < 0) & (dq * error < 0)
+        leaves &= self.gains.kp * np.abs(error) < np.abs(self._pushed)
+        more = self.gains.push * np.sign(error) * stuck - self._pushed / LET_GO * leaves
+        self._pushed += self._period * more
+        return np.asarray(self._period * more)
 
     def absorb(self, extra: Array) -> None:
         """The integral goes on with it: no step in torque."""

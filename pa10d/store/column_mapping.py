@@ -133,7 +133,7 @@ def read_rule(pair: str) -> Rule:
 
 def resolve(rules: Sequence[Rule], names: Sequence[str], n: int, where: str) -> Resolved:
     """The rules for a file with these columns and a robot of n joints."""
-    out, found = Resolved({}, {}), ", ".join(names)
+    out, found = Resolved({}, {}), ", ".join(filter(None, names)) or "no names in its header"
     found = found if len(found) <= 120 else f"{found[:117]}..."
     for rule in rules:
         if rule.optional and not _applies(rule, names, n, out):

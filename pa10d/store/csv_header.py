@@ -151,7 +151,7 @@ class Header:
         return f"{self.where}: no column {some}; found {self._found()}; expected {wanted}{hint}"
 
     def _found(self) -> str:
-        text = ", ".join(self.names) or "nothing"
+        text = ", ".join(name for name in self.names if name) or "no names in its header"
         return text if len(text) <= 120 else text[:117] + "..."
 
 

@@ -75,8 +75,10 @@ def test_a_file_that_is_being_imported_stays_whatever_is_sent_meanwhile(sent):
             for _ in range(MOST + 1):
                 await files.keep(sent())
             assert held.path.is_file()
-            with pytest.raises(Problem, match="send it again"):
+            with pytest.raises(Problem, match="is being imported or let go just now"):
                 await files.let_go(held.id)
+        with pytest.raises(Problem, match="send it again"):
+            files.get(held.id)
 
     asyncio.run(work())
     assert not held.path.parent.exists()

@@ -157,3 +157,14 @@ def test_events_are_kept_within_bounds(monkeypatch):
     for _ in range(50):
         events.publish("job", {"request": "x" * 1000})
     assert 5 <= len(events.since(0)) <= 10
+
+
+def test_a_job_that_is_cancelled_before_its_first_step_is_cancelled(tmp_path):
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        job = jobs.start("x", {}, _answer)
+        await jobs.cancel(job)
+        assert (job.status, job.task, jobs.running()) == ("cancelled", None, [])
+        assert json.loads(jobs.file_of(job).read_text())["status"] == "cancelled"
+
+    asyncio.run(main())

@@ -127,6 +127,9 @@ def test_undo_does_not_lose_what_was_edited_by_hand(arm, data):
     assert load_profile(arm).name == "mine"
 
 
+NAN = float("nan")
+
+
 @pytest.mark.parametrize(
     ("changes", "wrong"),
     [
@@ -143,6 +146,10 @@ def test_undo_does_not_lose_what_was_edited_by_hand(arm, data):
         ({"control.gains.kp": "much"}, r"control.gains.kp: found 'much', expected a list"),
         ({"environment.boxes": [{"size": [1, 1, 1]}]}, r"boxes.1.xyz: found nothing"),
         ({"limits.velocity": [1.0, 1.2]}, r"nothing to change"),
+        ({"limits.velocity": {"2": NAN}}, r"^limits.velocity.2: found nan, expected a finite num"),
+        ({"limits.velocity": [1.0, NAN]}, r"^limits.velocity.2: found nan, expected a finite num"),
+        ({"control.bandwidth_hz": NAN}, r"^control.bandwidth_hz: found nan, expected a finite num"),
+        ({"environment.boxes": [{"size": [1, NAN, 1]}]}, r"^environment.boxes.1.size.2: found nan"),
     ],
 )
 def test_a_bad_value_is_one_line_and_writes_nothing(arm, data, changes, wrong):

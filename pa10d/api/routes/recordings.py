@@ -59,7 +59,9 @@ async def send_recording(
 
 
 @router.post(
-    "/{file}/preview", response_model=FilePreview, responses=responses("refused", "not-found")
+    "/{file}/preview",
+    response_model=FilePreview,
+    responses=responses("refused", "conflict", "not-found"),
 )
 async def preview_recording(
     daemon: TheDaemon, files: TheFiles, file: str, asked: ColumnChoices
@@ -93,7 +95,7 @@ async def import_recording(
     return {**found["run"], "mapping_kept": found["kept"]}
 
 
-@router.delete("/{file}", responses=responses("not-found"))
+@router.delete("/{file}", responses=responses("conflict", "not-found"))
 async def drop_recording(files: TheFiles, file: str) -> dict[str, str]:
     """It is not wanted."""
     held = await files.let_go(file)

@@ -145,6 +145,8 @@ class Jobs:
             job.task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await asyncio.wait([job.task])
+        if job.status == "queued":  # its task ended before its first step
+            await self._never_began(job)
 
     async def close(self) -> None:
         """Cancel all that run."""
@@ -173,6 +175,12 @@ class Jobs:
         self.tell(job, at_once=True)
         await self._keep(job)
         job.task = None
+
+    async def _never_began(self, job: Job) -> None:
+        job.status, job.message, job.finished = "cancelled", "cancelled", _now()
+        job.task = None
+        self.tell(job, at_once=True)
+        await self._keep(job)
 
     async def _keep(self, job: Job) -> None:
         """On disk; where that is full, the result stays in memory, and the job says so."""

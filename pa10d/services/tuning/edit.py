@@ -159,6 +159,7 @@ class _Edit:
         data = self.data
         for name, value in changes.items():
             key = known_key(name)
+            _refuse_no_number(name, value)
             data = with_value(data, key.place, self._whole(key, value))
             self.changed.add(name)
         self._load(rewritten(self.file, data), data)
@@ -318,6 +319,16 @@ def _value(key: Key, tuned: Tuned, written: Any) -> Document:
             for words, most in tuned.bounds(key.name)
         ],
     }
+
+
+def _refuse_no_number(name: str, value: Any) -> None:
+    """NaN says nothing, wherever in a value it stands; YAML's infinity is no value of a profile."""
+    if isinstance(value, float) and not np.isfinite(value):
+        raise UserError(f"{name}: found {value}, expected a finite number")
+    named = value if isinstance(value, Mapping) else {}
+    counted = enumerate(value, 1) if isinstance(value, list | tuple) else ()
+    for which, part in [*named.items(), *counted]:
+        _refuse_no_number(f"{name}.{which}", part)
 
 
 def _plain(value: Any) -> Any:

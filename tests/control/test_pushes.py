@@ -1,0 +1,50 @@
+"""A joint that sticks is pushed; what brought it loose must not carry it away."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from pa10d.control.gains import PidGains
+from pa10d.control.pid import Pid
+
+PERIOD = 0.004  # s
+LIMIT = np.array([25.0])  # N·m
+LAG = 0.02  # s, of the measured speed
+DRY, WET, INERTIA = 2.8, 3.5, 0.05  # an upright arm's first axis: light, and rubbing much
+
+
+def farthest_after_coming_loose(gains: PidGains) -> float:
+    """rad beyond its place, ±0.04 rad in turn, that the joint goes."""
+    servo = Pid(gains, LIMIT, PERIOD)
+    q, dq, seen, worst = 0.0, 0.0, 0.0, 0.0
+    for k in range(round(20.0 / PERIOD)):
+        place = 0.04 if k * PERIOD % 8.0 < 4.0 else -0.04
+        at = SimpleNamespace(q=np.array([place]), dq=np.zeros(1), extra=np.zeros(1))
+        seen += (dq - seen) * PERIOD / LAG
+        torque = float(servo.torque(at, np.array([q]), np.array([seen]))[0])
+        for _ in range(4):
+            h = PERIOD / 4
+            free = (dq + h * torque / INERTIA) / (1 + h * WET / INERTIA)
+            stop = h * DRY / INERTIA / (1 + h * WET / INERTIA)
+            dq = float(np.sign(free) * max(abs(free) - stop, 0.0))
+            q += h * dq
+        worst = max(worst, abs(q) - 0.04)
+    return worst
+
+
+def test_gains_much_softer_than_friction_let_no_joint_creep_away():
+    soft = PidGains(*(np.array([k]) for k in (0.1, 0.013, 0.12)), push=0.12 * LIMIT)
+    assert farthest_after_coming_loose(soft) < 0.1, "0.186 rad where a push is never let go"
+
+
+def test_gains_that_bring_a_joint_back_are_left_alone():
+    """Not a torque differs from those of a push that is never let go."""
+    stiff = PidGains(*(np.array([k]) for k in (40.0, 60.0, 2.0)), push=0.12 * LIMIT)
+    servo = Pid(stiff, LIMIT, PERIOD)
+    servo._pushed[:] = 2.0
+    assert servo._push(np.array([-0.08]), np.array([0.2])) == 0.0
+    soft = Pid(PidGains(np.array([0.8]), stiff.ki, stiff.kd, stiff.push), LIMIT, PERIOD)
+    soft._pushed[:] = 2.0
+    assert soft._push(np.array([-0.08]), np.array([0.2])) < 0.0
