@@ -39,7 +39,7 @@ BROKEN = {
     "tabs": (_with(1, HEAD).replace(",", "\t"), ":1: columns are parted by tabs"),
     "no time": (_with(1, "Time,q1,q2,tau1,tau2"), ":1: no column time; found Time, q1"),
     "no tau2": (_with(1, "time,q1,q2,tau1,x"), ":1: no column tau2; found time, q1, q2, tau1, x"),
-    "no names": (_with(1, ",,,,"), ":1: no column time, q1, q2, tau1, tau2; found no names in its header"),
+    "no names": (_with(1, ",,,,"), ":1: no column time, q1, q2, tau1, tau2; found no names in its"),
     "column twice": (_with(1, "time,q1,q1,tau1,tau2"), ":1: columns 2 and 3 are both 'q1'"),
     "text": (_cell(57, 3, "fast"), ":57: column 4 (tau1): found 'fast', expected a finite number"),
     "empty cell": (_cell(3, 1, ""), ":3: column 2 (q1): found an empty cell, expected a finite"),
