@@ -11,8 +11,8 @@ from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS
-from pa10d.diagnose.evidence.errors_of import moved_by_doubt, term_covariance
-from pa10d.diagnose.evidence.tails import tails
+from pa10d.diagnose.evidence.errors_of import moved_by_doubt, term_covariance, told
+from pa10d.diagnose.evidence.tails import tails, with_open
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import reason, sentence
@@ -162,8 +162,9 @@ def add(
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), as_given)
-    warnings += [*tails(made, state.terms[given:], state.train.runs), *said(made)]
-    return replace(made, name=name, change=f"added {added}"), warnings
+    unseen = tails(made, state.terms[given:], state.train.runs)
+    warnings += [*unseen.values(), *said(made)]
+    return replace(with_open(made, unseen), name=name, change=f"added {added}"), warnings
 
 
 def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
@@ -208,7 +209,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         parameters=as_told(
             state.model.robot,
             term,
-            term.effect.values(term.coefficients, covariance, term.shape, shape_errors),
+            told(state, index, covariance, shape_errors),
         ),
         rms_before=before,
         rms_after=after,

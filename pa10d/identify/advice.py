@@ -108,7 +108,11 @@ def _uncertain(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
         return
     # those that leave the most torque in doubt first
     order = poor[np.argsort(-(error * fit.solution.scale)[poor])][:NAMED]
-    shown = ", ".join(f"{names[k]} {beta[k]:.2g} ± {error[k]:.1g}" for k in order)
+    left = fit.open
+    shown = ", ".join(
+        f"{names[k]} not determined" if left[k] else f"{names[k]} {beta[k]:.2g} ± {error[k]:.1g}"
+        for k in order
+    )
     more = f" and {len(poor) - len(order)} more" if len(poor) > len(order) else ""
     yield (
         f"{len(poor)} of {len(beta)} parameters have a standard error above 30 %: {shown}{more}; "

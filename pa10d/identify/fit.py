@@ -16,6 +16,7 @@ from pa10d.identify.uncertainty import Uncertainty, covariance
 from pa10d.regression.lacking import Stretch, lacking
 from pa10d.regression.layout import Layout, has_sign
 from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
+from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
@@ -28,6 +29,7 @@ class Fit:
     rms, torque (n,) N·m of the filtered residual and torque over the fitted samples; v0_errors (n,)
     rad/s;
     factors[j]: triangular factor of [columns, torque] of joint j
+    open: (p,) unknowns that the data leave open
     """
 
     solution: Solution
@@ -36,6 +38,7 @@ class Fit:
     torque: Array
     v0_errors: Array
     factors: tuple[Triangle, ...]
+    open: NDArray[np.bool_]
 
     def rms_of(self, beta: Array, indices: Indices) -> Array:
         """(n,) N·m: RMS that other values of the unknowns would leave."""
@@ -81,10 +84,13 @@ def weighted_fit(
     sigma = estimate_weights(plain, still, inner, size)
     solution = _solved(plain, inner, size, sigma, prior)
     wide = _solved(moving, outer, size + len(found), sigma, prior)
-    residuals, keeps = [], []
+    residuals, keeps, peaks = [], [], np.zeros((len(inner), size))
     for rows in stretches():
         residuals.append(rows.residual(inner, solution.beta))
         keeps.append(rows.keep)
+        for j, index in enumerate(inner):
+            most = np.abs(rows.columns[j][rows.keep[:, j]]).max(axis=0, initial=0.0)
+            peaks[j, index] = np.maximum(peaks[j, index], most)
     motion = [
         Stretch.of(piece.equation, residual, keep)
         for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
@@ -104,7 +110,12 @@ def weighted_fit(
     errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
-    return Fit(solution, uncertainty.first(size), rms, torque, errors, plain)
+    known = uncertainty.first(size)
+    sizes = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
+    added = added_ones(len(layout.base), layout.terms)
+    open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
+    open_[solution.open] = True
+    return Fit(solution, known, rms, torque, errors, plain, open_)
 
 
 def _solved(

@@ -27,6 +27,7 @@ from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout, textbook
+from pa10d.regression.told import names_of
 
 Array = NDArray[np.float64]
 
@@ -123,7 +124,7 @@ def _identify(
         "weights": [float(s) for s in fit.solution.sigma],
         "correlation_s": [float(s) for s in fit.uncertainty.correlation],
         "rank": fit.solution.rank,
-        "open": [layout.names()[k] for k in fit.solution.open],
+        "open": names_of(layout.names(), fit.open),
         "robust": robust,
     }
     if faster_than is not None:

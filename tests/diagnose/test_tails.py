@@ -38,10 +38,11 @@ def pendulum():
 def test_what_only_fast_reversals_saw_is_extrapolated(pendulum):
     fast = recording(1, 0.8)
     model = identify([fast], pendulum, name="m")
-    _, warnings = add(model, "stribeck", [0], [fast], name="more")
+    made, warnings = add(model, "stribeck", [0], [fast], name="more")
     (said,) = [w for w in warnings if "tail" in w]
     assert said.startswith("stribeck J1: only its tail was seen")
     assert "Slow constant speeds" in said
+    assert str(made.term_values(len(made.terms) - 1)["Fs"]) == "not determined"
 
 
 def test_what_was_seen_whole_is_not(pendulum):
@@ -49,6 +50,7 @@ def test_what_was_seen_whole_is_not(pendulum):
     model = identify(slow[:1], pendulum, name="m")
     made, warnings = add(model, "stribeck", [0], slow[:1], name="more")
     assert not [w for w in warnings if "tail" in w]
+    assert made.term_values(len(made.terms) - 1)["Fs"].determined
     assert made.terms[-1].coefficients[0] == pytest.approx(0.7, rel=0.1)
     found = diagnose(model, slow[:1], slow[1:])
     assert [f.term.effect_id for f in found.findings] == ["stribeck"]

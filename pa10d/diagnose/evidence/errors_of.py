@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -18,9 +18,11 @@ from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.effects import Value
 from pa10d.regression.lacking import Stretch, lacking, weight_of
 from pa10d.regression.spectrum import colour, coloured_gram
 from pa10d.regression.suspects import Suspects, Tally, worst
+from pa10d.regression.told import added_ones, left_open, names_of
 
 Array = NDArray[np.float64]
 
@@ -165,6 +167,33 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
         for s, e in zip(free, errors[k:], strict=True)
     }
     return covariance[:k, :k], shape_errors
+
+
+def told(
+    state: SearchState, index: int, covariance: Array, shape_errors: dict[str, float]
+) -> dict[str, Value]:
+    """A term's parameters, what the data leave open among them; arguments: ``term_covariance``."""
+    term = state.terms[index]
+    values = term.effect.values(term.coefficients, covariance, term.shape, shape_errors)
+    errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    added = added_ones(0, [term])
+    scales = scales_of(state, state.blocks[index][0])
+    names = [coefficient.name for coefficient in term.effect.coefficients]
+    for name in names_of(names, left_open(term.coefficients, errors, *scales, added)):
+        if name in values:
+            values[name] = replace(values[name], determined=False)
+    return values
+
+
+def scales_of(state: SearchState, columns: PerJoint) -> tuple[Array, Array, Array]:
+    """(n, k) N·m, the largest torque that a unit of each column makes in a sample of each joint;
+    (n,) RMS of the joints' torque, and of what the fit leaves of it."""
+    width = next(iter(columns.values())).shape[1]
+    peaks = np.zeros((state.train.n, width))
+    for j, x in columns.items():
+        peaks[j] = np.abs(x).max(axis=0, initial=0.0)
+    torque = [float(np.sqrt(np.mean(t**2))) if len(t) else 0.0 for t in state.train.tau]
+    return peaks, np.array(torque), state.fit.rms()
 
 
 def _of_lack(state: SearchState, columns: PerJoint, turn: Array) -> Array:

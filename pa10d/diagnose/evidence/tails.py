@@ -8,7 +8,8 @@ not tell, because they believe in the law.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,29 +21,41 @@ from pa10d.regression.equation import RunEquation
 Array = NDArray[np.float64]
 
 
-def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]) -> list[str]:
-    """A line per term whose largest torque in the fitted samples is a small share of what it claims
-    where its joint turns round or rests."""
+def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]) -> dict[str, str]:
+    """Label -> a line, for each term whose largest torque in the fitted samples is a small share of
+    what it claims where its joint turns round or rests."""
     peaks = np.max([_peaks(model, terms, run) for run in runs], axis=0)
-    return [
-        line
+    lines = {
+        term.label: _tail(model, term, seen, out)
         for term, (seen, out) in zip(terms, peaks, strict=True)
-        for line in _tail(model, term, seen, out)
+    }
+    return {label: line for label, line in lines.items() if line is not None}
+
+
+def with_open(model: TorqueModel, labels: Container[str]) -> TorqueModel:
+    """The same model, how large these terms are left open: the fit saw their tails."""
+    open_ = [
+        f"{term.label}: {coefficient.name}"
+        for term in model.terms
+        if term.label in labels
+        for coefficient in term.effect.coefficients
     ]
+    known = model.notes.get("open", [])
+    return replace(model, notes={**model.notes, "open": list(dict.fromkeys([*known, *open_]))})
 
 
-def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> list[str]:
+def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> str | None:
     j = int(np.argmax(left_out))
     if seen[j] >= SEEN_SHARE * left_out[j]:
-        return []
+        return None
     unit = model.robot.torque_unit(j)
     most = f"up to {seen[j]:.2g} {unit}" if seen[j] > 1e-3 * left_out[j] else "next to nothing"
-    return [
+    return (
         f"{term.label}: only its tail was seen, {most} in the samples that are fitted; the "
         f"{left_out[j]:.2g} {unit} that it claims where the joint turns round or rests are "
         f"extrapolated, whatever the standard errors say. "
         f"To see it: {term.effect.experiment.rstrip('.')}"
-    ]
+    )
 
 
 def _peaks(model: TorqueModel, terms: Sequence[Term], run: RunEquation) -> Array:

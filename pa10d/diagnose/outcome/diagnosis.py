@@ -118,7 +118,11 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
-        return (*tails(self.model, found, self.fitted), *warnings(self.model)) if found else ()
+        return (
+            (*tails(self.model, found, self.fitted).values(), *warnings(self.model))
+            if found
+            else ()
+        )
 
     def document(self) -> dict[str, Any]:
         """JSON of ``diagnose``."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.diagnose.evidence.errors_of import honest_covariance, term_covariance
+from pa10d.diagnose.evidence.errors_of import honest_covariance, scales_of, term_covariance
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.delivery import delivery
 from pa10d.diagnose.search.steps import rms
@@ -15,6 +15,7 @@ from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
 from pa10d.judgement import RunResidual, residual_of
 from pa10d.model import TorqueModel
+from pa10d.regression.told import added_ones, left_open, names_of
 
 
 def versions_of(
@@ -75,7 +76,17 @@ def snapshot(
         held_out={"held out": np.array(promise["achieved"])},
         notes={**model.notes, "delivery": promise},
     )
-    return model if frozen else _with_bodies(model, part)
+    return model if frozen else _with_bodies(_with_open(model, part), part)
+
+
+def _with_open(model: TorqueModel, part: SearchState) -> TorqueModel:
+    """What the fit leaves open, besides what the given model's own fit did not see at all."""
+    values = np.concatenate([model.h, *(t.coefficients for t in model.terms)])
+    added = added_ones(len(model.h), model.terms)
+    scales = scales_of(part, part.matrix(0))
+    found = names_of(model.parameter_names(), left_open(values, model.std_errors, *scales, added))
+    known = model.notes.get("open", [])
+    return replace(model, notes={**model.notes, "open": list(dict.fromkeys([*known, *found]))})
 
 
 def _with_bodies(model: TorqueModel, part: SearchState) -> TorqueModel:

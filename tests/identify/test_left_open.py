@@ -1,0 +1,55 @@
+"""A number whose interval allows more torque than there is to explain is no value."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from pa10d.identify import identify
+from pa10d.regression.told import left_open
+from pa10d.services.model_details import parameter_list
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+bench_real = importlib.import_module("bench_real")
+
+TORQUE, REST = np.array([10.0, 2.0]), np.array([0.5, 0.1])
+
+
+def opened(value, error, peaks, added=False):
+    columns = np.array([[peak] for peak in peaks])
+    return bool(
+        left_open(np.array([value]), np.array([error]), columns, TORQUE, REST, np.array([added]))[0]
+    )
+
+
+def test_next_to_nothing_is_known_well():
+    assert not opened(0.001, 0.003, (1.0, 0.0))
+    assert not opened(0.001, 0.003, (1.0, 1.0), added=True)
+
+
+def test_what_allows_more_than_the_joints_torque_is_open():
+    assert opened(3.0, 6.0, (1.0, 0.0))
+    assert not opened(3.0, 4.0, (1.0, 0.0))
+    assert opened(3.0, 4.0, (1.0, 1.0))  # a joint that carries less feels it, too
+    assert not opened(7.0, 6.0, (1.0, 1.0))  # it is seven, whatever else holds it up
+
+
+def test_what_was_added_is_held_against_the_error_that_is_left():
+    assert opened(0.2, 0.4, (1.0, 0.0), added=True)
+    assert not opened(0.2, 0.4, (1.0, 0.0))
+
+
+def test_a_stribeck_torque_that_nobody_saw_is_not_printed(shared_data):
+    robot = bench_real.robot_from_urdf(shared_data / "kr300" / "robot.urdf")
+    runs = [bench_real.load("kr300", f"train{k}.csv", robot.n) for k in (1, 2)]
+    model = identify(runs, robot, name="m", cutoff=10.0, with_effects=["stribeck"])
+    told = {p["name"]: p for p in parameter_list(model) if p["name"].endswith(": Fs")}
+    unsure = {n for n, p in told.items() if p["std_error_random"] > abs(p["value"])}
+    assert len(unsure) >= 3
+    assert all("not determined" in told[name]["flags"] for name in unsure)
+    assert "coulomb J1: Fc" not in model.left_open
+    (line,) = [w for w in model.notes["warnings"] if "standard error above 30 %" in w]
+    assert "not determined" in line
