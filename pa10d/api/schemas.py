@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Law = Literal["pid", "computed_torque", "feed_forward"]
-"""Control laws; all but PID take a model."""
+from pa10d.control.laws import Law
 
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 StateName = Literal[

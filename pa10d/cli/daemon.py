@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import Commands, replace_option
 from pa10d.cli.daemon_client import robot_options
+from pa10d.control.laws import LAWS
 
 if TYPE_CHECKING:
     from pa10d.daemon.night import Secret
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from pa10d.profile import Profile
 
 PORT = 8010
-LAWS = ("pid", "computed_torque", "feed_forward")
 
 
 def add_commands(commands: Commands) -> None:

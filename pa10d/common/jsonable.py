@@ -7,6 +7,10 @@ import math
 from pathlib import PurePath
 from typing import Any
 
+JsonObject = dict[str, Any]
+"""A document at a border: it goes into a file, to a client or to another process as it stands. Who
+needs to know what is in it parses it into a type of its own, once."""
+
 
 def plain(value: Any) -> Any:
     """Arrays as lists, dataclasses as objects, what is not finite as null."""

@@ -66,6 +66,4 @@ class FeedForward(ComputedTorque):
         return super()._forward(reference, reference.q, reference.dq)
 
 
-WITH_MODEL: dict[str, type[ComputedTorque]] = {
-    law.name: law for law in (ComputedTorque, FeedForward)
-}
+BY_NAME: dict[str, type[ComputedTorque]] = {law.name: law for law in (FeedForward, ComputedTorque)}

@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pa10d.control.laws import Law, ModelLaw
+
 PerJoint = list[float]
 Known = list[float | None]
 """Per joint; null where this data does not show it."""
@@ -231,7 +233,7 @@ class Investigate(Document):
 class LawFollowed(Document):
     """One control law. rms, max: tracking error, rad (m); of_pid: the share of PID's RMS."""
 
-    controller: Literal["pid", "feed_forward", "computed_torque"]
+    controller: Law
     model: str | None
     run: str
     rms: PerJoint
@@ -243,7 +245,7 @@ class Worth(Document):
     """What the last model leaves of the first one's tracking RMS, under one law. joint: from 1, the
     one that gains most; before, after: its RMS, rad (m)."""
 
-    controller: Literal["feed_forward", "computed_torque"]
+    controller: ModelLaw
     rms: Known
     joint: int
     before: float

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
@@ -21,6 +22,7 @@ from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.margins import margins, preview
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
+from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.identify.scale import Body
 from pa10d.services.library import open_library
 from pa10d.services.responses import steps_in
@@ -52,9 +54,7 @@ def refuse_impossible_motion(robot: Robot, kind: str, parameters: Mapping[str, A
     read_request({"kind": kind, "parameters": parameters}).build(Surroundings.of(robot))
 
 
-def make_plan(
-    profile: str, kind: str, parameters: Mapping[str, Any], folder: str
-) -> dict[str, Any]:
+def make_plan(profile: str, kind: str, parameters: Mapping[str, Any], folder: str) -> JsonObject:
     """Plan an experiment into a folder → what there is to know of it."""
     robot = load_robot(profile)[1]
     asked = read_request({"kind": kind, "parameters": parameters})
@@ -81,13 +81,13 @@ def prepare_motion(
     ahead: bool = True,
     law: str = "pid",
     weight: str | None = None,
-) -> dict[str, Any]:
+) -> Prepared:
     """The planned motion from where the arm stands, as rows for the loop, with its pre-check.
 
     joints: figures and gains of a plain servo whose joints were measured; without gains, of a first
     motion under way. ahead: the servo is given what was measured. law: of control, for the record.
     weight: one that hangs at the last joint; the arm is checked with it, and given the torque that
-    it asks for. ``adjusted`` of what is given back says what was changed of the plan, or is None.
+    it asks for.
     """
     found, bare = load_robot(profile)
     body = None if weight is None else Body.of(weight)
@@ -112,7 +112,7 @@ def prepare_motion(
         known = Joints(figures, gains, ahead)
         chosen = paced(plan, np.array(start), robot, bounds, rate, known)
         whole, said = chosen.whole, [chosen.check]
-        adjusted = chosen.adjusted and chosen.adjusted.document()
+        adjusted = None if chosen.adjusted is None else chosen.adjusted.document()
         if chosen.plan is not plan:
             plan = chosen.plan
             kept = {**told, **plan.to_dict()}
@@ -136,30 +136,29 @@ def prepare_motion(
     np.save(place / ROWS, rows)
     recorded = Channels(robot.joint_names, commands=True, temperature=True)
     room = room_check(data_folder(data), size_of_run(recorded, len(rows)))
-    return {
-        "checks": [
-            c.document()
-            for c in [*checks_of(whole, torque, limits, robot.environment), *said, room]
-        ],
-        "adjusted": adjusted,
-        "margins": margins(whole, torque, limits, Surroundings.of(robot).capsules),
-        "preview": preview(whole),
-        "start": list(start),
-        "live": None if live is None else live.document(),
-        "motions": [
-            {
-                "file": str(place / ROWS),
-                "rows": len(rows),
-                "first": whole.first,
-                "last": whole.last,
-                "seconds": len(rows) / found.control.rate,
-                "plan_file": str(place / (PACED if (place / PACED).exists() else PLAN)),
-            }
-        ],
-    }
+    checked = checks_of(whole, torque, limits, robot.environment)
+    to_keep = place / (PACED if (place / PACED).exists() else PLAN)
+    return Prepared(
+        checks=(*checked, *said, room),
+        adjusted=adjusted,
+        margins=margins(whole, torque, limits, Surroundings.of(robot).capsules),
+        preview=preview(whole),
+        start=tuple(start),
+        live=None if live is None else live.document(),
+        motions=(
+            PlannedMotion(
+                file=str(place / ROWS),
+                rows=len(rows),
+                first=whole.first,
+                last=whole.last,
+                seconds=len(rows) / found.control.rate,
+                plan_file=str(to_keep),
+            ),
+        ),
+    )
 
 
-def analyse(data: str, profile: str, kind: str, runs: list[str]) -> dict[str, Any]:
+def analyse(data: str, profile: str, kind: str, runs: list[str]) -> JsonObject:
     """What the runs of an experiment show by themselves, and what to do next."""
     found, robot = load_robot(profile)
     library = open_library(data)

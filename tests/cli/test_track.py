@@ -11,8 +11,9 @@ import pytest
 from pa10d.cli import main
 from pa10d.cli.track import in_words
 from pa10d.common.errors import UserError
+from pa10d.experiments.request import laws_for
 from pa10d.services.documents import SCHEMAS
-from pa10d.services.tracking import as_csv, compared, laws_for
+from pa10d.services.tracking import Moved, as_csv, compared
 from pa10d.store.channels import CommandedMotion, Samples
 from pa10d.store.run_reader import StoredRun
 
@@ -33,14 +34,16 @@ def moved(off, scale=1.0):
 
 
 def table():
-    laws = [{**law, "run": f"r{k}", "run_id": f"id{k}"}
-            for k, law in enumerate(laws_for(["m0", "m1"]))]  # fmt: skip
-    runs = [moved(OFF[f"{law['controller']} {law['model'] or ''}".strip()]) for law in laws]
+    laws = [
+        Moved(law.controller, law.model, f"r{k}", f"id{k}")
+        for k, law in enumerate(laws_for(["m0", "m1"]))
+    ]
+    runs = [moved(OFF[f"{law.controller} {law.model or ''}".strip()]) for law in laws]
     return laws, runs
 
 
 def test_the_table_has_every_law_and_what_the_last_model_is_worth():
-    found = compared(*table())
+    found = compared(*table()).document()
     assert [(law["controller"], law["model"]) for law in found["laws"]] == [
         ("pid", None), ("feed_forward", "m0"), ("feed_forward", "m1"),
         ("computed_torque", "m0"), ("computed_torque", "m1"),
@@ -66,7 +69,7 @@ def test_the_table_has_every_law_and_what_the_last_model_is_worth():
 def test_one_model_alone_has_nothing_to_be_compared_with():
     laws, runs = table()
     found = compared([laws[0], laws[1], laws[3]], [runs[0], runs[1], runs[3]])
-    assert found["worth"] == []
+    assert found.worth == []
 
 
 def test_runs_of_different_motions_are_refused():

@@ -13,7 +13,7 @@ from fake_backend import FakeBackend
 from backends.virtual.datasets import make_runs
 from backends.virtual.plant import build
 from pa10d.control.build import build_arm, servo_factory
-from pa10d.control.computed_torque import WITH_MODEL, ComputedTorque, FeedForward
+from pa10d.control.computed_torque import BY_NAME, ComputedTorque, FeedForward
 from pa10d.control.live_model import live_model
 from pa10d.control.reference import MotionUnderWay, Reference
 from pa10d.control.ring import Ring
@@ -67,7 +67,7 @@ def tracking_rms(profile, robot, law=None, model=None):
         arm.cycle()
     live = None if model is None else live_model(model)
     if live is not None:
-        arm.use(WITH_MODEL[law](robot, live, servo_factory(profile, robot, PERIOD)()))
+        arm.use(BY_NAME[law](robot, live, servo_factory(profile, robot, PERIOD)()))
     plan = read_request(MOTION).build(Surroundings.of(robot))
     whole = whole_motion(plan, arm.path.reference.q.copy(), robot, 1.0 / PERIOD)
     began = ring.written
@@ -83,7 +83,7 @@ def tracking_rms(profile, robot, law=None, model=None):
 
 def test_an_effect_in_the_model_more_than_halves_the_error_of_its_joint(profile, robot, models):
     pid, at = tracking_rms(profile, robot), JOINT - 1
-    for law in WITH_MODEL:
+    for law in BY_NAME:
         textbook, improved = (tracking_rms(profile, robot, law, model) for model in models)
         assert np.all(textbook < 0.5 * pid)
         assert improved[at] < 0.5 * textbook[at]

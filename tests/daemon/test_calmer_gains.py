@@ -9,9 +9,11 @@ import pytest
 
 from pa10d.common.errors import UserError
 from pa10d.daemon.motions import first_motion
+from pa10d.experiments.outcome import Outcome
+from pa10d.experiments.request import MotionRequest
 
 FAULT = {"kind": "oscillation", "cause": "swings at 17 Hz", "joint": 2, "hertz": 17.0}
-REQUEST = {"kind": "first_motion", "parameters": {}}
+REQUEST = MotionRequest("first_motion")
 
 
 class Robot:
@@ -57,7 +59,8 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT):
 
     class Experiment:
         def __init__(self, daemon, request, report, figures):
-            assert request["parameters"]["part"] == "friction"
+            self.request = request
+            assert request.parameters["part"] == "friction"
             assert figures == robot.used[-1][0].replace("gains", "figures")
 
         async def carry_out(self):
@@ -65,7 +68,7 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT):
                 robot.swings -= 1
                 robot.fault = fault
                 raise UserError("run x: aborted")
-            return {"recorded": [{"duration": 1.0}], "runs": ["x"], "seconds": 1.0}
+            return Outcome(self.request.kind, ["x"], seconds=1.0)
 
     monkeypatch.setattr(first_motion, "Experiment", Experiment)
     monkeypatch.setattr(first_motion, "kept_joints", lambda *_: None)
@@ -82,7 +85,7 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     robot, workers, found = measured(monkeypatch, swings=2)
     assert [gains for gains, _ in robot.used] == ["gains 0", "gains 1", "gains 2", "gains 2"]
     assert robot.used[-1] == ("gains 2", True)
-    *calmer, slower = found["notes"]
+    *calmer, slower = found.notes
     assert calmer == ["note 1", "note 2"]
     assert slower.startswith("The servo is slower than the 4 Hz asked for")
     assert "(joint 2: 1.5 Hz)" in slower

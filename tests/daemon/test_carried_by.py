@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from pa10d.daemon.motions.experiment import carried_by
+from pa10d.experiments.request import MotionRequest
 
 JOINTS = {"figures": {"of": "them"}, "gains": {"of": "them"}}
 
@@ -16,7 +17,7 @@ def robot(law="pid", model=None):
 
 
 def asked(controller=None, model=None, kind="tracking"):
-    return {"kind": kind, "controller": controller, "model": model}
+    return MotionRequest(kind, controller=controller, model=model)
 
 
 @pytest.mark.parametrize(
@@ -32,9 +33,9 @@ def asked(controller=None, model=None, kind="tracking"):
 )
 def test_servo_and_model_are_those_of_the_motion(arm, request_, joints, model, ahead):
     found = carried_by(arm, request_)
-    assert (found["joints"], found["model"], found["ahead"]) == (joints, model, ahead)
+    assert (found.joints, found.model, found.ahead) == (joints, model, ahead)
 
 
 def test_a_first_motion_under_way_knows_its_figures_alone():
     found = carried_by(robot(), asked("pid", kind="first_motion"), {"so": "far"})
-    assert (found["joints"], found["ahead"]) == ({"figures": {"so": "far"}}, True)
+    assert (found.joints, found.ahead) == ({"figures": {"so": "far"}}, True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -9,11 +10,12 @@ from loops import run_apart
 
 from pa10d.common.errors import UserError
 from pa10d.daemon.motions import improvement
+from pa10d.experiments.outcome import Outcome
 from pa10d.services import diagnoses
 
 SWEEP = {"kind": "velocity_sweep", "parameters": {"joints": [5]}}
 CHIRP = {"kind": "chirp", "parameters": {"joints": [5]}}
-REQUEST = {"model": "m", "fit": ["a"], "validate": ["v"], "name": "new", "replace": False}
+REQUEST = improvement.ImprovementRequest("m", ["a"], ["v"], "new")
 
 
 class PaperDaemon:
@@ -36,13 +38,13 @@ def improved(monkeypatch, daemon, request=REQUEST, refuses=(), stops=()):
             self.request, self.moved = request, False
 
         async def carry_out(self):
-            kind = self.request["kind"]
+            kind = self.request.kind
             if kind in refuses:
                 raise UserError("the pre-check refused the motion")
             self.moved = True
             if kind in stops:
                 raise UserError("run x: stopped")
-            return {"runs": [f"run of {kind}"]}
+            return Outcome(kind, [f"run of {kind}"])
 
     monkeypatch.setattr(improvement, "Experiment", Experiment)
     report = SimpleNamespace(job=SimpleNamespace(result=None))
@@ -61,7 +63,7 @@ def test_it_looks_moves_and_looks_again(monkeypatch):
 
 def test_without_runs_to_judge_by_there_are_none_later(monkeypatch):
     daemon = PaperDaemon(SWEEP)
-    improved(monkeypatch, daemon, {**REQUEST, "validate": []})
+    improved(monkeypatch, daemon, replace(REQUEST, validate=[]))
     assert daemon.looks[-1]["validate"] == []
 
 

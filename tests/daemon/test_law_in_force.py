@@ -12,6 +12,7 @@ from pa10d.daemon.motions import tracking
 from pa10d.daemon.processes.link import LinkClosed
 from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
 from pa10d.dynamics import robot_from_profile
+from pa10d.experiments.request import TrackingRequest
 from pa10d.profile import load_profile
 
 LAW = {"name": "computed_torque", "model": {"name": "m1", "parameters": 40}}
@@ -155,7 +156,9 @@ def test_tracking_leaves_the_law_as_it_was_found(robot, monkeypatch, faults):
         works = []
         monkeypatch.setattr(tracking, "_track", track)
         jobs = SimpleNamespace(start=lambda kind, request, work: works.append(work))
-        tracking.tracking_job(SimpleNamespace(robot=robot, jobs=jobs), {})
+        tracking.tracking_job(
+            SimpleNamespace(robot=robot, jobs=jobs), TrackingRequest("tracking", {}, [])
+        )
         await works[0](None)
         if faults:
             assert law_of(robot) == ("pid", None, None)

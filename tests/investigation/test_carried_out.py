@@ -11,6 +11,7 @@ from made_up import answer, finding, investigation
 
 from pa10d.common.errors import UserError
 from pa10d.daemon.motions import investigations
+from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.investigation import course
 from pa10d.investigation.archive import Archive
 
@@ -43,14 +44,15 @@ class PaperDaemon:
             moved = False
 
             async def carry_out(self):
-                if request["kind"] in daemon.refuses:
+                if request.kind in daemon.refuses:
                     raise UserError("the pre-check refused the motion: floor")
                 self.moved = True
-                daemon.on(request["kind"])
+                daemon.on(request.kind)
                 await asyncio.sleep(0)
-                daemon.carried_out.append((request["kind"], tuple(request["tags"])))
+                daemon.carried_out.append((request.kind, tuple(request.tags)))
                 runs = [f"r{len(daemon.carried_out)}"]
-                return {"runs": runs, "recorded": [{"name": runs[0]}], "seconds": 9.0}
+                told = [RecordedRun(runs[0], runs[0], "success", 9.0)]
+                return Outcome(request.kind, runs, told, seconds=9.0)
 
         return Experiment()
 

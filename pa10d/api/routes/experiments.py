@@ -22,29 +22,32 @@ from pa10d.api.schemas import (
     SeriesRequest,
     TrackRequest,
 )
+from pa10d.common.jsonable import JsonObject
+from pa10d.control.laws import WITH_MODEL
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Report
-from pa10d.daemon.motions.experiment import carried_by
+from pa10d.daemon.motions.experiment import carried_by, planned, prepare
 from pa10d.daemon.motions.kinds import experiment_job
 from pa10d.daemon.motions.series import series_job
-from pa10d.daemon.motions.tracking import run_name, tracking_job
+from pa10d.daemon.motions.tracking import tracking_job
 from pa10d.daemon.robot.readiness import readiness
+from pa10d.experiments.prepared import wrong_in
+from pa10d.experiments.request import FIRST, MotionRequest, TrackingRequest
 from pa10d.services.experiments import refuse_wrong_request
 from pa10d.services.starting_set import STARTING_SET
-from pa10d.services.tracking import laws_for
 from pa10d.trajectory.kinds import KINDS
 
 router = APIRouter(prefix="/experiments", tags=["experiments"])
 
 
 @router.get("", response_model=KindList)
-async def list_experiments() -> dict[str, Any]:
+async def list_experiments() -> JsonObject:
     """Every kind with the JSON schema of its parameters, and what to record first."""
     return {"items": [_about(kind) for kind in KINDS], "starting_set": list(STARTING_SET)}
 
 
 @router.get("/{kind}", response_model=KindAbout, responses=responses("not-found"))
-async def show_experiment(kind: str) -> dict[str, Any]:
+async def show_experiment(kind: str) -> JsonObject:
     """One kind."""
     _known(kind)
     return _about(kind)
@@ -114,14 +117,15 @@ async def start_tracking(
     may_replace(request.replace)
     _known(request.kind)
     refuse_wrong_request(daemon.kinematics, request.kind, request.parameters)
-    if request.kind == "first_motion":
+    if request.kind == FIRST:
         raise Problem("refused", "track: a first motion is the servo's own; expected another kind")
     models = [(await find_model(daemon, model)).id for model in request.models]
+    asked = TrackingRequest(**{**request.model_dump(), "models": models})
     if not request.replace:
-        for number in range(len(laws_for(models))):
-            await refuse_taken_run(daemon, run_name(request.name, number), "; or replace: true")
+        for number in range(len(asked.laws)):
+            await refuse_taken_run(daemon, asked.run_name(number), "; or replace: true")
     require_ready(daemon)
-    return accepted(tracking_job(daemon, {**request.model_dump(), "models": models}), response)
+    return accepted(tracking_job(daemon, asked), response)
 
 
 @router.post(
@@ -138,52 +142,43 @@ async def check_experiment(
     motion, poses at equal steps of time."""
     asked = await _checked(daemon, request)
 
-    async def work(report: Report) -> Any:
+    async def work(report: Report) -> JsonObject:
         folder = daemon.runtime / f"check-{report.job.id}"
         await daemon.shelf(folder.mkdir)
         try:
             where = {"profile": str(daemon.profile.path), "folder": str(folder)}
-            plan = await daemon.workers.run(
-                "pa10d.services.experiments:make_plan", report,
-                kind=asked["kind"], parameters=asked["parameters"], **where,
-            )  # fmt: skip
-            found = await daemon.workers.run(
-                "pa10d.services.experiments:prepare_motion", report, data=str(daemon.data),
-                start=daemon.robot.pose().tolist(), **carried_by(daemon.robot, asked), **where,
-            )  # fmt: skip
+            plan = await planned(daemon.workers, asked, where, report)
+            found = await prepare(daemon, where, carried_by(daemon.robot, asked))
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, True)
-        checks = [*readiness(daemon.robot), *found["checks"]]
-        go = all(c["level"] != "error" for c in checks)
-        seconds = sum(motion["seconds"] for motion in found["motions"])
+        checks = [*readiness(daemon.robot), *found.checks]
         return {
-            "go": go,
+            "go": not wrong_in(checks),
             "plan": plan,
             "checks": checks,
-            "seconds": seconds,
-            "adjusted": found["adjusted"],
-            "margins": found["margins"],
-            "preview": found["preview"],
+            "seconds": found.seconds,
+            "adjusted": found.adjusted,
+            "margins": found.margins,
+            "preview": found.preview,
         }
 
-    return accepted(daemon.jobs.start("check", asked, work), response)
+    return accepted(daemon.jobs.start("check", asked.document(), work), response)
 
 
-async def _checked(daemon: Daemon, request: ExperimentRequest) -> dict[str, Any]:
+async def _checked(daemon: Daemon, request: ExperimentRequest) -> MotionRequest:
     _known(request.kind)
     refuse_wrong_request(daemon.kinematics, request.kind, request.parameters)
-    asked = request.model_dump()
+    controller, model = request.controller, None
     if request.model is not None:
-        asked["model"] = (await find_model(daemon, request.model)).id
-        asked["controller"] = request.controller or "computed_torque"
-    elif request.controller not in (None, "pid"):
-        asked["model"] = daemon.robot.model
-    if asked["controller"] not in (None, "pid") and asked["model"] is None:
-        law = asked["controller"]
-        raise Problem("refused", f"{law}: expected 'model', the name of a model")
+        model = (await find_model(daemon, request.model)).id
+        controller = controller or "computed_torque"
+    elif controller in WITH_MODEL:
+        model = daemon.robot.model
+    if controller in WITH_MODEL and model is None:
+        raise Problem("refused", f"{controller}: expected 'model', the name of a model")
     if not request.replace:
         await refuse_taken_run(daemon, request.name, "; or replace: true")
-    return asked
+    return MotionRequest(**{**request.model_dump(), "controller": controller, "model": model})
 
 
 def _known(kind: str) -> None:
@@ -192,7 +187,7 @@ def _known(kind: str) -> None:
         raise Problem("not-found", f"no kind {kind[:60]!r}; there are {known}")
 
 
-def _about(kind: str) -> dict[str, Any]:
+def _about(kind: str) -> JsonObject:
     found = KINDS[kind]
     text = (found.__doc__ or "").strip().split("\n\n")[0]
     return {

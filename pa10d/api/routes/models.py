@@ -29,7 +29,7 @@ from pa10d.api.schemas import (
 )
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.motions.improvement import improvement_job
+from pa10d.daemon.motions.improvement import ImprovementRequest, improvement_job
 from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
@@ -194,7 +194,7 @@ async def improve(
     if asked.pop("experiments"):
         take_command(daemon, client)
         require_ready(daemon)
-        return accepted(improvement_job(daemon, asked), response)
+        return accepted(improvement_job(daemon, ImprovementRequest(**asked)), response)
     return accepted(daemon.compute("improve", "improve", asked), response)
 
 

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.store.entries import Id, read_entry
@@ -29,6 +29,7 @@ OVER = ("succeeded", "failed", "cancelled")
 MOST = 64  # jobs that are not over
 KEPT = 500  # finished jobs on disk; in memory they are without their results
 LARGEST = 64 << 20  # bytes of one that is read back
+INSIDE = ("task", "told", "kept", "result")  # what clients see none of, or not as it is
 TELL_EVERY = 0.1  # s between progress events of one job
 
 log = logging.getLogger("pa10d.jobs")
@@ -45,12 +46,12 @@ class Job:
 
     id: Id
     kind: str
-    request: dict[str, Any]
+    request: JsonObject
     created: str
     status: Status = "queued"
     progress: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 0.0
     message: str = ""
-    result: Any = None
+    result: Any = None  # JSON, or what grows while it runs, with a ``document``
     error: str | None = None
     started: str | None = None
     finished: str | None = None
@@ -58,13 +59,13 @@ class Job:
     told: float = field(default=0.0, repr=False)
     kept: bool = field(default=False, repr=False)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For clients; of one that is ``kept`` the file says more."""
-        return {k: v for k, v in vars(self).items() if k not in ("task", "told", "kept")}
+        return {**self.brief(), "result": _told(self.result)}
 
-    def brief(self) -> dict[str, Any]:
+    def brief(self) -> JsonObject:
         """Without the result, which may be large."""
-        return {k: v for k, v in self.document().items() if k != "result"}
+        return {k: v for k, v in vars(self).items() if k not in INSIDE}
 
 
 Progress = Callable[[float, str], None]
@@ -129,7 +130,7 @@ class Jobs:
         mine = [j for j in self._jobs.values() if j.status not in OVER]
         return [j for j in mine if kind in (None, j.kind)]
 
-    def start(self, kind: str, request: dict[str, Any], work: Work) -> Job:
+    def start(self, kind: str, request: JsonObject, work: Work) -> Job:
         """Begin at once; the job is seen from now on. Crowded where there are too many."""
         if len(self.running()) >= MOST:
             raise Crowded(f"{MOST} jobs are queued or running; wait for one to end, or cancel it")
@@ -162,7 +163,7 @@ class Jobs:
     async def _carry_out(self, job: Job, work: Work) -> None:
         job.status, job.started = "running", _now()
         try:
-            job.result = await asyncio.to_thread(plain, await work(Report(self, job)))
+            job.result = await asyncio.to_thread(plain, _told(await work(Report(self, job))))
             job.status, job.progress, job.message = "succeeded", 1.0, "done"
         except asyncio.CancelledError:
             job.status, job.message = "cancelled", "cancelled"
@@ -201,6 +202,10 @@ class Jobs:
         for old in sorted(self._folder.glob("[!.]*.json"))[:-KEPT]:
             shutil.rmtree(old.with_suffix(""), ignore_errors=True)
             old.unlink(missing_ok=True)
+
+
+def _told(result: Any) -> Any:
+    return result.document() if hasattr(result, "document") else result
 
 
 def _read(path: Path) -> Job:

@@ -1,4 +1,7 @@
-"""What workers compute for the daemon: services, with arguments and results that JSON knows."""
+"""What workers compute for the daemon: services, behind a border of JSON.
+
+Arguments come as JSON knows them and results leave so: they pass to clients as they stand, as
+``services/documents.py`` describes them."""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import Taken, Unsound, UserError
+from pa10d.common.jsonable import JsonObject
 
 Progress = Callable[[float, str], None]
 
@@ -24,7 +28,7 @@ def import_file(
     replace: bool,
     check: bool = False,
     force: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """A recording into the store → its description, and what became of the mapping."""
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import import_run
@@ -45,7 +49,7 @@ def import_file(
 
 def preview_file(
     data: str, file: str, profile: str, choices: list[dict[str, str]] | None, thorough: bool
-) -> dict[str, Any]:
+) -> JsonObject:
     """A file before it is imported → what ``pa10d run preview --json`` says."""
     from pa10d.services.import_preview import preview_recording
     from pa10d.services.robots import load_robot
@@ -59,7 +63,7 @@ def preview_file(
         raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
 
 
-def check_stored(data: str, run: str, profile: str) -> list[dict[str, Any]]:
+def check_stored(data: str, run: str, profile: str) -> list[JsonObject]:
     """What ``pa10d run check --json`` says of a run."""
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import check_run
@@ -91,7 +95,7 @@ def identify(
     force: bool = False,
     prior: float | None = None,
     left_out: Sequence[Mapping[str, Any]] = (),
-) -> dict[str, Any]:
+) -> JsonObject:
     """The textbook model → what ``pa10d identify --json`` says."""
     from pa10d.services.library import open_library
     from pa10d.services.models import identify_runs
@@ -112,7 +116,7 @@ def compare(
     sheet: str | None = None,
     cutoff: float | None = None,
     force: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """A model on runs → what ``pa10d compare --json`` says, and the history on the same runs.
 
     sheet: a folder for plots and words."""
@@ -135,7 +139,7 @@ def compare(
     return found.document()
 
 
-def model_document(data: str, model: str) -> dict[str, Any]:
+def model_document(data: str, model: str) -> JsonObject:
     """A stored model with its parameters."""
     from pa10d.services.library import open_library
     from pa10d.services.model_details import model_details
@@ -145,7 +149,7 @@ def model_document(data: str, model: str) -> dict[str, Any]:
     return vars(info) | model_details(library.models.load(info))
 
 
-def model_history(data: str, model: str) -> dict[str, Any]:
+def model_history(data: str, model: str) -> JsonObject:
     """A model and all it was made from, judged alike."""
     from pa10d.services.history import history
     from pa10d.services.library import open_library
@@ -153,7 +157,7 @@ def model_history(data: str, model: str) -> dict[str, Any]:
     return {"items": [version.document() for version in history(open_library(data), model)]}
 
 
-def model_text(data: str, model: str, format: Format, parameters: Parameters) -> dict[str, Any]:
+def model_text(data: str, model: str, format: Format, parameters: Parameters) -> JsonObject:
     """A model for other programs: its text, or the files of a folder, and what it cannot carry."""
     from pa10d.services.library import open_library
     from pa10d.services.models import export_model
@@ -167,7 +171,7 @@ def model_text(data: str, model: str, format: Format, parameters: Parameters) ->
     }
 
 
-def live_model_of(data: str, model: str) -> dict[str, Any]:
+def live_model_of(data: str, model: str) -> JsonObject:
     """The part of a stored model that the control loop evaluates."""
     from pa10d.control.live_model import live_model
     from pa10d.services.library import open_library
@@ -186,7 +190,7 @@ def diagnose(
     progress: Progress,
     sheet: str | None = None,
     force: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Which effect is missing → what ``pa10d diagnose --json`` says. sheet: a folder for plots."""
     from pa10d.services.diagnoses import diagnose_runs
     from pa10d.services.library import open_library
@@ -214,7 +218,7 @@ def add(
     progress: Progress,
     over: list[str] | None = None,
     force: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """A new version of a model with an effect fitted in."""
     from pa10d.diagnose.search.delivery import delivered
     from pa10d.services.diagnoses import add_effect
@@ -243,10 +247,10 @@ def improve(
     name: str,
     replace: bool,
     progress: Progress,
-    tried: list[dict[str, Any]] | None = None,
+    tried: list[JsonObject] | None = None,
     smooth: bool = False,
     force: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
     from pa10d.services.diagnoses import improve_model
     from pa10d.services.library import open_library
@@ -257,7 +261,7 @@ def improve(
     ).document()  # fmt: skip
 
 
-def prepare_investigation(data: str, progress: Progress, **asked: Any) -> dict[str, Any]:
+def prepare_investigation(data: str, progress: Progress, **asked: Any) -> JsonObject:
     """A new investigation and its motions, planned; nothing moves."""
     from pa10d.investigation.begin import begin
     from pa10d.investigation.document import document
@@ -266,9 +270,7 @@ def prepare_investigation(data: str, progress: Progress, **asked: Any) -> dict[s
     return {**document(state, data), "motions": [one.document() for one in seen]}
 
 
-def investigation_step(
-    data: str, investigation: str, step: str, progress: Progress
-) -> dict[str, Any]:
+def investigation_step(data: str, investigation: str, step: str, progress: Progress) -> JsonObject:
     """What one step of an investigation computes."""
     from pa10d.investigation.work import compute
 
@@ -277,7 +279,7 @@ def investigation_step(
 
 def model_report(
     data: str, model: str, runs: list[str], progress: Progress, sheet: str | None = None
-) -> dict[str, Any]:
+) -> JsonObject:
     """The report of a model, into the job's folder."""
     from pa10d.services.dossier import write_model_report
     from pa10d.services.library import open_library
@@ -289,14 +291,14 @@ def model_report(
     return {"model": library.models.find(model).name, "file": "report.html"}
 
 
-def begin_weighing(data: str, profile: str, weights: list[str], name: str | None) -> dict[str, Any]:
+def begin_weighing(data: str, profile: str, weights: list[str], name: str | None) -> JsonObject:
     """A new weighing, its motion planned; nothing moves."""
     from pa10d.services.weighing.work import begin, document
 
     return document(begin(data, profile, weights, name))
 
 
-def add_weight(data: str, weighing: str, weight: str) -> dict[str, Any]:
+def add_weight(data: str, weighing: str, weight: str) -> JsonObject:
     """Another weight at hand, and what it would bring."""
     from pa10d.services.weighing.work import add_weight as add
     from pa10d.services.weighing.work import document
@@ -306,7 +308,7 @@ def add_weight(data: str, weighing: str, weight: str) -> dict[str, Any]:
 
 def weighed(
     data: str, weighing: str, weight: int, runs: list[str], progress: Progress
-) -> dict[str, Any]:
+) -> JsonObject:
     """What follows from a recording of a weighing."""
     from pa10d.services.weighing.work import weighed as take_in
 
@@ -314,7 +316,7 @@ def weighed(
     return take_in(data, weighing, weight, runs)
 
 
-def judge_weighing(data: str, weighing: str, progress: Progress) -> dict[str, Any]:
+def judge_weighing(data: str, weighing: str, progress: Progress) -> JsonObject:
     """What follows from the recordings of a weighing, where saying so was interrupted."""
     from pa10d.services.weighing.work import judge
 

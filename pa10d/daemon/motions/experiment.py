@@ -7,17 +7,24 @@ import contextlib
 import itertools
 import logging
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
+from pa10d.control.laws import Law
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.robot.readiness import readiness
 from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
+from pa10d.experiments.outcome import Outcome, RecordedRun
+from pa10d.experiments.prepared import CarriedBy, PlannedMotion, Prepared, wrong_in
+from pa10d.experiments.request import MotionRequest
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
+    from pa10d.daemon.processes.workers import Workers
     from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
@@ -31,37 +38,42 @@ PLANNED, CHECKED, MOVED = 0.1, 0.15, 0.9  # progress after each step
 log = logging.getLogger("pa10d.experiment")
 
 
-def request_of(plan: Mapping[str, Any], **more: Any) -> dict[str, Any]:
-    """A plan, such as a diagnosis gives, as a whole request."""
-    usual: dict[str, Any] = {
-        "name": None,
-        "tags": [],
-        "controller": None,
-        "model": None,
-        "replace": False,
-    }
-    return {"kind": plan["kind"], "parameters": plan.get("parameters") or {}, **usual, **more}
-
-
 def carried_by(
-    robot: RobotProcess, request: Mapping[str, Any], figures: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """What the loop will have to follow a plan with, as ``prepare_motion`` wants it.
+    robot: RobotProcess, request: MotionRequest, figures: JsonObject | None = None
+) -> CarriedBy:
+    """What this motion will be followed with; figures: see ``Experiment``."""
+    asked = request.controller
+    law: Law = asked or robot.controller["name"]
+    measured = robot.joints if law == "pid" and not request.is_first else None
+    return CarriedBy(
+        law,
+        robot.model if asked is None else request.model,
+        measured if figures is None else {"figures": figures},
+        asked is None or figures is not None,
+    )
 
-    model: whose torque the motion carries along, the one asked for, or the one that is loaded, so
-    that the effects which the loop does not evaluate itself are not lost. joints: what was measured
-    of them, where a plain servo moves them. law: of control. figures: see ``Experiment``.
-    """
-    asked = request["controller"]
-    law = asked or robot.controller["name"]
-    servo = law == "pid" and request["kind"] != "first_motion"
-    measured = robot.joints if servo else None
-    return {
-        "law": law,
-        "model": robot.model if asked is None else request["model"],
-        "joints": measured if figures is None else {"figures": figures},
-        "ahead": asked is None or figures is not None,
-    }
+
+async def planned(
+    workers: Workers, request: MotionRequest, where: Mapping[str, str], report: Progress
+) -> JsonObject:
+    """Make the plan, in its folder → what there is to know of it. where: profile, folder."""
+    told: JsonObject = await workers.run(
+        "pa10d.services.experiments:make_plan", report,
+        kind=request.kind, parameters=request.parameters, **where,
+    )  # fmt: skip
+    return told
+
+
+async def prepare(
+    daemon: Daemon, where: Mapping[str, str], carried: CarriedBy, weight: Body | None = None
+) -> Prepared:
+    """The planned motion from where the arm stands, with its pre-check; nothing moves."""
+    told = await daemon.workers.run(
+        "pa10d.services.experiments:prepare_motion", lambda *_: None, data=str(daemon.data),
+        start=daemon.robot.pose().tolist(), **vars(carried), **where,
+        weight=None if weight is None else weight.text,
+    )  # fmt: skip
+    return Prepared.from_document(told)
 
 
 class Experiment:
@@ -72,9 +84,9 @@ class Experiment:
     def __init__(
         self,
         daemon: Daemon,
-        request: dict[str, Any],
+        request: MotionRequest,
         report: Progress,
-        figures: dict[str, Any] | None = None,
+        figures: JsonObject | None = None,
         weight: Body | None = None,
     ) -> None:
         """figures: of the joints, where they are not those that the robot keeps; weight: one
@@ -84,9 +96,9 @@ class Experiment:
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
         self.moved = False
-        self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
+        self.result = Outcome(request.kind)
 
-    async def carry_out(self) -> dict[str, Any]:
+    async def carry_out(self) -> Outcome:
         """To the end; the arm is left as it was found. An arm that swings is tried with calmer
         gains, if it was measured."""
         for _ in range(TRIES - 1):
@@ -111,19 +123,15 @@ class Experiment:
         )
         if kept is None:
             return False
-        self._note(kept.pop("note"))
+        self.result.notes.append(kept.pop("note"))
         await robot.reset()
         await robot.use_gains(kept["gains"], keep=True)
         robot.joints = kept
-        self.result["runs"] = []
-        self._request = {**self._request, "replace": self._request["name"] is not None}
+        self.result.runs = []
+        self._request = replace(self._request, replace=self._request.name is not None)
         return True
 
-    def _note(self, sentence: str) -> None:
-        """Something that differs from what was asked for."""
-        self.result.setdefault("notes", []).append(sentence)
-
-    async def _once(self) -> dict[str, Any]:
+    async def _once(self) -> Outcome:
         was_unpowered = not self._robot.moving
         self._folder.mkdir(exist_ok=True)
         try:
@@ -133,8 +141,8 @@ class Experiment:
             await self._use_controller(prepared)
             await self._move(prepared)
             await self._analyse()
-            if (adjusted := prepared["adjusted"]) is not None:
-                self._note(adjusted["sentence"])
+            if prepared.sentence is not None:
+                self.result.notes.append(prepared.sentence)
         except CommandRefused as refusal:
             raise UserError(str(refusal)) from refusal
         finally:
@@ -143,82 +151,70 @@ class Experiment:
 
     async def _plan(self) -> None:
         self._report(0.0, "planning")
-        self.result["plan"] = await self._daemon.workers.run(
-            "pa10d.services.experiments:make_plan",
-            part(self._report, 0.0, PLANNED),
-            profile=str(self._daemon.profile.path),
-            kind=self._request["kind"],
-            parameters=self._request["parameters"],
-            folder=str(self._folder),
+        self.result.plan = await planned(
+            self._daemon.workers, self._request, self._where, part(self._report, 0.0, PLANNED)
         )
 
-    async def _prepare(self) -> dict[str, Any]:
+    @property
+    def _where(self) -> dict[str, str]:
+        return {"profile": str(self._daemon.profile.path), "folder": str(self._folder)}
+
+    async def _prepare(self) -> Prepared:
         """The way to the plan and the pre-check of both; nothing has moved yet."""
         self._report(PLANNED, "checking limits, torque and collisions")
-        prepared: dict[str, Any] = await self._daemon.workers.run(
-            "pa10d.services.experiments:prepare_motion",
-            lambda *_: None,
-            data=str(self._daemon.data),
-            profile=str(self._daemon.profile.path),
-            folder=str(self._folder),
-            start=self._robot.pose().tolist(),
-            **carried_by(self._robot, self._request, self._figures),
-            weight=None if self._weight is None else self._weight.text,
-        )
-        self.result["checks"] = [*readiness(self._robot), *prepared["checks"]]
-        wrong = [c["sentence"] for c in self.result["checks"] if c["level"] == "error"]
-        if wrong:
+        carried = carried_by(self._robot, self._request, self._figures)
+        found = await prepare(self._daemon, self._where, carried, self._weight)
+        self.result.checks = [*readiness(self._robot), *found.checks]
+        if wrong := wrong_in(self.result.checks):
             raise UserError("the pre-check refused the motion: " + "; ".join(wrong[:3]))
-        return prepared
+        return found
 
-    async def _power_up(self, prepared: dict[str, Any]) -> dict[str, Any]:
+    async def _power_up(self, prepared: Prepared) -> Prepared:
         if self._robot.state == "inactive":
             self._report(CHECKED, "enabling the arm")
             await self._robot.enable()
         state = await self._robot.until("holding", "fault", timeout=5.0)
         if state != "holding":
             raise UserError(f"the arm is {state}, expected holding{self._why()}")
-        if np.abs(self._robot.pose() - prepared["start"]).max() > SHIFTED:
+        if np.abs(self._robot.pose() - prepared.start).max() > SHIFTED:
             return await self._prepare()
         return prepared
 
-    async def _use_controller(self, prepared: dict[str, Any]) -> None:
-        name = self._request["controller"]
+    async def _use_controller(self, prepared: Prepared) -> None:
+        name = self._request.controller
         if name == "pid":
             await self._robot.use({"name": "pid"})
         elif name is not None:
-            await self._robot.use({"name": name, "model": prepared["live"]}, self._request["model"])
+            await self._robot.use({"name": name, "model": prepared.live}, self._request.model)
 
-    async def _move(self, prepared: dict[str, Any]) -> None:
+    async def _move(self, prepared: Prepared) -> None:
         self.moved = True
-        self.result["adjusted"] = prepared["adjusted"]
-        motions = prepared["motions"]
-        total = sum(m["seconds"] for m in motions)
-        self.result["seconds"] = total
-        before = 0.0
-        for k, motion in enumerate(motions):
+        self.result.adjusted, total = prepared.adjusted, prepared.seconds
+        self.result.seconds, before = total, 0.0
+        for k, motion in enumerate(prepared.motions):
             share = [CHECKED + (MOVED - CHECKED) * s / total
-                     for s in (before, before + motion["seconds"])]  # fmt: skip
-            name = self._request["name"]
-            if name is not None and len(motions) > 1:
+                     for s in (before, before + motion.seconds)]  # fmt: skip
+            name = self._request.name
+            if name is not None and len(prepared.motions) > 1:
                 name = f"{name}-{k + 1}"
             await self._run(motion, name, part(self._report, *share))
-            before += motion["seconds"]
+            before += motion.seconds
 
-    async def _run(self, motion: dict[str, Any], name: str | None, report: Any) -> None:
+    async def _run(self, motion: PlannedMotion, name: str | None, report: Progress) -> None:
         """One motion, recorded."""
         number, robot = next(self.numbers), self._robot
         announced = await robot.announce(
-            motion=number, rows=motion["last"], name=name,
-            kind=self._request["kind"], plan_file=motion["plan_file"], tags=self._request["tags"],
-            replace=self._request["replace"],
+            motion=number, rows=motion.last, name=name,
+            kind=self._request.kind, plan_file=motion.plan_file, tags=list(self._request.tags),
+            replace=self._request.replace,
         )  # fmt: skip
         run = announced["run"]["id"]
         ended = robot.expect_run(run)
         try:
-            where = {"rows": motion["file"], "first": motion["first"], "last": motion["last"]}
-            await robot.command("run", number=number, **where)
-            await self._follow(number, motion["rows"], report)
+            await robot.command(
+                "run", number=number, rows=motion.file, first=motion.first, last=motion.last
+            )
+            await self._follow(number, motion.rows, report)
             await self._finish_recording(ended)
         except BaseException:
             with contextlib.suppress(CommandRefused):
@@ -228,12 +224,13 @@ class Experiment:
         finally:
             robot.forget_run(run)
         info = ended.result()
-        self.result["runs"].append(info["id"])
-        self.result["recorded"].append({k: info[k] for k in ("id", "name", "status", "duration")})
+        self.result.runs.append(info["id"])
+        told = (info[key] for key in ("id", "name", "status", "duration"))
+        self.result.recorded.append(RecordedRun(*told))
         if info["status"] != "success":
             raise UserError(f"run {info['name']}: {info['status']}; {info['reason']}")
 
-    async def _follow(self, number: int, rows: int, report: Any) -> None:
+    async def _follow(self, number: int, rows: int, report: Progress) -> None:
         """Until the motion is over, whatever ends it."""
         ring, get = self._robot.ring, self._robot.ring.layout.get
         while self._robot.state == "running":
@@ -245,7 +242,7 @@ class Experiment:
         if state in ("fault", "offline"):
             log.warning("experiment ended while %s%s", state, self._why())
 
-    async def _finish_recording(self, ended: asyncio.Future[dict[str, Any]]) -> None:
+    async def _finish_recording(self, ended: asyncio.Future[JsonObject]) -> None:
         await asyncio.wait([ended], timeout=SHORT)
         if not ended.done() and await self._robot.withdraw():
             where = "stopped on the way to the start; nothing was recorded"
@@ -259,10 +256,11 @@ class Experiment:
             part(self._report, MOVED, 1.0),
             data=str(self._daemon.data),
             profile=str(self._daemon.profile.path),
-            kind=self._request["kind"],
-            runs=self.result["runs"],
+            kind=self._request.kind,
+            runs=self.result.runs,
         )
-        self.result |= found
+        self.result.analysis = found["analysis"]
+        self.result.recommendation = found["recommendation"]
 
     async def _leave(self, was_unpowered: bool) -> None:
         """At rest, and unpowered where it was so before; also when cancelled."""

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.robot import CommandRefused
 from pa10d.experiments.measured_joints import lowered
+from pa10d.experiments.outcome import Outcome
+from pa10d.experiments.request import MotionRequest
 from pa10d.services.joints import STILL_SWINGS, kept_joints
 
 if TYPE_CHECKING:
@@ -23,19 +27,19 @@ SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothi
 class FirstMotion:
     """Carried out as an experiment is; the arm is left as it was found, with its new gains."""
 
-    def __init__(self, daemon: Daemon, request: dict[str, Any], report: Progress) -> None:
+    def __init__(self, daemon: Daemon, request: MotionRequest, report: Progress) -> None:
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
         self.moved = False
-        self.result: dict[str, Any] = {"kind": request["kind"], "runs": [], "recorded": []}
-        self._before: dict[str, Any] = {}
+        self.result = Outcome(request.kind)
+        self._before: JsonObject = {}
 
-    async def carry_out(self) -> dict[str, Any]:
+    async def carry_out(self) -> Outcome:
         """Measure, keep, and use from now on; skipped where that was done."""
         kept = kept_joints(self._daemon.data, self._daemon.profile)
-        if kept is not None and not self._request["parameters"].get("again"):
-            said = [SKIPPED.format(kept["measured"]), *kept["sentences"]]
-            self.result |= {"joints": kept, "recommendation": said}
+        if kept is not None and not self._request.parameters.get("again"):
+            self.result.joints = kept
+            self.result.recommendation = [SKIPPED.format(kept["measured"]), *kept["sentences"]]
             return self.result
         was_unpowered = not self._robot.moving
         try:
@@ -48,8 +52,8 @@ class FirstMotion:
                 with contextlib.suppress(CommandRefused):
                     await self._robot.command("disable", timeout=30.0)
 
-    async def _measure(self) -> dict[str, Any]:
-        begin = await self._ask("parts_to_run", parameters=self._request["parameters"])
+    async def _measure(self) -> Outcome:
+        begin = await self._ask("parts_to_run", parameters=self._request.parameters)
         self._before, known = begin["before"], begin["begin"]
         runs: dict[str, str] = {}
         before = 0.0
@@ -62,18 +66,18 @@ class FirstMotion:
         kept = await self._ask("keep_joints", runs=list(runs.values()), known=known)
         await self._robot.use_gains(kept["gains"], keep=True)
         self._robot.joints = kept
-        self.result |= {"joints": kept, "recommendation": kept["sentences"]}
+        self.result.joints, self.result.recommendation = kept, kept["sentences"]
         bandwidth = kept["bandwidth_hz"]
         if (slower := lowered(bandwidth["asked"], bandwidth["joints"])) is not None:
-            self.result.setdefault("notes", []).append(slower)
+            self.result.notes.append(slower)
         return self.result
 
-    async def _run(
-        self, name: str, known: dict[str, Any], report: Progress
-    ) -> tuple[str, dict[str, Any]]:
+    async def _run(self, name: str, known: JsonObject, report: Progress) -> tuple[str, JsonObject]:
         """One part → its run, and what is known then: gains get calmer where the arm swings."""
-        request = self._request | {"controller": "pid", "model": None, "name": None}
-        request["parameters"] = {**self._request["parameters"], "part": name}
+        parameters = {**self._request.parameters, "part": name}
+        request = replace(
+            self._request, parameters=parameters, controller="pid", model=None, name=None
+        )
         for left in reversed(range(TRIES)):
             await self._robot.use_gains(known["gains"], keep=False)
             experiment = Experiment(self._daemon, request, report, known["figures"])
@@ -83,13 +87,13 @@ class FirstMotion:
                 known = await self._calmer(known, error, left > 0)
                 continue
             self.moved = True
-            self.result["seconds"] = self.result.get("seconds", 0.0) + found["seconds"]
-            self.result["recorded"] += found["recorded"]
-            self.result["runs"] += found["runs"]
-            return str(found["runs"][0]), known
+            self.result.seconds = (self.result.seconds or 0.0) + (found.seconds or 0.0)
+            self.result.recorded += found.recorded
+            self.result.runs += found.runs
+            return found.runs[0], known
         raise AssertionError("the last try raises")
 
-    async def _calmer(self, known: dict[str, Any], error: UserError, again: bool) -> dict[str, Any]:
+    async def _calmer(self, known: JsonObject, error: UserError, again: bool) -> JsonObject:
         """What is known after a joint swung, the fault left for that; any other end is the end."""
         fault = self._robot.fault
         if not fault or fault["kind"] != "oscillation":
@@ -97,7 +101,7 @@ class FirstMotion:
         calmer = await self._ask("calmer", known=known, fault=fault) if again else None
         if calmer is None:
             raise UserError(f"joint {fault['joint']}: {fault['cause']}; {STILL_SWINGS}") from error
-        self.result.setdefault("notes", []).append(calmer.pop("note"))
+        self.result.notes.append(calmer.pop("note"))
         await self._robot.reset()
         return dict(calmer)
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from pa10d.common.errors import UserError
-from pa10d.daemon.jobs.jobs import Job, Report, part
-from pa10d.daemon.motions.experiment import Experiment, request_of
+from pa10d.common.jsonable import JsonObject
+from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
+from pa10d.daemon.motions.experiment import Experiment
+from pa10d.experiments.request import MotionRequest
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -15,45 +19,73 @@ MOST = 4  # experiments; what is then still in doubt stays so
 TAGS = ["improve"]
 
 
-def improvement_job(daemon: Daemon, request: dict[str, Any]) -> Job:
-    """Start it; ``request`` has model, fit, validate, name, replace, smooth, force."""
+@dataclass(frozen=True)
+class ImprovementRequest:
+    """model, fit, validate: ids of a model and of runs; name: of the last version."""
 
-    async def work(report: Report) -> Any:
+    model: str
+    fit: Sequence[str]
+    validate: Sequence[str]
+    name: str
+    replace: bool = False
+    smooth: bool = False
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Settled:
+    """What was run to settle a doubt, or why it could not be. plan: JSON, as a diagnosis gave it
+    and shall know it again."""
+
+    plan: JsonObject
+    runs: list[str]
+    error: str | None = None
+
+    def document(self) -> JsonObject:
+        """For clients."""
+        said = {"plan": self.plan, "runs": self.runs}
+        return said if self.error is None else {**said, "error": self.error}
+
+
+def improvement_job(daemon: Daemon, request: ImprovementRequest) -> Job:
+    """Start it."""
+
+    async def work(report: Report) -> JsonObject:
         return await _improve(daemon, request, report)
 
-    return daemon.jobs.start("improvement", request, work)
+    return daemon.jobs.start("improvement", dict(vars(request)), work)
 
 
-async def _improve(daemon: Daemon, request: dict[str, Any], report: Report) -> dict[str, Any]:
-    fit, validate = list(request["fit"]), list(request["validate"])
-    rest = {key: request[key] for key in ("model", "name", "replace")}
-    rest |= {key: request.get(key, False) for key in ("smooth", "force")}
-    experiments: list[dict[str, Any]] = []
+async def _improve(daemon: Daemon, request: ImprovementRequest, report: Report) -> JsonObject:
+    fit, validate = list(request.fit), list(request.validate)
+    settled: list[Settled] = []
     share = 1.0 / (2 * MOST + 1)
     for number in range(MOST + 1):
-        tried = [entry["plan"] for entry in experiments] if number < MOST else None
+        tried = [one.plan for one in settled] if number < MOST else None
         looking = part(report, 2 * number * share, (2 * number + 1) * share)
-        made = await daemon.compute_now(
-            "improve", looking, fit=fit, validate=validate, tried=tried, **rest
-        )
+        made: JsonObject = await daemon.compute_now(
+            "improve", looking, model=request.model, fit=fit, validate=validate, tried=tried,
+            name=request.name, replace=request.replace, smooth=request.smooth,
+            force=request.force,
+        )  # fmt: skip
+        experiments = [one.document() for one in settled]
         if made["doubt"] is None:
             return {**made, "experiments": experiments, "fit": fit, "validate": validate}
         moving = part(report, (2 * number + 1) * share, (2 * number + 2) * share)
-        entry = await _settle(daemon, made["doubt"], moving)
-        experiments.append(entry)
-        report.job.result = {"experiments": experiments}
-        fit += entry["runs"]
-        validate += entry["runs"] if validate else []  # a run in both lists is split by time
+        settled.append(await _settle(daemon, made["doubt"], moving))
+        report.job.result = {"experiments": [one.document() for one in settled]}
+        fit += settled[-1].runs
+        validate += settled[-1].runs if validate else []  # a run in both lists is split by time
     raise AssertionError("the last look takes doubts as they are")
 
 
-async def _settle(daemon: Daemon, plan: dict[str, Any], report: Any) -> dict[str, Any]:
+async def _settle(daemon: Daemon, plan: JsonObject, report: Progress) -> Settled:
     """Run it; one that this arm cannot run settles nothing, and is not tried again."""
-    experiment = Experiment(daemon, request_of(plan, tags=TAGS), report)
+    experiment = Experiment(daemon, MotionRequest.of_plan(plan, TAGS), report)
     try:
         found = await experiment.carry_out()
     except UserError as error:
         if experiment.moved:
             raise  # stopped by somebody, or a fault: not to be followed by more motion
-        return {"plan": plan, "runs": [], "error": str(error)}
-    return {"plan": plan, "runs": found["runs"]}
+        return Settled(plan, [], str(error))
+    return Settled(plan, found.runs)

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
-from pa10d.daemon.motions.experiment import request_of
 from pa10d.daemon.motions.kinds import experiment_of
+from pa10d.experiments.request import MotionRequest
 from pa10d.investigation import course
 from pa10d.investigation.document import document
 from pa10d.investigation.state import Investigation, Step
@@ -46,7 +47,7 @@ class _Carrier:
         self._daemon, self._id, self._report = daemon, investigation, report
         self._archive = daemon.investigations
 
-    async def carry_out(self) -> dict[str, Any]:
+    async def carry_out(self) -> JsonObject:
         lock = self._archive.carrying_out(self._id)
         await asyncio.to_thread(lock.__enter__)
         try:
@@ -96,9 +97,8 @@ class _Carrier:
     async def _move(self, state: Investigation, step: Step, told: Progress) -> None:
         """A motion that the pre-check refuses is left out; a fault or a stop ends the job."""
         assert step.motion is not None
-        purpose = step.motion.purpose
-        plan = {"kind": step.motion.kind, "parameters": step.motion.parameters}
-        request = request_of(plan, tags=[*TAGS.get(purpose, []), state.name])
+        tags = [*TAGS.get(step.motion.purpose, []), state.name]
+        request = MotionRequest(step.motion.kind, step.motion.parameters, tags=tags)
         experiment = experiment_of(self._daemon, request, told)
         try:
             found = await experiment.carry_out()
@@ -107,12 +107,13 @@ class _Carrier:
                 raise
             course.left_out(step, str(error))
             return
-        names = [run["name"] for run in found["recorded"]]
-        said = f"Recorded {', '.join(names)}." if names else found["recommendation"][0]
+        names = [run.name for run in found.recorded]
+        advice = found.recommendation or [""]
+        said = f"Recorded {', '.join(names)}." if names else advice[0]
         course.done(
             state, step,
-            {"runs": found["runs"], "moved": found.get("seconds", 0.0),
-             "said": " ".join([said, *found.get("notes", ())])},
+            {"runs": found.runs, "moved": found.seconds or 0.0,
+             "said": " ".join([said, *found.notes])},
         )  # fmt: skip
 
     def _told(self, state: Investigation, step: Step) -> Progress:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
 from pa10d.daemon.jobs.jobs import Job, Report, part
-from pa10d.daemon.motions.experiment import Experiment, request_of
+from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.experiments.request import MotionRequest
 from pa10d.services.weighing.state import NOTHING, Weighing
 
 if TYPE_CHECKING:
@@ -32,15 +33,16 @@ def weighing_job(daemon: Daemon, state: Weighing, weight: int) -> Job:
                 raise UserError(str(refusal)) from refusal
         tags = [state.name, "empty" if weight == NOTHING else f"weight-{weight}"]
         experiment = Experiment(
-            daemon, request_of(state.motion, tags=tags), part(report, HUNG, MOVED), weight=body
-        )
+            daemon, MotionRequest.of_plan(state.motion, tags), part(report, HUNG, MOVED),
+            weight=body,
+        )  # fmt: skip
         report.job.result = experiment.result
         found = await experiment.carry_out()
-        if not found["runs"]:
+        if not found.runs:
             raise UserError("nothing was recorded")
         return await daemon.compute_now(
             "weighed", part(report, MOVED, 1.0),
-            weighing=state.id, weight=weight, runs=found["runs"],
+            weighing=state.id, weight=weight, runs=found.runs,
         )  # fmt: skip
 
     return daemon.jobs.start("weighing", {"weighing": state.id, "weight": weight}, work)

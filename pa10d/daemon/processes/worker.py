@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import Taken, Unsound, UserError
+from pa10d.common.jsonable import JsonObject, plain
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
 OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
@@ -47,7 +48,7 @@ def main() -> None:
     connection = socket.socket(fileno=given.pipe)
     lines = connection.makefile("rb")
 
-    def say(message: dict[str, Any]) -> None:
+    def say(message: JsonObject) -> None:
         connection.sendall(json.dumps(message, allow_nan=False).encode() + b"\n")
 
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -64,9 +65,8 @@ def restrain(memory: int) -> None:
         Path("/proc/self/oom_score_adj").write_text(str(FIRST_TO_GO))
 
 
-def carry_out(task: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+def carry_out(task: JsonObject, say: Callable[[JsonObject], None]) -> JsonObject:
     """Do one task; never raises for what the task did."""
-    from pa10d.common.jsonable import plain
 
     def progress(share: float, message: str = "") -> None:
         say({"progress": round(float(share), 4), "message": message})

@@ -9,9 +9,11 @@ import os
 import socket
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from pa10d.common.errors import Taken, Unsound, UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.budget import Budget
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.daemon.processes.crowded import Crowded
@@ -34,6 +36,27 @@ class Ended(TaskFailed):
 
 class NeverBegun(Ended):
     """The process ended before it took the task."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How a task ended. error: why it failed, expected: by a fault of the request; findings, taken:
+    which kind of fault; spent: the process has no memory left for another task."""
+
+    result: Any = None
+    error: str | None = None
+    expected: bool = False
+    findings: list[JsonObject] | None = None
+    taken: bool = False
+    spent: bool = False
+
+    def outcome(self) -> Any:
+        """The result, as JSON; or what the task failed by is raised here."""
+        if self.error is None:
+            return self.result
+        if self.findings is not None:
+            raise Unsound(self.error, self.findings)
+        raise (Taken if self.taken else UserError if self.expected else TaskFailed)(self.error)
 
 
 class Workers:
@@ -66,17 +89,11 @@ class Workers:
             answer = await self._by_whoever_lives(call, arguments, progress)
         finally:
             self._most.release()
-        if "findings" in answer:
-            raise Unsound(answer["error"], answer["findings"])
-        if "taken" in answer:
-            raise Taken(answer["error"])
-        if "error" in answer:
-            raise (UserError if answer["expected"] else TaskFailed)(answer["error"])
-        return answer["result"]
+        return answer.outcome()
 
     async def _by_whoever_lives(
-        self, call: str, arguments: dict[str, Any], progress: Progress
-    ) -> dict[str, Any]:
+        self, call: str, arguments: JsonObject, progress: Progress
+    ) -> Answer:
         """An idle process may have ended without anybody having noticed yet: it is not missed."""
         while (worker := self._take_idle()) is not None:
             with contextlib.suppress(NeverBegun):
@@ -84,8 +101,8 @@ class Workers:
         return await self._by(await self._fresh(), call, arguments, progress)
 
     async def _by(
-        self, worker: Worker, call: str, arguments: dict[str, Any], progress: Progress
-    ) -> dict[str, Any]:
+        self, worker: Worker, call: str, arguments: JsonObject, progress: Progress
+    ) -> Answer:
         try:
             async with asyncio.timeout(self._budget.seconds) as limit:
                 answer = await worker.carry_out(call, arguments, progress)
@@ -120,9 +137,9 @@ class Workers:
             worker.kill()
         return None
 
-    def _keep(self, worker: Worker, answer: dict[str, Any]) -> None:
+    def _keep(self, worker: Worker, answer: Answer) -> None:
         worker.done += 1
-        if self._closed or answer.get("spent") or worker.done >= FRESH_AFTER:
+        if self._closed or answer.spent or worker.done >= FRESH_AFTER:
             worker.kill()
         else:
             self._idle.append(worker)
@@ -155,22 +172,20 @@ class Worker:
         reader, writer = await asyncio.open_connection(sock=ours, limit=LARGEST_ANSWER)
         return Worker(process, reader, writer)
 
-    async def carry_out(
-        self, call: str, arguments: dict[str, Any], progress: Progress
-    ) -> dict[str, Any]:
+    async def carry_out(self, call: str, arguments: JsonObject, progress: Progress) -> Answer:
         """Send the task, pass its progress on, return the last line."""
         task, begun = json.dumps({"call": call, "arguments": arguments}), False
         try:
             self._writer.write(task.encode() + b"\n")
             await self._writer.drain()
             while line := await self._reader.readline():
-                message: dict[str, Any] = json.loads(line)
+                message: JsonObject = json.loads(line)
                 if "begun" in message:
                     begun = True
                 elif "progress" in message:
                     progress(message["progress"], message["message"])
                 else:
-                    return message
+                    return Answer(**message)
         except ConnectionError:
             pass
         except ValueError as error:

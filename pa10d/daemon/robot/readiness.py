@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
 from pa10d.experiments.checks import Check
 
 
-def readiness(robot: RobotProcess) -> list[dict[str, Any]]:
+def readiness(robot: RobotProcess) -> list[Check]:
     """The part of a pre-check that no plan changes."""
     try:
         refuse_unless_ready(robot)
     except CommandRefused as refusal:
         text = f"{refusal}; {refusal.answer['remedy']}"
-        return [Check("error", "state", text).document()]
-    found = [Check("ok", "state", f"the arm is {robot.state}"), *_bus(robot), *_drives(robot)]
-    return [check.document() for check in found]
+        return [Check("error", "state", text)]
+    return [Check("ok", "state", f"the arm is {robot.state}"), *_bus(robot), *_drives(robot)]
 
 
 def refuse_unless_ready(robot: RobotProcess) -> None:

@@ -1,0 +1,81 @@
+"""What the daemon asks of control, parsed once where it arrives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from pa10d.control.gains import PidGains
+from pa10d.control.laws import Law
+from pa10d.control.live_model import LiveModel
+
+Switch = Literal["connect", "disconnect", "enable", "disable", "stop", "reset"]
+
+
+@dataclass(frozen=True)
+class Run:
+    """Follow rows of a file of memory. first, last: those of the plan itself."""
+
+    number: int
+    rows: Path
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class UseLaw:
+    """Another control law; model: of all but PID."""
+
+    name: Law
+    model: LiveModel | None
+
+
+@dataclass(frozen=True)
+class UseGains:
+    """Other gains for every servo from now on."""
+
+    gains: PidGains
+
+
+@dataclass(frozen=True)
+class AskErrors:
+    """What the drives remember; clear: and have them forget it."""
+
+    clear: bool
+
+
+@dataclass(frozen=True)
+class Do:
+    """What needs no more than its name."""
+
+    what: Switch
+
+
+Command = Run | UseLaw | UseGains | AskErrors | Do
+
+
+def read_command(message: Mapping[str, Any]) -> Command:
+    """ValueError, KeyError or TypeError where it is none."""
+    match message.get("do"):
+        case "run":
+            rows, *numbers = (message[key] for key in ("rows", "number", "first", "last"))
+            number, first, last = map(int, numbers)
+            return Run(number, Path(rows), first, last)
+        case "controller":
+            name: Law = message["name"]
+            return UseLaw(
+                name, None if name == "pid" else LiveModel.from_document(message["model"])
+            )
+        case "gains":
+            return UseGains(PidGains.from_document(message["gains"]))
+        case "errors":
+            return AskErrors(bool(message.get("clear")))
+        case what if what in SWITCHES:
+            return Do(what)
+        case what:
+            raise ValueError(f"unknown command {str(what)!r}")
+
+
+SWITCHES: tuple[Switch, ...] = get_args(Switch)
