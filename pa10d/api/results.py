@@ -6,7 +6,7 @@ judged again on the way out.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PlainSerializer, WrapValidator
 
@@ -20,6 +20,7 @@ from pa10d.services.documents import (
     Investigate,
     Known,
     PerJoint,
+    Plan,
     Track,
 )
 
@@ -60,13 +61,62 @@ class SeriesResult(Document):
     experiments: list[ExperimentResult]
 
 
+class Planned(Plan):
+    """What there is to know of a plan. joints: from 1; duration: s."""
+
+    joints: list[int]
+    duration: float
+    notes: list[str]
+
+
+class JointMargin(Document):
+    """What is left to the nearer position limit, braking included (rad, m), and when (s); the
+    shares of the other limits that are used, null where there is none."""
+
+    joint: int
+    position: float
+    at: float
+    velocity: float | None
+    acceleration: float | None
+    torque: float | None
+
+
+class Nearest(Document):
+    """The smallest gap between bodies. margin: m; at: s; between: which."""
+
+    margin: float
+    at: float
+    between: str
+
+
+class Margins(Document):
+    """How near a motion comes to what it must not reach; null: nothing that could be met."""
+
+    joints: list[JointMargin]
+    self_: Nearest | None = Field(alias="self")
+    floor: Nearest | None
+    boxes: Nearest | None
+
+
+class Preview(Document):
+    """Poses, rad, at equal steps of ``dt`` s; begins, ends: s of the plan itself."""
+
+    dt: float
+    poses: list[PerJoint]
+    begins: float
+    ends: float
+    seconds: float
+
+
 class CheckResult(Document):
     """Of ``check``: whether the motion may go, and why. seconds: s of motion."""
 
     go: bool
-    plan: dict[str, Any]
+    plan: Planned
     checks: list[PreCheck]
     seconds: float
+    margins: Margins
+    preview: Preview
 
 
 class AddResult(Document):
@@ -82,10 +132,17 @@ class AddResult(Document):
     warnings: list[str]
 
 
+class SettledDoubt(Document):
+    """An experiment that was to settle a doubt; ``error`` beside, where it could not be run."""
+
+    plan: Plan
+    runs: list[str]
+
+
 class ImprovementResult(Improve):
     """Of ``improvement``: an improvement with the arm at hand, and what it ran to settle doubts."""
 
-    experiments: list[dict[str, Any]]
+    experiments: list[SettledDoubt]
     fit: list[str]
     validate_: list[str] = Field(alias="validate")
 

@@ -6,7 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import Law
+from pa10d.investigation.motions import Shown
+from pa10d.services.documents import NextWeight, Step, TorqueGain, WeightAtHand
 
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 StateName = Literal[
@@ -127,7 +130,7 @@ class Job(BaseModel):
 
     id: str
     kind: str = Field(examples=["identify"])
-    request: dict[str, Any]
+    request: JsonObject = Field(description="What was asked for; ``kind`` says which request")
     status: JobStatus
     progress: float = Field(ge=0, le=1)
     message: str
@@ -562,9 +565,9 @@ class WeighingDocument(BaseModel):
     id: str
     name: str
     robot: str
-    weights: list[dict[str, Any]]
-    next: dict[str, Any] = Field(description="``weight`` to record with (null: none), ``says``")
-    joints: list[dict[str, Any]]
+    weights: list[WeightAtHand]
+    next: NextWeight
+    joints: list[TorqueGain]
     advice: str | None
 
 
@@ -597,7 +600,7 @@ class InvestigationDocument(BaseModel):
     status: Literal["waiting", "running", "paused", "stopped", "failed", "done"]
     question: Literal["missing", "changed"]
     moves: bool
-    steps: list[dict[str, Any]]
+    steps: list[Step]
 
 
 class InvestigationBrief(BaseModel):
@@ -613,9 +616,9 @@ class InvestigationBrief(BaseModel):
 
 
 class MotionList(BaseModel):
-    """Planned motions: ``kind``, ``parameters``, ``seconds``, ``joints``, ``time``, ``q``."""
+    """Planned motions."""
 
-    items: list[dict[str, Any]]
+    items: list[Shown]
 
 
 class WeighingPage(Page):
@@ -642,7 +645,7 @@ class ExperimentRequest(BaseModel):
         },
     )
     kind: Annotated[str, Field(max_length=60, examples=["tracking"])]
-    parameters: dict[str, Any] = Field({}, description="As the kind's schema says")
+    parameters: JsonObject = Field({}, description="As the kind's schema says")
     name: Name | None = Field(None, description="Of the run; default: the kind, numbered")
     tags: Annotated[list[Name], Field(max_length=32)] = []
     controller: Law | None = Field(None, description="Default: the one in use")
@@ -656,7 +659,7 @@ class KindAbout(BaseModel):
     kind: str
     title: str
     description: str
-    parameters: dict[str, Any] = Field(description="JSON schema")
+    parameters: JsonObject = Field(description="JSON schema")
 
 
 class SeriesRequest(Strict):
@@ -671,7 +674,7 @@ class TrackRequest(Strict):
 
     models: Annotated[list[Name], Field(min_length=1, max_length=8)]
     kind: str = Field("tracking", max_length=100, examples=["tracking"])
-    parameters: dict[str, Any] = Field({}, description="As the kind's schema says")
+    parameters: JsonObject = Field({}, description="As the kind's schema says")
     name: Name | None = Field(None, description="Of the runs, which get a number each")
     replace: bool = False
 
@@ -680,7 +683,7 @@ class Suggested(BaseModel):
     """An experiment worth running, ready to be sent."""
 
     kind: str
-    parameters: dict[str, Any]
+    parameters: JsonObject
     tags: list[str]
     why: str
 
@@ -784,8 +787,8 @@ class FaultList(BaseModel):
 class Figure(BaseModel):
     """Plotly JSON without colours for paper, text and grid."""
 
-    data: list[dict[str, Any]]
-    layout: dict[str, Any]
+    data: list[JsonObject]
+    layout: JsonObject
 
 
 class Plot(BaseModel):
@@ -831,11 +834,12 @@ class VersusPlot(Plot):
 
 
 class Sheet(BaseModel):
-    """Plots and words of an analysis as a tree of blocks, each with its sort in ``block``."""
+    """Plots and words of an analysis as a tree of blocks, each with its sort in ``block``: the page
+    draws what its job has kept, as it was written."""
 
-    sections: list[dict[str, Any]]
-    findings: list[dict[str, Any]] | None = Field(None, description="Of a diagnosis, best first")
-    unexplained: list[dict[str, Any]] | None = Field(
+    sections: list[JsonObject]
+    findings: list[JsonObject] | None = Field(None, description="Of a diagnosis, best first")
+    unexplained: list[JsonObject] | None = Field(
         None, description="Of a diagnosis: what no effect explains, as its result lists it"
     )
 
@@ -849,7 +853,7 @@ TuningKey = Literal[
 """Where a value stands in the profile."""
 UndoneKey = TuningKey | Literal["drives.torque_gain", "map"]
 TuningGroup = Literal["gains", "limits", "safety", "environment"]
-StatedValue = Annotated[float, Field(strict=True)] | str | list[Any] | dict[str, Any] | None
+StatedValue = Annotated[float, Field(strict=True)] | str | list[Any] | JsonObject | None
 
 
 class TuningBound(BaseModel):

@@ -5,10 +5,11 @@ Fields may be added under a version; one that is taken away or changes its meani
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import Law, ModelLaw
 
 PerJoint = list[float]
@@ -38,6 +39,13 @@ class Confusion(Document):
     why: str
 
 
+class Plan(Document):
+    """An experiment, ready to be sent. parameters: as its kind's own schema says."""
+
+    kind: str
+    parameters: JsonObject
+
+
 class Finding(Document):
     """A missing effect, on top of the ones before it; RMS in N·m on held-out data."""
 
@@ -48,7 +56,7 @@ class Finding(Document):
     rms_after: PerJoint
     p_value: float = Field(description="Corrected for everything that was tried")
     confounded_with: list[Confusion]
-    next_experiment: dict[str, Any] | None
+    next_experiment: Plan | None
     sentence: str
 
 
@@ -145,12 +153,21 @@ class Diagnose(Document):
     remaining: list[Remaining]
 
 
+class StoredVersion(Document):
+    """A version that was stored. held_out: N·m per joint."""
+
+    id: str
+    name: str
+    change: str
+    held_out: PerJoint
+
+
 class Improve(Diagnose):
     """The same, and the versions that were stored."""
 
     id: str | None
     name: str | None
-    versions: list[dict[str, Any]]
+    versions: list[StoredVersion]
 
 
 class Demo(Document):
@@ -256,7 +273,7 @@ class Track(Document):
     """One motion under each control law; worth: empty where there is one model."""
 
     kind: str
-    parameters: dict[str, Any]
+    parameters: JsonObject
     joints: list[str]
     runs: list[str]
     laws: list[LawFollowed]
@@ -284,24 +301,53 @@ class TorqueGain(Document):
     why: str | None
 
 
+class Prospect(Document):
+    """What a weight at hand would bring. weight: as it was given; std_error: of each joint's gain
+    with it, worst: the largest; too_much: the joint, from 1, that it would overload; next: whether
+    it is the one to hang."""
+
+    weight: str
+    mass: float
+    std_error: Known
+    worst: float | None
+    too_much: int | None
+    next: bool
+
+
 class Scale(Document):
     """Torque gains by known weights. prospects: what each weight at hand would bring."""
 
     joints: list[TorqueGain]
-    prospects: list[dict[str, Any]]
+    prospects: list[Prospect]
     advice: str | None
 
 
+class WeightAtHand(Document):
+    """A weight of a weighing. number: from 1; weight: as it was given; runs: ids, with it."""
+
+    number: int
+    weight: str
+    mass: float
+    says: str
+    runs: list[str]
+
+
+class NextWeight(Document):
+    """What to record with next."""
+
+    weight: int | None = Field(description="Its number; 0: none; null: nothing is left to do")
+    says: str
+
+
 class Weigh(Scale):
-    """A weighing. next: ``weight`` to record with (its number, 0: none, null: nothing is left to
-    do) and ``says``."""
+    """A weighing."""
 
     id: str
     name: str
     robot: str
-    weights: list[dict[str, Any]]
+    weights: list[WeightAtHand]
     empty: list[str] = Field(description="Ids of the runs without a weight")
-    next: dict[str, Any]
+    next: NextWeight
 
 
 class NewProfile(Document):
