@@ -12,8 +12,8 @@ from pa10d.common.errors import UserError
 from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 from pa10d.diagnose.constants import (
     ALIKE,
+    LEAST_SLOPE,
     LONGEST_MEMORY,
-    SMOOTH_LEAST_SLOPE,
     SMOOTH_LEVEL,
     SMOOTH_ROUNDS,
     SMOOTH_TAILS,
@@ -183,7 +183,7 @@ def _evidence(state: SearchState) -> Evidence:
 
 def _warnings(label: str, joint: int, quantities: str, found: Evidence) -> list[str]:
     out = []
-    if found.p_value > SMOOTH_LEVEL or found.slope < SMOOTH_LEAST_SLOPE or found.gain <= 0:
+    if found.p_value > SMOOTH_LEVEL or found.slope < LEAST_SLOPE or found.gain <= 0:
         out.append(
             f"{label}: no significant gain on held-out data (p = {found.p_value:.2g}, joint "
             f"{joint + 1} from {found.before[joint]:.3g} to {found.after[joint]:.3g} N·m): what is "

@@ -29,6 +29,7 @@ from pa10d.diagnose.constants import (
     FORETOLD_WAVES,
     FORETOLD_WIDTHS,
     FORETOLD_WORK,
+    MAP_MEMORIES,
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
@@ -89,7 +90,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
     own = (f"q{joint + 1}", f"dq{joint + 1}", f"turn{joint + 1}")
     q, dq = ([f"{kind}{k + 1}" for k in range(n)] for kind in ("q", "dq"))
     before = [f"dq{joint + 1} {s:g} s before" for s in FORETOLD_LATE]
-    past = tuple(f"q{joint + 1} {s:g} s ago" for s in (0.4, 2.0))
+    past = tuple(f"q{joint + 1} {s:g} s ago" for s in MAP_MEMORIES)
     out = [
         (*own, f"ddq{joint + 1}", *past, *before),
         tuple(q),
@@ -102,7 +103,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
         if k != joint:
             there = (f"q{k + 1}", f"dq{k + 1}", f"turn{k + 1}")
             out.append((*own, *there, f"ddq{k + 1}"))
-            out.append((*own, *there, *(f"q{k + 1} {s:g} s ago" for s in (0.4, 2.0))))
+            out.append((*own, *there, *(f"q{k + 1} {s:g} s ago" for s in MAP_MEMORIES)))
             out.append((*own, *_work(k)))
     return list(dict.fromkeys(tuple(dict.fromkeys(names)) for names in out))
 

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
 from pa10d.diagnose.constants import (
+    CLAIMED_SHARE,
     CLUSTERS,
     FEW_VISITS,
     KNOWN_GROUND,
+    LEAST_SLOPE,
     MAP_FINE_KNOTS,
     MAP_KNOTS,
-    MAP_LEAST_SLOPE,
     MAP_LEVEL,
     MAP_MEMORIES,
-    MAP_SHARE,
     MAP_THIN,
     MAPS_PER_JOINT,
     UNHEARD,
@@ -281,8 +281,8 @@ def evidence_of(
     p = min(1.0, evidence.p_value * among)
     if (
         p > level
-        or share < MAP_SHARE
-        or evidence.slope < MAP_LEAST_SLOPE
+        or share < CLAIMED_SHARE
+        or evidence.slope < LEAST_SLOPE
         or evidence.cluster_t < CLUSTERS
     ):
         return None
