@@ -38,8 +38,21 @@ def small_arm(folder: Path, hidden: dict = HIDDEN) -> Path:
 @contextlib.contextmanager
 def served(data: Path, channel: str, *options: str) -> Iterator[str]:
     """``pa10d serve`` without an arm: its address."""
+    with _serving(data, channel, "--no-sim", *options) as url:
+        yield url
+
+
+@contextlib.contextmanager
+def served_arm(data: Path, channel: str, *options: str) -> Iterator[str]:
+    """``pa10d serve`` with a virtual arm in simulated time: its address."""
+    with _serving(data, channel, "--clock", "simulated", *options) as url:
+        yield url
+
+
+@contextlib.contextmanager
+def _serving(data: Path, channel: str, *options: str) -> Iterator[str]:
     command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
-    command += ["--port", "0", "--no-sim", "--channel", channel, *options]
+    command += ["--port", "0", "--channel", channel, *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         yield json.loads(process.stdout.readline())["url"]

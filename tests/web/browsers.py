@@ -13,6 +13,14 @@ import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 SIZE = {"width": 1360, "height": 900}
+DROP = """async (text) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], "dropped.csv"));
+  const zone = document.querySelector(".drop");
+  for (const kind of ["dragover", "drop"])
+    zone.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true }));
+}"""
+"""Drops a file of this text where the section takes files."""
 
 
 def executable() -> str:

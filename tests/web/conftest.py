@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -71,3 +72,20 @@ def archive(browser, tmp_path_factory) -> Iterator[tuple[str, Path]]:
     identify_runs(library, ["train_a"], str(profile.path), name="m0")
     with served(data, f"void-{data.name}") as url:
         yield url, data
+
+
+@pytest.fixture
+def csv_text() -> str:
+    joints = range(1, 8)
+    head = ",".join(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
+    rows = [
+        ",".join(
+            [
+                f"{0.002 * k:.3f}",
+                *[f"{0.3 * math.sin(0.02 * k):.4f}"] * 7,
+                *[f"{0.3 * (k % 7) - 0.1:.1f}"] * 7,
+            ]
+        )
+        for k in range(500)
+    ]
+    return "\n".join([head, *rows]) + "\n"

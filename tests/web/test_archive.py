@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import time
 from pathlib import Path
 
 import httpx
 import pytest
-from browsers import until
+from browsers import DROP, until
 
 from pa10d.report import compare_page
 from pa10d.services.library import open_library
 from pa10d.services.models import compare_runs
 
 FIRST, ZOOM = 3.0, 0.6  # s on a quiet machine: three times what was promised
-DROP = """async (text) => {
-  const data = new DataTransfer();
-  data.items.add(new File([text], "dropped.csv"));
-  const zone = document.querySelector(".drop");
-  for (const kind of ["dragover", "drop"])
-    zone.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true }));
-}"""
 
 
 def slowness() -> float:
@@ -126,15 +118,30 @@ LARGE = """addEventListener("DOMContentLoaded",
   () => { document.documentElement.style.fontSize = "200%"; })"""
 
 
+def lay_a_model_over_a_run(page) -> None:
+    """Everything that the explorer has room to find for."""
+    for choice, what in (("Recordings", "train_a"), ("Models", "m0")):
+        page.locator("#explore summary", has_text=choice).click()
+        page.get_by_label(what).check()
+        page.locator("#explore h1").click()
+    page.get_by_label("lay over plot 2").select_option("model m0: torque")
+    page.locator("#explore summary", has_text="Cursors").click()
+    page.get_by_role("region", name="values that are drawn").locator("td").first.wait_for()
+
+
 @pytest.mark.parametrize(("width", "text"), [(390, 1), (390, 2), (1024, 1), (1360, 2)])
 def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):
     url, _ = archive
     visitor = visit(url, viewport={"width": width, "height": 768})
     if text == 2:
         visitor.page.add_init_script(LARGE)
-    for section in ("robot", "experiments", "runs", "compare", "diagnose", "models"):
+    for section in ("robot", "experiments", "runs", "compare", "diagnose", "models", "explore"):
         visitor.open(section)
-        visitor.page.wait_for_timeout(150)
+        if section == "models":
+            visitor.page.locator("#models summary", has_text="Options").click()
+        elif section == "explore":
+            lay_a_model_over_a_run(visitor.page)
+        visitor.until_answered()
         wide = visitor.page.evaluate("document.documentElement.scrollWidth")
         assert wide <= width, section
         stop = visitor.page.locator("#stop").bounding_box()
@@ -160,23 +167,6 @@ def test_a_report_asks_nobody_at_all(archive, visit, tmp_path):
     visitor.page.locator(".canvas .main-svg").first.wait_for()
     assert [Path(a.removeprefix("file://")) for a in visitor.asked if a[:4] == "file"] == [path]
     assert not visitor.foreign()
-
-
-@pytest.fixture
-def csv_text() -> str:
-    joints = range(1, 8)
-    head = ",".join(["time", *(f"q{j}" for j in joints), *(f"tau{j}" for j in joints)])
-    rows = [
-        ",".join(
-            [
-                f"{0.002 * k:.3f}",
-                *[f"{0.3 * math.sin(0.02 * k):.4f}"] * 7,
-                *[f"{0.3 * (k % 7) - 0.1:.1f}"] * 7,
-            ]
-        )
-        for k in range(500)
-    ]
-    return "\n".join([head, *rows]) + "\n"
 
 
 @pytest.mark.parametrize(

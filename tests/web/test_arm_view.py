@@ -63,7 +63,7 @@ def test_a_replay_follows_slider_and_cursor(archive, visit):
 def test_the_library_is_not_fetched_before_the_arm_is_looked_at(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
-    visitor.page.wait_for_timeout(500)
+    visitor.until_answered()
     assert not [address for address in visitor.asked if "vendor" in address]
 
 

@@ -39,7 +39,7 @@ def test_axe_finds_nothing(archive, visit, scheme, width):
         if section == "runs":
             page.get_by_role("button", name="train_a").click()
             page.locator("#run-detail .main-svg").first.wait_for()
-        page.wait_for_timeout(400)
+        visitor.until_answered()
         if not page.evaluate("'axe' in window"):
             page.evaluate(AXE)
         if lines := broken_rules(page):
@@ -89,8 +89,7 @@ def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
     for section in SECTIONS:
         visitor.open(section)
         for down in (0, 500):
-            page.mouse.wheel(0, down)
-            page.wait_for_timeout(100)
+            page.evaluate("(down) => scrollBy(0, down)", down)
             box = page.locator("#stop").bounding_box()
             for x, y in ((0.1, 0.2), (0.5, 0.5), (0.9, 0.8)):
                 at = [box["x"] + x * box["width"], box["y"] + y * box["height"]]

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import httpx
+import numpy as np
 import pytest
-from browsers import until
+from browsers import DROP, until
+
+from pa10d.services.library import open_library
 
 ARM = "parseFloat(document.querySelector('#explore .arm-reading').textContent.slice(3))"
 SEEN = """parseFloat([...document.querySelectorAll("#explore [role=status]")]
@@ -78,3 +82,81 @@ def test_a_stretch_is_left_out_of_fits_and_used_again(page):
     tag.wait_for()
     tag.get_by_role("button").click()
     tag.wait_for(state="detached")
+
+
+def numbers(page) -> dict[str, list[str]]:
+    """The table of what is drawn, by its rows."""
+    rows = page.get_by_role("region", name="values that are drawn").locator("tbody tr")
+    rows.first.wait_for()
+    cells = [row.split("\t") for row in rows.all_inner_texts()]
+    return {row[0]: row[1:] for row in cells}
+
+
+def test_quantities_and_models_lie_over_each_other_in_one_plot(page):
+    page.locator("#explore summary", has_text="Models").click()
+    page.get_by_label("m0").check()
+    page.keyboard.press("Escape")
+    over = page.get_by_label("lay over plot 2")
+    over.locator("option", has_text="model m0: torque").first.wait_for(state="attached")
+    offered = over.locator("option").all_inner_texts()
+    assert "model m0: residual" in offered
+    assert "position" not in offered, "another unit"
+    for name in ("model m0: torque", "model m0: residual"):
+        over.select_option(name)
+        page.locator("#explore .u-legend", has_text=f"1 S1, {name}").wait_for()
+    second = page.locator("#explore .u-legend").nth(1)
+    assert second.locator(".u-series").count() == 4  # time and three
+    page.get_by_role("button", name="model m0: torque away from plot 2").press("Enter")
+    until(page, "document.querySelectorAll('#explore .u-legend')[1].rows.length === 3")
+
+
+def test_a_quantity_against_one_of_another_joint(page):
+    with page.expect_response(lambda r: "columns" in r.url and "channel=tau1&channel=q2" in r.url):
+        page.get_by_label("against").select_option("position of 2 S2")
+    until(page, "!document.querySelector('#explore .chart[data-waiting]')")
+    assert page.locator("#explore .plot .bad").all_inner_texts() == [""] * 2
+    assert page.locator("#explore .u-over").count() == 2
+
+
+def test_two_cursors_by_hand_and_by_keys_read_what_was_recorded(page, archive):
+    first = page.locator("#explore .u-over").first
+    box = first.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 3, box["y"] + 40)
+    page.keyboard.down("Shift")
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 40)
+    page.keyboard.up("Shift")
+    a, b = (float(page.get_by_label(f"cursor {x}, s").input_value()) for x in "AB")
+    assert (a, b) == (pytest.approx(20, abs=0.3), pytest.approx(30, abs=0.3))
+    page.get_by_label("cursor A, s").fill("12")
+    page.keyboard.press("Tab")
+    page.get_by_label("cursor B, s").fill("14")
+    page.keyboard.press("Tab")
+    library = open_library(archive[1])
+    run = library.runs.recording(library.runs.find("train_a"))
+    q = np.interp([12.0, 14.0], run.t - run.t[0], run.q[:, 0])
+    label = "position: 1 S1"
+    until(page, f"[...document.querySelectorAll('#explore .numbers tbody tr')].some((row) => "
+          f"row.cells[0].textContent === {label!r} && "
+          f"Math.abs(Number(row.cells[3].textContent) - {q[1] - q[0]}) < 2e-3)")  # fmt: skip
+    at_a, at_b, _, low, high, unit = numbers(page)[label]
+    assert [float(at_a), float(at_b)] == pytest.approx(q, abs=2e-3)
+    assert [float(low), float(high)] == pytest.approx(
+        [run.q[:, 0].min(), run.q[:, 0].max()], rel=1e-3
+    )
+    assert unit == "rad"
+    page.get_by_role("button", name="Zoom to A–B").press("Enter")
+    page.locator("#explore [role=status]", has_text="Seen: 12.00 to 14.00").wait_for()
+    page.get_by_role("button", name="Order spectrum").press("Enter")
+    page.get_by_text("Order spectrum of torque measured, 12.00 to 14.00 s").wait_for()
+
+
+def test_a_file_that_is_dropped_here_is_seen_here(archive, visit, csv_text):
+    visitor = visit(archive[0])
+    page = visitor.page
+    visitor.open("explore")
+    page.evaluate(DROP, csv_text)
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.locator("#explore [role=status]", has_text="dropped: 500 samples").wait_for()
+    page.locator("#explore .chart canvas").nth(1).wait_for()
+    httpx.delete(f"{archive[0]}/api/v1/runs/dropped", trust_env=False).raise_for_status()
+    assert not visitor.errors

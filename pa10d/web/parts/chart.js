@@ -25,9 +25,9 @@ const line = ({ label, color, dash }) => ({ label, stroke: color, width: 1.3, da
 
 /** A chart that keeps its place in the page while what it shows changes. */
 export class Chart {
-  /** zoomed([begin, end] or null), pointed(x): told by the hand on the chart. */
-  constructor(height, { key = null, zoomed = null, pointed = null } = {}) {
-    Object.assign(this, { height, key, zoomed, pointed, bands: [] });
+  /** zoomed([begin, end] or null), pointed(x), clicked(x, with Shift): told by the hand on the chart. */
+  constructor(height, { key = null, zoomed = null, pointed = null, clicked = null } = {}) {
+    Object.assign(this, { height, key, zoomed, pointed, clicked, bands: [], marks: [] });
     this.box = el("div", { class: "chart" });
     new ResizeObserver(() => this.plot?.setSize(this.size())).observe(this.box);
   }
@@ -45,7 +45,7 @@ export class Chart {
     this.plot.batch(() => {
       this.plot.setData(data, false);
       for (const scale of ["y"]) this.plot.setScale(scale, { min: null, max: null });
-      this.plot.setScale("x", span ? { min: span[0], max: span[1] } : ends(data[0]));
+      this.plot.setScale("x", span ? { min: span[0], max: span[1] } : within(data[0]));
     });
   }
 
@@ -70,7 +70,7 @@ export class Chart {
       });
       return null;
     };
-    const range = (k) => () => ends([].concat(...pairs.map((pair) => Array.from(ends2(pair[k])))), 0.04);
+    const range = (k) => () => within([].concat(...pairs.map((pair) => ends(pair[k]))), 0.04);
     this.plot?.destroy();
     this.plot = new uPlot({
       ...this.size(), mode: 2, axes: [axis(x, 50), axis(y, WIDE)], legend: { live: false }, cursor: { drag: { x: true, y: true, uni: 20 } },
@@ -92,6 +92,7 @@ export class Chart {
       focus: { alpha: 0.4 },
       hooks: {
         drawClear: [(u) => this.shade(u)],
+        draw: [(u) => this.letter(u)],
         setSelect: [(u) => {
           if (!zoomed || u.select.width < 4) return;
           const span = [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")];
@@ -101,6 +102,37 @@ export class Chart {
         setCursor: [(u) => { if (pointed && u.cursor.left >= 0) pointed(u.posToVal(u.cursor.left, "x")); }],
       },
     }, data, this.box);
+    let pressed = null;
+    const { over } = this.plot, place = (event) => event.clientX - over.getBoundingClientRect().left;
+    over.addEventListener("mousedown", (event) => { pressed = place(event); });
+    over.addEventListener("click", (event) => {
+      if (this.clicked && Math.abs(place(event) - pressed) < 4) this.clicked(this.plot.posToVal(place(event), "x"), event.shiftKey);
+    });
+  }
+
+  /** Cursors that stay: [a, b], null where there is none. */
+  mark(marks) {
+    this.marks = marks;
+    this.plot?.redraw(false, false);
+  }
+
+  letter(u) {
+    const pen = u.ctx, scale = devicePixelRatio || 1;
+    pen.save();
+    pen.strokeStyle = pen.fillStyle = css("--text");
+    pen.lineWidth = scale;
+    pen.font = `${12 * scale}px system-ui, sans-serif`;
+    this.marks.forEach((at, k) => {
+      const x = at === null ? -1 : u.valToPos(at, "x", true);
+      if (x < u.bbox.left || x > u.bbox.left + u.bbox.width) return;
+      pen.setLineDash(k ? [5 * scale, 3 * scale] : []);
+      pen.beginPath();
+      pen.moveTo(x, u.bbox.top);
+      pen.lineTo(x, u.bbox.top + u.bbox.height);
+      pen.stroke();
+      pen.fillText("AB"[k], x + 3 * scale, u.bbox.top + 12 * scale);
+    });
+    pen.restore();
   }
 
   /** Stretches that are left out, in grey. */
@@ -116,13 +148,14 @@ export class Chart {
   }
 }
 
-function ends2(values) {
+/** [lowest, highest] of the numbers among them. */
+export function ends(values) {
   let low = Infinity, high = -Infinity;
   for (const value of values) if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); }
   return low <= high ? [low, high] : [0, 1];
 }
 
-function ends(values, margin = 0) {
-  const [low, high] = ends2(values), room = margin * (high - low || 1);
+function within(values, margin = 0) {
+  const [low, high] = ends(values), room = margin * (high - low || 1);
   return margin ? [low - room, high + room] : { min: low, max: high };
 }

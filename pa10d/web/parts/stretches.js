@@ -6,7 +6,7 @@ import { state } from "../base/store.js";
 /** {box, read(), refresh()}, the last for when others are chosen; `runs`: the picker of the runs that are fitted to. */
 export function stretches(runs) {
   let own = []; // {run, begin, end}
-  const time = (id, label) => el("input", { id, type: "number", min: 0, step: "any", size: 6, "aria-label": label, placeholder: label.split(",")[0] });
+  const time = (id, label) => el("input", { id, type: "number", min: 0, step: "any", size: 6, class: "short", "aria-label": label, placeholder: label.split(",")[0] });
   const which = el("select", { id: "fit-stretch", "aria-label": "run of which something is left out" });
   const begin = time("fit-begin", "from, s"), end = time("fit-end", "to, s"), said = el("ul", { class: "plain", "aria-label": "left out of this fit" });
   const chosen = () => state.runs.filter((run) => runs.ids.includes(run.id));
@@ -32,7 +32,7 @@ export function stretches(runs) {
   } }, "Leave it out");
   refresh();
   return {
-    box: el("div", { class: "field" }, el("label", { htmlFor: which.id }, "leave out of this fit"), el("span", { class: "row" }, which, begin, end, add), said,
+    box: el("div", { class: "field rare" }, el("label", { htmlFor: which.id }, "leave out of this fit"), el("span", { class: "row" }, which, begin, end, add), said,
       el("small", {}, "s since the run's first sample; for all fits: zoom to it in Explore")),
     refresh, read: () => own,
   };

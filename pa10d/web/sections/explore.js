@@ -5,8 +5,9 @@ import { table } from "../base/columns.js";
 import { state, watch } from "../base/store.js";
 import { failed, guarded } from "../base/notices.js";
 import { number, seconds, titled } from "../base/units.js";
-import { Chart } from "../parts/chart.js";
+import { Chart, ends } from "../parts/chart.js";
 import { choices } from "../parts/choices.js";
+import { cursors } from "../parts/cursors.js";
 import { dropZone } from "../parts/drop.js";
 import { leftOut } from "../parts/left_out.js";
 import { empty } from "../parts/figure.js";
@@ -17,7 +18,8 @@ import { COLOURS } from "../parts/scope.js";
 const POINTS = 1400, PAIRS = 4000, HEIGHT = 230, KEY = "explore"; // per channel; px
 const DASHES = [undefined, [7, 4], [2, 3], [10, 3, 2, 3]]; // of one recording after the other
 const FIRST = ["position", "torque measured"];
-const view = { sources: new Set(), models: new Set(), joints: new Set([1]), shown: [...FIRST], against: "time", span: null, spectrum: null };
+const plotOf = (group) => ({ group, over: [] }); // over: quantities that are laid over it
+const view = { sources: new Set(), models: new Set(), joints: new Set([1]), shown: FIRST.map(plotOf), against: "time", span: null, spectrum: null };
 let parts = null, faults = [], asked = 0;
 const known = new Map(); // request of a catalogue -> the catalogue
 
@@ -35,9 +37,10 @@ export function mount(box) {
     recordings, models, against, arm, again, reading: el("p", { class: "muted", role: "status" }), joints: el("div", { class: "chips", role: "group", "aria-label": "joints shown" }),
     plots: el("div", {}), spectrum: el("div", {}), out: leftOut(() => view.span, () => [...view.sources].filter((one) => one.startsWith("run:")).map((one) => one.slice(4)), again),
     none: empty("Choose recordings above, or drop one here: every channel of it can be seen, against time or another, several over each other, with what models say of it."),
-    work: el("div", { hidden: true }), charts: new Map(),
+    work: el("div", { hidden: true }), charts: new Map(), marks: [null, null],
+    cursors: cursors((marks) => { parts.marks = marks; for (const { chart } of parts.charts.values()) chart.mark(overTime() ? marks : []); }, zoom),
   };
-  fill(parts.work, el("div", { class: "panel" }, tools, parts.reading, parts.out.box), el("div", { class: "beside wide-right" }, arm.box, parts.plots), parts.spectrum);
+  fill(parts.work, el("div", { class: "panel" }, tools, parts.reading, parts.out.box), el("div", { class: "beside wide-right" }, arm.box, parts.plots), parts.cursors.box, parts.spectrum);
   fill(box, heading("explore", "Explore"), dropZone("explore-files", (run) => open(`run:${run.id}`)),
     el("div", { class: "panel row pickers" }, recordings.box, models.box, el("label", { class: "picker" }, el("span", {}, "Against"), against), parts.joints),
     parts.none, parts.work);
@@ -66,7 +69,7 @@ export function show([subject, model]) {
 function open(source) {
   swapped(view.sources, [source]);
   view.span = null;
-  if (source.startsWith("fault:")) Object.assign(view, { shown: ["position", "tracking error", "velocity", "torque commanded"], joints: new Set() });
+  if (source.startsWith("fault:")) Object.assign(view, { shown: ["position", "tracking error", "velocity", "torque commanded"].map(plotOf), joints: new Set() });
   parts.recordings.refresh();
   parts.models.refresh();
   parts.again();
@@ -89,70 +92,111 @@ async function refresh() {
   if (!chosen.length) return;
   const found = await Promise.all(chosen.map(catalogue));
   if (mine !== asked) return;
-  const groups = [...new Set(found.flatMap((one) => one.channels.map((channel) => channel.group)))];
-  view.shown = view.shown.filter((one) => groups.includes(one));
-  if (!view.shown.length) view.shown = [groups[0]];
-  if (view.against !== "time" && !groups.includes(view.against)) view.against = "time";
-  fill(parts.against, ["time", ...groups].map((one) => el("option", { selected: one === view.against }, one)));
+  const units = new Map(found.flatMap((one) => one.channels.map((channel) => [channel.group, channel.unit]))), groups = [...units.keys()];
+  view.shown = view.shown.filter((one) => units.has(one.group));
+  if (!view.shown.length) view.shown = [plotOf(groups[0])];
+  for (const one of view.shown) one.over = one.over.filter((group) => units.has(group) && group !== one.group && units.get(group) === units.get(one.group));
+  axes(found[0], groups);
   jointChips(found[0].joints);
   parts.out.refresh();
   say(parts.reading, `${found.map((one) => `${one.name}: ${one.samples} samples, ${number(one.rate, 4)} Hz, ${seconds(one.seconds)}`).join("; ")}. ${view.span ? `Seen: ${view.span.map((at) => at.toFixed(2)).join(" to ")} s.` : "Drag over a plot to zoom all of them; double-click for the whole."}`);
-  rows(groups);
-  await Promise.all(view.shown.map((group, k) => draw(group, parts.charts.get(k), chosen, found, mine)));
-  if (mine === asked) moveArm(chosen[0], found[0]); // plots first: on a slow link they share it
+  rows(groups, units);
+  const drawn = await Promise.all(view.shown.map((one, k) => draw(one, parts.charts.get(k), chosen, found, mine)));
+  if (mine !== asked) return;
+  parts.cursors.show(drawn.flat().filter(Boolean));
+  moveArm(chosen[0], found[0]); // plots first: on a slow link they share it
 }
 
-/** One chart per quantity, each with its own choice. */
-function rows(groups) {
-  const made = view.shown.map((group, k) => {
+const overTime = () => view.against === "time";
+
+/** What plots can be drawn over: time, a quantity of the same joint, one of a certain joint. */
+function axes({ joints, channels }, groups) {
+  const known = new Map(groups.map((group) => [group, group]));
+  for (const one of channels) if (one.joint) known.set(`${one.group}/${one.joint}`, `${one.group} of ${one.joint} ${joints[one.joint - 1]}`);
+  if (!known.has(view.against)) view.against = "time";
+  const option = ([value, words]) => el("option", { value, selected: value === view.against }, words), all = [...known];
+  fill(parts.against, option(["time", "time"]), el("optgroup", { label: "of the same joint" }, all.slice(0, groups.length).map(option)),
+    el("optgroup", { label: "of one joint" }, all.slice(groups.length).map(option)));
+}
+
+/** The channel of a recording over which another one is drawn. */
+function partner(channels, { joint }) {
+  const [, group, certain] = /^(.*?)(?:\/(\d+))?$/.exec(view.against);
+  return channels.find((x) => x.group === group && (certain ? x.joint === Number(certain) : x.joint === joint || x.joint === null));
+}
+
+/** One chart per plot, each with its own choice of quantities. */
+function rows(groups, units) {
+  const made = view.shown.map((shown, k) => {
     if (!parts.charts.has(k)) {
-      const chart = new Chart(HEIGHT, { key: KEY, zoomed: zoom, pointed: (x) => { if (view.against === "time") parts.arm.point(x); } });
-      const choice = el("select", { "aria-label": `quantity of plot ${k + 1}`, onchange: () => { view.shown[k] = choice.value; parts.again(); } });
+      const chart = new Chart(HEIGHT, { key: KEY, zoomed: zoom, pointed: (x) => { if (overTime()) parts.arm.point(x); }, clicked: (x, shift) => parts.cursors.set(shift ? 1 : 0, x) });
+      chart.mark(parts.marks);
+      const choice = el("select", { "aria-label": `quantity of plot ${k + 1}`, onchange: () => { view.shown[k] = plotOf(choice.value); parts.again(); } });
+      const more = el("select", { "aria-label": `lay over plot ${k + 1}`, onchange: () => { view.shown[k].over.push(more.value); parts.again(); } });
       const away = el("button", { type: "button", class: "small quiet", "aria-label": `remove plot ${k + 1}`, onclick: () => { view.shown.splice(k, 1); parts.again(); } }, "×");
-      parts.charts.set(k, { chart, choice, away, said: el("p", { class: "bad" }), box: el("figure", { class: "plot" }) });
+      parts.charts.set(k, { chart, choice, more, laid: el("span", {}), away, said: el("p", { class: "bad" }), box: el("figure", { class: "plot" }) });
       const one = parts.charts.get(k);
-      fill(one.box, el("figcaption", {}, choice, away), one.said, chart.box);
+      fill(one.box, el("figcaption", {}, choice, one.laid, more, away), one.said, chart.box);
     }
-    const one = parts.charts.get(k);
-    fill(one.choice, groups.map((name) => el("option", { selected: name === group }, name)));
+    const one = parts.charts.get(k), alike = groups.filter((name) => name !== shown.group && !shown.over.includes(name) && units.get(name) === units.get(shown.group));
+    fill(one.choice, groups.map((name) => el("option", { selected: name === shown.group }, name)));
+    fill(one.more, el("option", { value: "" }, "lay over it …"), alike.map((name) => el("option", {}, name)));
+    one.more.hidden = !alike.length;
+    fill(one.laid, shown.over.map((name) => el("span", { class: "tag" }, `and ${name} `,
+      el("button", { type: "button", class: "link", "aria-label": `${name} away from plot ${k + 1}`, onclick: () => { shown.over = shown.over.filter((other) => other !== name); parts.again(); one.choice.focus(); } }, "×"))));
     one.away.hidden = view.shown.length === 1;
     return one.box;
   });
-  const more = el("button", { type: "button", class: "small", onclick: () => { view.shown.push(groups.find((one) => !view.shown.includes(one)) ?? groups[0]); parts.again(); } }, "Add a plot");
+  const more = el("button", { type: "button", class: "small", onclick: () => { view.shown.push(plotOf(groups.find((one) => !view.shown.some((other) => other.group === one)) ?? groups[0])); parts.again(); } }, "Add a plot");
   const children = [...made, more];
   if (parts.plots.children.length !== children.length || made.some((one, k) => parts.plots.children[k] !== one)) fill(parts.plots, children);
 }
 
 const wanted = (found, group) => found.channels.filter((one) => one.group === group && (one.joint === null || !view.joints.size || view.joints.has(one.joint)));
-const color = (channel, k) => COLOURS[((channel.joint ?? k + 1) - 1) % COLOURS.length];
+const color = (channel, k, more = 0) => COLOURS[((channel.joint ?? k + 1) - 1 + more) % COLOURS.length];
 
-async function draw(group, { chart, said }, chosen, found, mine) {
+/** Of a recording: what each line is called and looks like; `place` counts recordings, `laid` quantities,
+    which have colours of their own where there is one joint only. */
+const styles = (channels, found, { several, place, laid, quantity }) => channels.map((one, k) => ({
+  label: [one.joint ? `${one.joint} ${found.joints[one.joint - 1]}` : one.id, quantity, several && found.name].filter(Boolean).join(", "),
+  color: color(one, k, channels.length === 1 ? laid : 0), dash: DASHES[(place + laid) % DASHES.length] }));
+
+/** Draws a plot -> its lines as rows of the table. */
+async function draw({ group, over }, { chart, said }, chosen, found, mine) {
   say(said, "");
   chart.box.dataset.waiting = mine;
-  const pairs = view.against !== "time", several = chosen.length > 1;
+  const pairs = !overTime(), several = chosen.length > 1, quantities = [group, ...over];
   try {
-    const got = await Promise.all(chosen.map(async (source, s) => {
-      const channels = wanted(found[s], group), over = pairs ? channels.map((one) => found[s].channels.find((x) => x.group === view.against && (x.joint === one.joint || x.joint === null))) : [];
-      const channel = [...new Set([...channels, ...over].filter(Boolean).map((one) => one.id))];
+    const got = await Promise.all(chosen.map(async (source, place) => {
+      const lines = quantities.flatMap((name, laid) => {
+        const channels = wanted(found[place], name);
+        return styles(channels, found[place], { several, place, laid: laid * chosen.length, quantity: over.length ? name : "" }).map((style, k) => ({ style, channel: channels[k], x: pairs ? partner(found[place].channels, channels[k]) : null }));
+      });
+      const channel = [...new Set(lines.flatMap((one) => [one.channel, one.x]).filter(Boolean).map((one) => one.id))];
       if (!channel.length) return null;
-      const span = view.span ? { begin: view.span[0], end: view.span[1] } : {};
-      const { columns } = await table("columns", { ...queryOf(source), channel, ...span, points: pairs ? PAIRS : POINTS, every: pairs });
-      const series = channels.map((one, k) => ({ label: `${one.joint ? `${one.joint} ${found[s].joints[one.joint - 1]}` : one.id}${several ? `, ${found[s].name}` : ""}`, color: color(one, k), dash: DASHES[s % DASHES.length] }));
-      return { columns, series, channels, over };
+      const span = view.span ? { begin: view.span[0], end: view.span[1] } : {}, query = queryOf(source);
+      const { columns } = await table("columns", { ...query, channel, ...span, points: pairs ? PAIRS : POINTS, every: pairs });
+      return { query, columns, lines };
     }));
-    if (mine !== asked) return;
+    if (mine !== asked) return [];
     const there = got.filter(Boolean);
-    if (!there.length) return say(said, "None of the chosen recordings and joints has this.");
-    const series = there.flatMap((one) => one.series), y = there[0].channels[0].unit;
+    if (!there.length) { say(said, "None of the chosen recordings and joints has this."); return []; }
+    const y = there[0].lines[0].channel.unit;
     if (!pairs) {
-      await chart.lines({ tables: there.map((one) => [one.columns.time, ...one.channels.map((channel) => one.columns[channel.id])]), series, x: "time, s", y, span: view.span, bands: parts.out.stretches() });
+      await chart.lines({ tables: there.map((one) => [one.columns.time, ...one.lines.map(({ channel }) => one.columns[channel.id])]), series: there.flatMap((one) => one.lines.map(({ style }) => style)), x: "time, s", y, span: view.span, bands: parts.out.stretches() });
+      chart.mark(parts.marks);
     } else {
-      const lines = there.flatMap((one) => one.channels.map((channel, k) => one.over[k] && [Array.from(one.columns[one.over[k].id]), Array.from(one.columns[channel.id])]));
-      const x = there[0].over.find(Boolean);
-      await chart.against({ pairs: lines.filter(Boolean), series: series.filter((_, k) => lines[k]), x: `${view.against}${x?.unit ? `, ${x.unit}` : ""}`, y });
+      const lines = there.flatMap((one) => one.lines.filter(({ x }) => x).map(({ x, channel, style }) => ({ pair: [x, channel].map((c) => Array.from(one.columns[c.id])), style, unit: x.unit })));
+      chart.mark([]);
+      await chart.against({ pairs: lines.map(({ pair }) => pair), series: lines.map(({ style }) => style), x: [parts.against.selectedOptions[0].text, lines[0]?.unit].filter(Boolean).join(", "), y });
     }
+    return there.flatMap((one) => one.lines.map(({ style, channel }) => {
+      const [low, high] = ends(one.columns[channel.id]);
+      return { label: `${over.length ? "" : `${group}: `}${style.label}`, query: one.query, channel: channel.id, low, high, unit: channel.unit };
+    }));
   } catch (error) {
     if (mine === asked) say(said, error.message);
+    return [];
   } finally {
     if (mine === asked) delete chart.box.dataset.waiting;
   }
@@ -195,13 +239,13 @@ function jointChips(names) {
 
 /** Of the last plot's quantity, in the stretch that is seen. */
 async function spectrum(orders) {
-  const group = view.shown.at(-1), chosen = [...view.sources];
+  const { group } = view.shown.at(-1), chosen = [...view.sources];
   const found = await Promise.all(chosen.map(catalogue)), span = view.span ? { begin: view.span[0], end: view.span[1] } : {};
   const axis = orders ? "order" : "frequency", several = chosen.length > 1;
   const got = await Promise.all(chosen.map(async (source, s) => {
     const channels = wanted(found[s], group);
     const { columns } = await table("spectrum", { ...queryOf(source), channel: channels.map((one) => one.id), ...span, orders });
-    return { columns, channels, series: channels.map((one, k) => ({ label: `${one.joint ?? one.id}${several ? `, ${found[s].name}` : ""}`, color: color(one, k), dash: DASHES[s % DASHES.length] })) };
+    return { columns, channels, series: styles(channels, found[s], { several, place: s, laid: 0, quantity: "" }) };
   }));
   const chart = new Chart(300), title = `${orders ? "Order spectrum" : "Spectrum"} of ${group}${view.span ? `, ${view.span.map((at) => at.toFixed(2)).join(" to ")} s` : ""}`;
   fill(parts.spectrum, el("figure", { class: "plot" }, el("figcaption", {}, title), chart.box, el("p", { class: "muted" }, orders
