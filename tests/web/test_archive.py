@@ -122,7 +122,7 @@ def lay_a_model_over_a_run(page) -> None:
     """Everything that the explorer has room to find for."""
     for choice, what in (("Recordings", "train_a"), ("Models", "m0")):
         page.locator("#explore summary", has_text=choice).click()
-        page.get_by_label(what).check()
+        page.locator("#explore").get_by_label(what).check()
         page.locator("#explore h1").click()
     page.get_by_label("lay over plot 2").select_option("model m0: torque")
     page.locator("#explore summary", has_text="Cursors").click()
