@@ -10,6 +10,7 @@ from pa10d.checks.counters import check_counters
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
 from pa10d.checks.finding import Finding, Mend
 from pa10d.checks.geometry import check_geometry
+from pa10d.checks.gravity import check_gravity
 from pa10d.checks.timing import check_timing, unit_of_stamps
 from pa10d.checks.units import beyond_limits, check_units
 from pa10d.dynamics.robot import Robot
@@ -56,6 +57,8 @@ def check_recording(
             # the matrices are many and small: threads of the linear algebra would mostly wait
             with threadpool_limits(limits=1, user_api="blas"):
                 findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
+                if not any(finding.code == "turned" for finding in findings):
+                    findings += check_gravity(recording, robot)
     return in_order(findings)
 
 

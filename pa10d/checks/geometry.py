@@ -33,10 +33,7 @@ TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
 
 def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
     """Joints that are turned round, and torques that weigh another arm."""
-    rate = recording.rate
-    count = min(len(recording.t), int(LONGEST * rate))
-    first = (len(recording.t) - count) // 2
-    part = recording.part(first, first + count, "")
+    part = middle_of(recording)
     turned = dict(_turned(part, robot))
     for j, (signs, share) in sorted(turned.items()):
         label = joint_label(j, robot.joint_names)
@@ -54,6 +51,13 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
         )
     if not turned:
         yield from _weighed(part, robot)
+
+
+def middle_of(recording: Recording) -> Recording:
+    """As much of a recording as geometry is asked of."""
+    count = min(len(recording.t), int(LONGEST * recording.rate))
+    first = (len(recording.t) - count) // 2
+    return recording.part(first, first + count, "")
 
 
 def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
@@ -78,7 +82,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
         shares = {
             key: float(new.sum() / max(left.sum(), 1e-300))
             for key, new in found.items()
-            if len(new) == len(left) and _surely_less(new, left)
+            if len(new) == len(left) and surely_less(new, left)
         }
         if not shares:
             return
@@ -89,7 +93,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
         asked.remove(j)
 
 
-def _surely_less(new: Array, old: Array) -> bool:
+def surely_less(new: Array, old: Array) -> bool:
     """Sums of squares per block; their ratios, because blocks differ widely in size."""
     seen = (old > 0) & (new > 0)
     if seen.sum() < FEWEST or new.sum() > BETTER * old.sum():
