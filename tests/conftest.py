@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 import time
 from collections import Counter
 from pathlib import Path
@@ -22,6 +24,14 @@ SHARED = Path(__file__).resolve().parents[2] / "shared"
 def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the tests that take minutes, too")
     parser.addoption("--trials", type=int, help="how often --long tries what is drawn")
+
+
+def pytest_configure(config):
+    """Nothing of what the user keeps is read or written: not even the profile used last."""
+    place = tempfile.TemporaryDirectory(prefix="pa10d-tests-", ignore_cleanup_errors=True)
+    config.add_cleanup(place.cleanup)
+    os.environ.pop("PA10D_DATA", None)
+    os.environ["XDG_DATA_HOME"] = place.name
 
 
 def pytest_collection_modifyitems(config, items):

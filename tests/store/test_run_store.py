@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from store_data import channels, samples
 
 from pa10d.common.errors import UserError
 from pa10d.store import RunStore
+from pa10d.store.location import data_place
 from pa10d.store.names import checked_name, free_name, new_id, resolve
 from pa10d.store.run_info import RunInfo
 
@@ -215,3 +218,9 @@ def _timed(store):
     recording = store.recording("long")
     assert recording.q.shape == (20_000, 7)
     return time.process_time() - begin
+
+
+def test_tests_know_nothing_of_what_the_user_keeps():
+    """A profile that somebody used last would be that of every command without one."""
+    assert Path(tempfile.gettempdir()) in data_place().parents
+    assert not data_place().is_relative_to(Path.home() / ".local")
