@@ -31,7 +31,9 @@ def read_can_log(path: Path, profile: Profile) -> Table:
             raise ValueError("it ends before its first frame")
         with can.LogReader(path) as log:
             for message in log:
-                if message.arbitration_id == SYNC and not message.is_error_frame:
+                if message.is_extended_id or message.is_error_frame or message.is_remote_frame:
+                    continue  # CANopen's own have 11 bits; others may share the wire
+                if message.arbitration_id == SYNC:
                     syncs.append(message.timestamp)
                 elif (j := nodes.get(message.arbitration_id)) is not None:
                     data = bytes(message.data)

@@ -148,6 +148,12 @@ class Header:
         if "i1" in fields and "tau1" in missing and "tau1" not in fields:
             hint += "; motor currents need 'torque_constants' in the profile"
         some = ", ".join(missing[:8]) + (" …" if len(missing) > 8 else "")
+        if "tau1" in missing and "tau1" not in fields and "i1" not in fields:
+            asked = guessed(self.names, n, self._joints, demanded=True)
+            rules = rules_of([choice for choice in asked if choice.field.startswith("tau")], n)
+            if rules:
+                line = " ".join(map(shlex.quote, rules))
+                hint += f"; torques that were asked for, not measured, are there: --map {line}"
         return f"{self.where}: no column {some}; found {self._found()}; expected {wanted}{hint}"
 
     def _found(self) -> str:

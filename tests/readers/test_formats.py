@@ -581,6 +581,22 @@ def test_the_same_motion_comes_in(kind, tmp_path, motion, robot):
         assert np.allclose(found.samples.tau, tau, atol=tau_step)
 
 
+@pytest.mark.parametrize("alien", [{"is_extended_id": True}, {"is_remote_frame": True}])
+def test_foreign_frames_with_a_drive_s_number_are_not_its_own(tmp_path, motion, robot, alien):
+    whole, _ = can_log(".blf")(tmp_path, motion)
+    mixed = tmp_path / "mixed.blf"
+    with can.LogReader(whole) as log, can.Logger(mixed) as out:
+        for message in log:
+            if message.arbitration_id == 0x181:
+                frame = {"arbitration_id": 0x181, "is_extended_id": False, "dlc": 8, **alien}
+                data = None if "is_remote_frame" in alien else bytes(8)
+                out(can.Message(timestamp=message.timestamp - 1e-5, data=data, **frame))
+            out(message)
+    profile = robot[0].model_copy(update={"drives": [Drive(**d) for d in DRIVES], "can": Can()})
+    expected, found = (read_recording(p, profile, robot[1]).samples for p in (whole, mixed))
+    assert np.array_equal(found.q, expected.q)
+
+
 def test_units_of_a_mapping_reach_the_run(tmp_path, motion, robot):
     path, mapping = FILES["other units, joints from 0"](tmp_path, motion)
     found = read_recording(path, *robot, mapping)

@@ -129,6 +129,14 @@ def test_a_refusal_knows_the_joints_by_name_and_what_currents_need(tmp_path, mot
         read_recording(written(tmp_path, table), *robot)
 
 
+def test_torques_that_were_asked_for_are_named_where_there_are_no_others(tmp_path, motion, robot):
+    t, q, _, tau = motion
+    table = {"time": t, "q1": q[:, 0], "q2": q[:, 1], "torque_cmd_1": tau[:, 0]}
+    path = written(tmp_path, table | {"torque_cmd_2": tau[:, 1]})
+    with pytest.raises(UserError, match=r"asked for, not measured, .* 'torque_cmd_\{n\}=tau'$"):
+        read_recording(path, *robot)
+
+
 def test_what_holds_no_numbers_is_said(tmp_path, motion, robot):
     path = written(tmp_path, columns(*motion), delimiter=";")
     rows = path.read_text().splitlines()
