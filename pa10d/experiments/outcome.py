@@ -42,6 +42,8 @@ class Outcome:
         told = {key: plain(value) for key, value in vars(self).items() if value is not None}
         if not self.notes:
             del told["notes"]
+        if self.plan is not None and self.seconds is not None:
+            told.setdefault("adjusted", None)  # it moved as it was asked to
         return told
 
 
