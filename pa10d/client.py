@@ -471,6 +471,26 @@ def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
 
 
 @contextlib.contextmanager
+def daemon_serving(
+    data: str | os.PathLike[str] | None, file: str | os.PathLike[str]
+) -> Iterator[Client | None]:
+    """The daemon on this data where it serves the profile in ``file``, and goes on with what is
+    changed of it; None: whoever asks changes the file himself. Command is given back at the end."""
+    client = running_daemon(data)
+    if client is None:
+        yield None
+        return
+    with client:
+        if client.tuning()["file"] != os.fspath(file):
+            yield None
+            return
+        try:
+            yield client
+        finally:
+            client.let_others_command()
+
+
+@contextlib.contextmanager
 def local_daemon(
     data: str | os.PathLike[str],
     profile: str = "pa10-sim",

@@ -117,23 +117,19 @@ class _Tuner:
 
 @contextlib.contextmanager
 def _tuning(options: argparse.Namespace) -> Iterator[_Tuner]:
-    from pa10d.client import running_daemon
+    from pa10d.client import daemon_serving
     from pa10d.services import tuning as here
 
-    client = running_daemon(options.data)
-    if client is not None:
-        with client:
-            if client.tuning()["file"] == str(here.own_profile(options.data, options.profile)):
-                try:
-                    yield _Tuner(
-                        client.tuning, client.check_tuning, client.tune, client.undo_tuning,
-                        client.tuning_versions,
-                    )  # fmt: skip
-                finally:
-                    client.let_others_command()
-                return
-    calls = (here.show, here.propose, here.write, here.undo, here.versions)
-    yield _Tuner(*(partial(call, options.data, options.profile) for call in calls))
+    own = here.own_profile(options.data, options.profile)
+    with daemon_serving(options.data, own) as client:
+        if client is not None:
+            yield _Tuner(
+                client.tuning, client.check_tuning, client.tune, client.undo_tuning,
+                client.tuning_versions,
+            )  # fmt: skip
+            return
+        calls = (here.show, here.propose, here.write, here.undo, here.versions)
+        yield _Tuner(*(partial(call, options.data, options.profile) for call in calls))
 
 
 def _changes(settings: list[str]) -> dict[str, Any]:

@@ -152,14 +152,13 @@ def guide(options: argparse.Namespace) -> Answer:
 
 def apply(options: argparse.Namespace) -> Answer:
     """``weigh apply``."""
-    from pa10d.client import running_daemon
+    from pa10d.client import daemon_serving
     from pa10d.services.weighing.apply import apply_gains
 
-    client = running_daemon(options.data)
-    if client is None:
-        found = apply_gains(_data(options), options.name, options.joints)
-    else:
-        with client:
+    with daemon_serving(options.data, _file(options)) as client:
+        if client is None:
+            found = apply_gains(_data(options), options.name, options.joints)
+        else:
             found = client.apply_weighing(options.name, options.joints)
     gains = ", ".join(f"joint {j}: {g:g}" for j, g in found["applied"]["gains"].items())
     text = (
@@ -171,16 +170,24 @@ def apply(options: argparse.Namespace) -> Answer:
 
 def undo(options: argparse.Namespace) -> Answer:
     """``weigh undo``."""
-    from pa10d.client import running_daemon
+    from pa10d.client import daemon_serving
     from pa10d.services.weighing.apply import undo_gains
 
-    client = running_daemon(options.data)
-    if client is None:
-        found = undo_gains(_data(options), options.name)
-    else:
-        with client:
+    with daemon_serving(options.data, _file(options)) as client:
+        if client is None:
+            found = undo_gains(_data(options), options.name)
+        else:
             found = client.undo_weighing(options.name)
     return Answer(found, f"{found['file']} is what it was before")
+
+
+def _file(options: argparse.Namespace) -> str:
+    """The profile that the weighing is of: as ``profile tune`` has it, the daemon that serves it
+    changes it, and this process where none does."""
+    from pa10d.services.tuning import own_profile
+    from pa10d.services.weighing.archive import Weighings
+
+    return str(own_profile(options.data, Weighings(_data(options)).find(options.name).profile))
 
 
 def in_words(found: Document) -> str:

@@ -15,6 +15,7 @@ from pa10d.diagnose.procedure import diagnose, suspicion
 from pa10d.model import TorqueModel
 from pa10d.services.doubts import new_plan
 from pa10d.services.library import Library
+from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.models import read_runs, write_file
 from pa10d.store.models import ModelInfo
 
@@ -82,6 +83,7 @@ def diagnose_runs(
     only = None if effect is None else (effect, [j - 1 for j in joints])
     if only is not None:
         suspicion(only, loaded.robot.n)  # a slip of the pen is said before anything is read
+    refuse_beyond_memory("diagnose", [library.runs.find(run) for run in (*fit, *validate)])
     return diagnose(
         loaded,
         read_runs(library, fit, loaded.robot, force=force)[1],
@@ -115,6 +117,7 @@ def add_effect(
     loaded = library.models.load(library.models.find(model))
     at = [j - 1 for j in joints]
     refuse_slips(loaded, effect, at, over)  # before anything is read
+    refuse_beyond_memory("diagnose", [library.runs.find(run) for run in fit])
     runs = read_runs(library, fit, loaded.robot, force=force)[1]
     made, warnings = add_asked(loaded, effect, at, runs, name=name, over=over, progress=progress)
     return library.models.save(made, replace=replace_model), made, warnings

@@ -20,6 +20,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.model import Parameters, TorqueModel
 from pa10d.services.history import line_band
 from pa10d.services.library import Library
+from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.robots import load_robot
 from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
@@ -167,6 +168,7 @@ def compare_runs(
     """
     info = library.models.find(model)
     loaded = library.models.load(info)
+    refuse_beyond_memory("compare", [library.runs.find(run) for run in runs])
     infos, recordings = read_runs(library, runs, loaded.robot, force=force)
     band = line_band(library, info.id) if cutoff is None else cutoff
     comparison = compare(loaded, recordings, progress, band)

@@ -222,6 +222,45 @@ def test_the_profiles_own_undo_takes_the_gains_out(recorded, tmp_path):
     assert apply_gains(data, "w", [4])["applied"]["gains"] == {"4": gain}
 
 
+class Daemon:
+    """One on the same data: what it is asked, and which file it serves."""
+
+    def __init__(self, file, data):
+        self.file, self.data, self.asked = file, data, []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        return None
+
+    def tuning(self):
+        return {"file": str(self.file)}
+
+    def apply_weighing(self, name, joints):
+        self.asked.append(name)
+        return apply_gains(self.data, name, joints)
+
+    def let_others_command(self):
+        self.asked.append("given back")
+
+
+@pytest.mark.parametrize("serves_it", [True, False])
+def test_the_daemon_of_another_profile_is_left_alone(
+    recorded, mine, tmp_path, monkeypatch, serves_it
+):
+    data = shutil.copytree(recorded, tmp_path / "data")
+    state = Weighings(data).find("w")
+    state.profile = str(mine)
+    Weighings(data).save(state)
+    daemon = Daemon(mine if serves_it else mine.parent / "other.yaml", str(data))
+    monkeypatch.setattr("pa10d.client.running_daemon", lambda where: daemon)
+    before = mine.read_text()
+    assert main(["--data", str(data), "weigh", "apply", "w", "--joints", "2"]) == 0
+    assert daemon.asked == (["w", "given back"] if serves_it else [])
+    assert mine.read_text() != before
+
+
 def test_what_was_edited_by_hand_since_is_not_undone(recorded, mine, tmp_path):
     data = shutil.copytree(recorded, tmp_path / "data")
     state = Weighings(data).find("w")
