@@ -26,7 +26,7 @@ def test_what_is_walked_here_is_all_that_a_night_can_bring():
 
 def investigate(page, about: str) -> str:
     """Ask, start, wait for the report: what was found, in words."""
-    page.get_by_label("Ask", exact=True).select_option(label=about)
+    page.locator("#question").select_option(label=about)
     page.get_by_role("button", name="Show what will be done").click()
     panel = page.locator("#investigation")
     panel.get_by_text("Nothing has moved yet").wait_for(timeout=PATIENCE)
