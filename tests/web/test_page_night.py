@@ -37,6 +37,12 @@ def investigate(page, about: str) -> str:
     return panel.locator(".verdict").inner_text()
 
 
+def newest(client) -> dict:
+    """The last investigation as JSON."""
+    found = client._ask("GET", "/api/v1/investigations")["items"][0]["id"]
+    return client._ask("GET", f"/api/v1/investigations/{found}")
+
+
 @pytest.mark.long
 @pytest.mark.timeout(2000)
 @pytest.mark.parametrize("effect", CHANGES)
@@ -52,15 +58,14 @@ def test_what_a_night_brings_is_found_and_told(tmp_path, browser, visit, effect)
         page = visitor.page
         visitor.open("investigate")
         first = investigate(page, "what is missing in its model?")
-        assert client._ask("GET", "/api/v1/investigations")["items"][0]["verdict"] == "none"
+        assert newest(client)["verdict"] == "none"
         assert "nothing" in first.lower()
 
         page.get_by_role("button", name="Let a night pass").click()
         page.locator("#story", has_text="day 2").wait_for(timeout=120_000)
         page.locator("#arm-state", has_text="inactive").wait_for(timeout=120_000)
         investigate(page, "what has changed since investigation-m0?")
-        (found, *_) = client._ask("GET", "/api/v1/investigations")["items"]
-        whole = client._ask("GET", f"/api/v1/investigations/{found['id']}")
+        whole = newest(client)
         assert [one["effect"] for one in whole["findings"]] == [effect]
         before, after = (whole["judged"][side] for side in ("before", "after"))
         worst = max(range(3), key=lambda j: before[j] / after[j])
