@@ -164,6 +164,5 @@ def _v0_errors(
         if has_sign(term, j) and smoothing.found[j]:
             k = layout.size + int(np.searchsorted(found, j))
             force = max(abs(float(beta[place.start])), 1e-12)
-            if whole[k, k] > 0:  # rounding leaves less than none of what the data do not show
-                errors[j] = smoothing.v0[j] * np.sqrt(whole[k, k]) / force
+            errors[j] = smoothing.v0[j] * np.sqrt(whole[k, k]) / force
     return errors

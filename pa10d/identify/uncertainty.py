@@ -100,6 +100,9 @@ def covariance(
     inverse = solution.right @ solution.right.T
     smooth = inverse @ meat @ inverse
     rough = np.diag(inverse @ blockwise @ inverse) * blocks / max(blocks - 1, 1)
+    none = np.diag(smooth) <= 0.0  # a flat-top window may leave less than none of a variance
+    smooth[none, :], smooth[:, none] = 0.0, 0.0
+    smooth[none, none] = rough[none]
     ratio = np.sqrt(rough / np.maximum(np.diag(smooth), 1e-300))
     inflation = np.where(ratio > 1.0 + 2.0 / np.sqrt(2.0 * blocks), ratio, 1.0)
     whole = smooth * np.outer(inflation, inflation)

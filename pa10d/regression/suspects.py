@@ -135,8 +135,10 @@ def worst(covariances: Sequence[Array]) -> Array:
     """(p, p): each parameter as uncertain as the worst of several covariances makes it, related to
     the others as in their sum."""
     total = np.sum(covariances, axis=0)
-    most = np.max([np.diag(c) for c in covariances], axis=0)
-    shrink = np.sqrt(most / np.maximum(np.diag(total), 1e-300))
+    most, all_of_it = np.max([np.diag(c) for c in covariances], axis=0), np.diag(total)
+    # what nothing moves has a variance of rounding errors, below zero as often as above
+    share = np.divide(most, all_of_it, out=np.zeros(len(most)), where=all_of_it > 0)
+    shrink = np.sqrt(np.clip(share, 0.0, 1.0))
     return np.asarray(total * np.outer(shrink, shrink))
 
 

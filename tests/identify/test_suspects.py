@@ -123,3 +123,11 @@ def test_stretches_add_up_to_the_whole():
         found.append(tally.doubts(1.0))
     for a, b in zip(*found, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-6, atol=1e-12)
+
+
+def test_what_nothing_moves_stays_as_certain_as_it_was():
+    """Its variances are zero up to rounding, which is negative as often as positive."""
+    moved, unmoved = np.diag([4.0, 1e-26, -3e-26]), np.diag([1.0, -2e-26, 1e-26])
+    found = worst([moved, unmoved])
+    assert np.all(np.diag(found) >= 0.0)
+    assert found == pytest.approx(np.diag([4.0, 0.0, 0.0]), rel=1e-9, abs=1e-20)
