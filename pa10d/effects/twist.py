@@ -5,9 +5,7 @@ the torque p(δ) + C·δ̇, where p is a spring with a dead zone of ±gap; acros
 never pull. With τ_load the torque that a rigid joint would need, the link obeys, to first order
 in δ, M_jj·δ̈ + ∂τ/∂q̇·δ̇ + ∂τ/∂q·δ + p(δ) + C·δ̇ = τ_load. Integrated causally at the raw rate with
 sub-steps; the torque of all joints then follows, to first order in δ (exact in δ̈), from the rigid
-bodies moving with the link instead of the encoder. Where δ is too large for that, what the first
-order lacks is worked out from the rigid bodies as they move with the link, and put beside the load,
-until the motion stays as it is.
+bodies moving with the link instead of the encoder.
 
 Spong, Modeling and control of elastic joint robots (1987).
 """
@@ -26,8 +24,6 @@ from pa10d.effects.rotor import link_inertia, link_load, typical_link
 Array = NDArray[np.float64]
 
 SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
-SMALL = 0.02  # rad: below, the second order is a hundredth of the first
-CLOSER = 3  # times that what the first order lacks is worked out anew
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 
 
@@ -56,52 +52,12 @@ def twisted_torque(
     inertia = link_inertia(context, joint, rotor)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
     soft, drag = (np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))
-    pushes = np.repeat(load[:, None], len(wide), axis=1)
-    twist = mean_lag(pushes, soft, drag, inertia, stiffness, damping, wide, context.dt)
-    lost = _runs_away(twist)
-    twist[:, :, lost] = 0.0
-    beyond = np.zeros((len(load), 1 if own else by_q.shape[1], len(wide)))
-    # behind a gap a knock's moment depends on more digits than anybody knows: no closer look
-    wound = [] if wide.any() else [i for i in range(len(wide)) if np.any(_far(twist[:, 0, i]))]
-    for i in wound:
-        far = _far(twist[:, 0, i])
-        for _ in range(CLOSER):
-            lacks = np.where(far, _beyond_first_order(context, joint, twist[:, :, i]), 0.0)
-            pushes[:, i] = load + lacks[:, joint]
-            closer = mean_lag(
-                pushes[:, [i]], soft, drag, inertia, stiffness, damping, wide[[i]], context.dt
-            )
-            if _runs_away(closer)[0]:
-                twist[:, :, i], lacks[:] = 0.0, 0.0
-                break
-            twist[:, :, i] = closer[:, :, 0]
-        beyond[:, :, i] = lacks[:, reach]
-    torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist) + beyond
+    twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, context.dt)
+    # far from the model's validity the integration may run away: no torque is better than inf
+    twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
+    torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     return torque[:, 0] if own else torque
-
-
-def _runs_away(twist: Array) -> NDArray[np.bool_]:
-    """(S,) far from where the bodies' motion means anything; no torque is better than inf."""
-    return np.asarray(~(np.abs(twist[:, 0]) <= 1.0).all(axis=0))
-
-
-def _far(lag: Array) -> NDArray[np.bool_]:
-    """(N, 1) from the first sample on at which δ (N,) is beyond first order: what comes later does
-    not change what was."""
-    return np.asarray(np.maximum.accumulate(np.abs(lag)) > SMALL)[:, None]
-
-
-def _beyond_first_order(context: Context, joint: int, twist: Array) -> Array:
-    """(N, n) N·m of the rigid bodies on a link that lags by δ, δ̇, δ̈ (N, 3), on top of what their
-    derivatives by its motion say."""
-    by_q, by_dq, by_ddq = context.sensitivity(joint)
-    moved = [x.copy() for x in (context.q, context.dq, context.ddq)]
-    for x, lag in zip(moved, twist.T, strict=True):
-        x[:, joint] -= lag
-    lag, rate, change = (x[:, None] for x in twist.T)
-    first = by_q * lag + by_dq * rate + by_ddq * change
-    return np.asanyarray(context.rigid_torque(*moved) - context.load + first)
 
 
 def static_lag(load: Array, by_q: Array, stiffness: float, gaps: Array) -> Array:
@@ -135,16 +91,12 @@ def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, dt):
     """δ, δ̇, δ̈ (N, 3, S) of the driven oscillator, from its static equilibrium at the first
     sample, the mean over each case's gaps (S, E).
 
-    load (N, S) N·m, by_q N·m/rad, by_dq N·m·s/rad, inertia kg·m², (N,): the link's equation
+    load N·m, by_q N·m/rad, by_dq N·m·s/rad, inertia kg·m², (N,): the link's equation
     """
     n, (cases, each) = len(load), gaps.shape
     gap, lanes = gaps.ravel(), cases * each
-    x, v, a = np.empty(lanes), np.zeros(lanes), np.zeros(lanes)
-    grip = max(stiffness + by_q[0], SOFTEST * stiffness)
-    for i in range(lanes):
-        at = load[0, i // each]
-        side = 1.0 if at >= 0 else -1.0
-        x[i] = (at + side * stiffness * gap[i]) / grip
+    side = 1.0 if load[0] >= 0 else -1.0
+    x, v, a = load[0] / stiffness + side * gap, np.zeros(lanes), np.zeros(lanes)
     out = np.zeros((n, 3, cases))
     for k in range(n):
         steps = max(1, int(np.ceil(np.sqrt(stiffness / inertia[k]) * dt * SUBSTEPS)))
@@ -155,10 +107,9 @@ def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, dt):
             w = (s + 0.5) / steps  # everything known is taken at the sub-step's middle
             m = inertia[b] + (inertia[k] - inertia[b]) * w
             soft, drag = by_q[b] + (by_q[k] - by_q[b]) * w, by_dq[b] + (by_dq[k] - by_dq[b]) * w
+            push = load[b] + (load[k] - load[b]) * w
             free = m + 0.5 * h * drag + 0.25 * h * h * soft
             for i in range(lanes):
-                at = i // each
-                push = load[b, at] + (load[k, at] - load[b, at]) * w
                 spring, grip = _grip(x[i], v[i], stiffness, damping, gap[i])
                 slope, c = soft + grip * stiffness, drag + grip * damping
                 # linearly implicit midpoint: stable for any stiffness, second order
@@ -169,7 +120,7 @@ def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, dt):
         for i in range(lanes):
             spring, grip = _grip(x[i], v[i], stiffness, damping, gap[i])
             slope, c = by_q[k], by_dq[k] + grip * damping
-            a[i] = (load[k, i // each] - grip * spring - c * v[i] - slope * x[i]) / inertia[k]
+            a[i] = (load[k] - grip * spring - c * v[i] - slope * x[i]) / inertia[k]
         for i in range(cases):
             for e in range(i * each, (i + 1) * each):
                 out[k, 0, i] += x[e] / each

@@ -79,11 +79,7 @@ def test_the_search_for_a_rotor_begins_only_where_the_model_does_not_know_it():
 
 @pytest.mark.parametrize(
     ("name", "shape"),
-    [
-        ("joint_elasticity", {"K": 3e3, "zeta": 0.05}),
-        ("joint_elasticity", {"K": 120.0, "zeta": 0.15}),  # wound by 0.2 rad, in the motion's band
-        ("backlash", {"b": 3e-3}),
-    ],
+    [("joint_elasticity", {"K": 3e3, "zeta": 0.05}), ("backlash", {"b": 3e-3})],
 )
 def test_against_links_moved_by_pinocchio(name, shape):
     """The elbow's link hangs on its transmission; all motors follow their angles exactly."""
@@ -113,10 +109,8 @@ def test_against_links_moved_by_pinocchio(name, shape):
             passed = 0.0
         return (load - passed) / mass
 
-    start = [0.0, 0.0]
-    for _ in range(50):  # at rest under the load that it has there
-        load = link(0.0, *start)[1]
-        start[0] = load / stiffness + np.sign(load) * gap
+    first = link(0.0, 0.0, 0.0)[1]
+    start = [first / stiffness + np.sign(first) * gap, 0.0]
     found = solve_ivp(
         lambda t, y: [y[1], acceleration(t, *y)],
         (0, context.t[-1]),
