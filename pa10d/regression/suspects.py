@@ -159,4 +159,5 @@ def _beside(first: Family, second: Family) -> Family:
 
 def _times(first: Family, second: Family) -> Family:
     columns = first[0][:, :, None] * second[0][:, None, :]
-    return columns.reshape(len(columns), -1), np.outer(first[1], second[1]).ravel()
+    weights = np.outer(first[1], second[1]).ravel()
+    return columns.reshape(len(columns), len(weights)), weights

@@ -131,3 +131,20 @@ def test_what_nothing_moves_stays_as_certain_as_it_was():
     found = worst([moved, unmoved])
     assert np.all(np.diag(found) >= 0.0)
     assert found == pytest.approx(np.diag([4.0, 0.0, 0.0]), rel=1e-9, abs=1e-20)
+
+
+def test_a_stretch_in_which_a_joint_never_counts_says_nothing():
+    rng = np.random.default_rng(2)
+    q, dq, ddq, residual = rng.normal(size=(4, 300, 2))
+    keep = np.ones((300, 2), dtype=bool)
+    seen = Stretch(residual, keep, q, dq, ddq)
+    empty = Stretch(residual, np.zeros_like(keep), q, dq, ddq)
+    basis = np.linalg.qr(rng.normal(size=(300, 3)))[0]
+    suspects, told = Suspects([seen, empty]), []
+    for stretches in ([seen], [seen, empty]):
+        tally = Tally()
+        for stretch in stretches:
+            kept = stretch.keep[:, 0]
+            tally.add(suspects.families(stretch, 0), basis[kept], stretch.residual[kept, 0])
+        told.append(tally.doubts(1.0))
+    np.testing.assert_array_equal(told[0], told[1])
