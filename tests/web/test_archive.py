@@ -16,15 +16,7 @@ from pa10d.services.models import compare_runs
 FIRST, ZOOM = 3.0, 0.6  # s on a quiet machine: three times what was promised
 
 
-def slowness() -> float:
-    """By how much others on this machine stretch a second of work."""
-    wall, own = time.perf_counter(), time.process_time()
-    while time.process_time() - own < 0.3:
-        sum(range(1000))
-    return (time.perf_counter() - wall) / 0.3
-
-
-def test_compare_is_quick_with_long_runs(archive, visit, record_property):
+def test_compare_is_quick_with_long_runs(archive, visit, record_property, pytestconfig):
     url, _ = archive
     visitor = visit(url)
     page = visitor.page
@@ -32,7 +24,6 @@ def test_compare_is_quick_with_long_runs(archive, visit, record_property):
     page.locator("#compare-start:enabled").wait_for()
     url_of_run = f"{url}/api/v1/plots/run?run=train_a"
     assert httpx.get(url_of_run, timeout=120, trust_env=False).status_code == 200  # awake
-    stretched = slowness()
     began = time.monotonic()
     page.click("#compare-start")
     page.locator("#compare .canvas .main-svg").first.wait_for()
@@ -52,12 +43,12 @@ def test_compare_is_quick_with_long_runs(archive, visit, record_property):
     )
     record_property("first_plot_s", first)
     record_property("zoom_s", took)
-    stretched = max(stretched, slowness())
-    print(f"first plot {first:.2f} s, zoom {took:.3f} s, others stretch by {stretched:.1f}")
+    print(f"first plot {first:.2f} s, zoom {took:.3f} s")
     shown = page.evaluate("document.querySelector('#compare .canvas')._fullData[0].y.length")
     assert 1500 <= shown <= 1600, "3 s at 500 Hz in full resolution"
-    assert first < FIRST * stretched
-    assert took < ZOOM * stretched
+    if pytestconfig.getoption("--long"):  # only then does a test judge its machine
+        assert first < FIRST
+        assert took < ZOOM
     assert not visitor.foreign()
     assert not visitor.errors
 
