@@ -116,7 +116,6 @@ SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged (c: at half
 #   LWR4's ripple on joint 7 goes, which is marginal, and joint 6 gets another map)
 HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for (a)
 BLOCK_SECONDS = 2.0  # of time that counts as one draw where the drop is judged by blocks (a)
-LONGEST_MEMORY = 4.0  # s over which noise may remember itself (a, but for 2 % of two std. errors)
 MAP_KNOTS = 8  # hat functions per variable of a map of two (c: at 16 a map is claimed on a clean
 #   joint of the arm with Stribeck friction; at 4 the LWR4's joint 6 gets another map)
 MAP_FINE_KNOTS = 24  # of a map of one (a, without the LWR4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +13,8 @@ from pa10d.identify.blocks import Pieces
 from pa10d.identify.prior import Prior
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
-from pa10d.identify.uncertainty import Uncertainty, covariance
-from pa10d.regression.lacking import Stretch, lacking
+from pa10d.regression.covariance import Seen, Uncertainty, uncertainty
+from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout, has_sign
 from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
@@ -95,22 +96,20 @@ def weighted_fit(
         Stretch.of(piece.equation, residual, keep)
         for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
     ]
-    uncertainty = covariance(
-        lambda: stretches(smoothing.found),
-        outer,
-        wide,
-        residuals,
-        keeps,
-        _degrees(moving, outer, wide),
-        pieces.rate,
+    inverse = wide.right @ wide.right.T
+    uncertain = uncertainty(
         motion,
-        lacking(motion, pieces.lowpass),
-        None if prior is None else prior.information(size + len(found)),
+        lambda: (_seen(rows, outer, wide) for rows in stretches(smoothing.found)),
+        [inverse[:, index] for index in outer],
+        wide.sigma,
+        _degrees(moving, outer, wide),
+        pieces.lowpass,
+        None if prior is None else inverse @ prior.information(len(inverse)) @ inverse,
     )
-    errors = _v0_errors(layout, smoothing, solution.beta, uncertainty.covariance)
+    errors = _v0_errors(layout, smoothing, solution.beta, uncertain.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
-    known = uncertainty.first(size)
+    known = uncertain.first(size)
     sizes = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
     added = added_ones(len(layout.base), layout.terms)
     open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
@@ -133,6 +132,20 @@ def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:
     """(n,) N·m RMS of each joint's residual."""
     squares = [f.squares(np.append(-beta[i], 1.0)) for f, i in zip(factors, indices, strict=True)]
     return np.sqrt(np.array(squares) / np.maximum([f.rows for f in factors], 1))
+
+
+def _seen(rows: Rows, indices: Indices, solution: Solution) -> list[Seen]:
+    """Of one stretch: the columns of every joint under its weight."""
+    out = []
+    for j, index in enumerate(indices):
+        keep, sigma, columns = rows.keep[:, j], solution.sigma[j], rows.columns[j]
+        weighted = np.where(keep[:, None], columns / sigma, 0.0)
+        out.append(Seen(weighted, partial(_times, weighted[keep], solution.right[index])))
+    return out
+
+
+def _times(columns: Array, turn: Array) -> Array:
+    return np.asarray(columns @ turn)
 
 
 def _triangles(stretches: Iterable[Rows]) -> tuple[list[Triangle], list[Triangle]]:

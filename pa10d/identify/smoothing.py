@@ -32,7 +32,6 @@ FINEST = np.array([0.96, 1.0, 1.04])
 BLUNTER, SHARPER = 16.0, 6.0  # drop of the squared error, in units of one independent sample, that
 # proves a v0 above or below the usual one: a blunt sign imitates other effects, a sharp one nothing
 WIDEST = 0.03  # of the fast speed: a sign smoothed over more is no Coulomb friction but a curve
-LONGEST = 2.0  # s over which a residual may be correlated
 
 
 @dataclass(frozen=True)
@@ -130,8 +129,7 @@ def _unit_of_evidence(
             stretches[j].append((error, part.keep[:, j]))
     out = np.empty(len(best))
     for j, k in enumerate(best):
-        longest = max(4, min(int(LONGEST * pieces.rate), len(stretches[j][0][0]) // 4))
-        gamma = colour(stretches[j], longest)
+        gamma = colour(stretches[j], pieces.rate)
         inflation = 1.0 + 2.0 * float(gamma[1:].sum()) / max(float(gamma[0]), 1e-300)
         torque = float(losses[j].max())
         noise = max(float(losses[j][k]), 1e-20 * torque) / max(fits[j].rows, 1)

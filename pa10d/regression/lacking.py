@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
-from pa10d.regression.spectrum import autocovariance, spectrum_of
+from pa10d.regression.spectrum import autocovariance, longest_lag, spectrum_of
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -28,7 +28,6 @@ FEWEST_BLOCKS = 6
 FEWEST_STATES = 6  # that both halves visit, to compare them at all
 ALIKE = 0.7  # correlation of the halves' means: as much that comes again as does not
 SURE = 2.0  # standard errors
-LONGEST = 2.0  # s over which a residual may be correlated
 UPPER = (0.5, 0.85)  # of the cut-off: where the residual's spectrum is taken as the noise's
 
 
@@ -62,8 +61,7 @@ def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:
         if _never_comes_again(stretches, j, rate):
             continue
         own = [(s.residual[:, j], s.keep[:, j]) for s in stretches]
-        longest = int(min(LONGEST * rate, min(len(r) for r, _ in own) // 4))
-        gamma, count = autocovariance(own, max(longest, 4))
+        gamma, count = autocovariance(own, longest_lag([len(k) for _, k in own], rate))
         f = np.linspace(0.0, 0.5 * rate, 512)
         gain = lowpass.gain(f)
         upper = (f > UPPER[0] * lowpass.cutoff) & (f < UPPER[1] * lowpass.cutoff)

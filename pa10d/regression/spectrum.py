@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+LONGEST = 2.0  # s over which a residual may be correlated (decision 0174)
+
+
+def longest_lag(lengths: Sequence[int], rate: float) -> int:
+    """Samples over which residuals in stretches of these lengths are looked at for correlation."""
+    return max(4, min(int(LONGEST * rate), max(lengths) // 4))
 
 
 def autocovariance(
@@ -50,9 +57,9 @@ def flat_top(gamma: Array, length: int) -> Array:
     return gamma * np.clip(2.0 - lags / max(length, 1), 0.0, 1.0)
 
 
-def colour(stretches: Iterable[tuple[Array, NDArray[np.bool_]]], longest: int) -> Array:
-    """γ (longest+1,) of residuals, tapered beyond the lag from which on it is chance."""
-    gamma, count = autocovariance(stretches, longest)
+def colour(stretches: Sequence[tuple[Array, NDArray[np.bool_]]], rate: float) -> Array:
+    """γ (L+1,) of residuals, tapered beyond the lag from which on it is chance."""
+    gamma, count = autocovariance(stretches, longest_lag([len(k) for _, k in stretches], rate))
     return flat_top(gamma, correlation_length(gamma, count))
 
 

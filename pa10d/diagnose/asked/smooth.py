@@ -13,7 +13,6 @@ from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 from pa10d.diagnose.constants import (
     ALIKE,
     LEAST_SLOPE,
-    LONGEST_MEMORY,
     SMOOTH_LEVEL,
     SMOOTH_ROUNDS,
     SMOOTH_TAILS,
@@ -163,10 +162,7 @@ def _smoothing(state: SearchState, fit: LeastSquares, term: Term, alike: float) 
 
 def _alike(side: Side, joint: int, residual: Array) -> float:
     """How many samples of a residual (m_j,) are worth one independent one."""
-    keep = [k[:, joint] for k in side.keep]
-    values = [run[:, joint] for run in side.scatter({joint: residual})]
-    longest = int(min(LONGEST_MEMORY * side.runs[0].rate, min(map(len, keep)) // 4))
-    gamma = colour(zip(values, keep, strict=True), longest)
+    gamma = colour(side.stretches(joint, residual), side.runs[0].rate)
     return float((2.0 * gamma.sum() - gamma[0]) / gamma[0])
 
 

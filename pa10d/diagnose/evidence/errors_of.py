@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import LONGEST_MEMORY
 from pa10d.diagnose.evidence.held_out import Doubt
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.least_squares import LeastSquares
@@ -19,32 +19,33 @@ from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import Value
-from pa10d.regression.lacking import Stretch, lacking, weight_of
-from pa10d.regression.spectrum import colour, coloured_gram
-from pa10d.regression.suspects import Suspects, Tally, worst
+from pa10d.regression.covariance import Seen, uncertainty
+from pa10d.regression.lacking import Stretch
+from pa10d.regression.scores import Memory, Scores, block_of, covariance_of
 from pa10d.regression.told import added_ones, left_open, names_of
 
 Array = NDArray[np.float64]
+Noises = dict[int, Scores]
+"""joint -> what its noise makes of the scores of a fit's basis."""
 
 
 def full_covariance(
     state: SearchState, fit: LeastSquares | None = None, noise: PerJoint | None = None
 ) -> Array:
-    """(p, p) of all coefficients: (XᵀX)⁻¹ XᵀΣX (XᵀX)⁻¹ with Σ from the residuals themselves.
+    """(p, p) of all coefficients under noise alone, as it is correlated.
 
     fit: another one of the same columns, some of them left out; noise: weighted residuals (m_j,)
     that know more than its own.
     """
     fit = state.fit if fit is None else fit
-    return _covariance(state, fit, noise_grams(state.train, noise or fit.residual, fit.basis))
+    return _covariance(state, fit, _noises(state.train, fit, noise or fit.residual))
 
 
 def honest_covariance(state: SearchState) -> Array:
     """(p, p) of all coefficients as a model states them: what it lacks itself included. The search
     asks whether there is more than noise; who reads a model asks how far off it may be."""
     fit = state.fit
-    grams = noise_grams(state.train, fit.residual, fit.basis)
-    return _covariance(state, fit, grams) + _of_lack(state, fit.basis, fit.to_beta)
+    return _stated(state, fit.basis, fit.to_beta, _known(state, fit))
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,8 @@ class Doubts:
     """
 
     state: SearchState
-    grams: dict[int, Array]
+    noises: Noises
+    block: int
 
     @classmethod
     def of(cls, state: SearchState, changes: Iterable[PerJoint]) -> Doubts:
@@ -69,37 +71,36 @@ class Doubts:
                 rest = state.fit.residual[j] - moved
                 if rest @ rest < left[j] @ left[j]:
                     left[j] = rest
-        return cls(state, noise_grams(state.train, left, state.fit.basis))
+        memories = _memories(state.train, state.fit, left)
+        block = _block(state.train, memories)
+        return cls(state, _scores(state.train, memories, left, state.fit.basis, block), block)
 
     def beside(self, change: PerJoint) -> Doubt:
         """With a candidate added that changes the fit side so."""
-        fit = self.state.fit
+        side, fit = self.state.train, self.state.fit
         left = {j: fit.residual[j] - moved for j, moved in change.items()}
-        own = noise_grams(self.state.train, left, {j: fit.basis[j] for j in left})
-        covariance = _covariance(self.state, fit, {**self.grams, **own})
-        return Doubt(self.state.held_matrix, covariance)
+        own = _scores(side, _memories(side, fit, left), left, fit.basis, self.block)
+        return doubt_under(self.state, {**self.noises, **own})
 
 
-def doubt_under(state: SearchState, grams: dict[int, Array]) -> Doubt:
-    """How uncertain the model is on the held-out side, with each joint's noise given as
-    ``held_noise_gram`` has it."""
-    return Doubt(state.held_matrix, _covariance(state, state.fit, grams))
+def doubt_under(state: SearchState, noises: Noises) -> Doubt:
+    """How uncertain the model is on the held-out side under each joint's noise."""
+    return Doubt(state.held_matrix, _covariance(state, state.fit, noises))
 
 
-def held_noise_gram(
-    state: SearchState, joint: int, noise: Array, heard: NDArray[np.bool_]
-) -> Array:
-    """QᵀΓQ of the fit side with a joint's noise as the held-out side has it.
+def held_noise(state: SearchState, joint: int, noise: Array, heard: NDArray[np.bool_]) -> Scores:
+    """Of the fit side's basis under a joint's noise as the held-out side has it.
 
     noise: (m_j,) N·m held out; heard: the samples of it that count. What bends so freely that it
     takes noise along leaves too little of it on the side it was fitted to, but not here.
     """
-    rows = state.held.scatter({joint: noise / state.fit.sigma[joint]})
-    there = state.held.scatter({joint: heard.astype(float)})
-    keep = [t[:, joint] > 0 for t in there]
-    stretches = [(r[:, joint], k) for r, k in zip(rows, keep, strict=True)]
-    gamma = _colour(stretches, state.held.runs[0].rate)
-    return _coloured(state.train, joint, state.fit.basis[joint], gamma)
+    there = state.held.stretches(joint, heard.astype(float))
+    rows = state.held.stretches(joint, noise / state.fit.sigma[joint])
+    parts = [(r, t > 0) for (r, _), (t, _) in zip(rows, there, strict=True)]
+    scores = Scores(Memory.of(parts, state.held.runs[0].rate))
+    for columns in state.train.spread(joint, state.fit.basis[joint]):
+        scores.add(columns)
+    return scores
 
 
 def doubt_of(
@@ -122,13 +123,18 @@ def moved_by_doubt(state: SearchState, level: float) -> Array:
     return out
 
 
-def _covariance(state: SearchState, fit: LeastSquares, grams: dict[int, Array]) -> Array:
-    middle = np.sum(list(grams.values()), axis=0)
-    if state.knowledge is not None:
-        # what was known already is as certain as it said
-        top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
-        middle = middle + np.eye(len(top)) - top
-    return np.asarray(fit.to_beta @ middle @ fit.to_beta.T)
+def _covariance(state: SearchState, fit: LeastSquares, noises: Noises) -> Array:
+    whole, _ = covariance_of(list(noises.values()), [fit.to_beta] * len(noises))
+    known = _known(state, fit)
+    return whole if known is None else whole + known
+
+
+def _known(state: SearchState, fit: LeastSquares) -> Array | None:
+    """(p, p) what is not of these data: what was known already is as certain as it said."""
+    if state.knowledge is None:
+        return None
+    top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
+    return np.asarray(fit.to_beta @ (np.eye(len(top)) - top) @ fit.to_beta.T)
 
 
 def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, float]]:
@@ -152,11 +158,10 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
         if penalty is not None:
             gram = gram + penalty.T @ penalty
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
-    grams = noise_grams(state.train, state.fit.residual, left)
-    middle = np.sum(list(grams.values()), axis=0)
-    covariance = inverse @ middle @ inverse + _of_lack(state, left, np.asarray(inverse))
+    known = None
     if state.knowledge is not None:
-        covariance = covariance + inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
+        known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
+    covariance = _stated(state, left, np.asarray(inverse), known)
     slopes = {j: c[:, k:] for j, c in columns.items()}
     systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
     covariance = covariance + np.diag(systematic)
@@ -196,55 +201,53 @@ def scales_of(state: SearchState, columns: PerJoint) -> tuple[Array, Array, Arra
     return peaks, np.array(torque), state.fit.rms()
 
 
-def _of_lack(state: SearchState, columns: PerJoint, turn: Array) -> Array:
-    """(p, p) how far what the model lacks may move ``turn`` (p, k) times what weighted columns
-    (m_j, k) see of the torque (see ``lacking`` and ``suspects``)."""
-    side, sigma, fit = state.train, state.fit.sigma, state.fit
-    there = side.scatter(fit.residual)
+def _stated(state: SearchState, columns: PerJoint, turn: Array, known: Array | None) -> Array:
+    """(p, p) of estimates that weighted errors move by ``turn`` (p, k) times what weighted columns
+    (m_j, k) see of them, as a model states it."""
+    side, fit = state.train, state.fit
+    left = side.scatter(fit.residual)
     stretches = [
-        Stretch.of(run, residual * sigma, keep)
-        for run, keep, residual in zip(side.runs, side.keep, there, strict=True)
+        Stretch.of(run, residual * fit.sigma, keep)
+        for run, keep, residual in zip(side.runs, side.keep, left, strict=True)
     ]
-    samples = np.sum([k.sum(axis=0) for k in side.keep], axis=0).astype(float)
-    lack = lacking(stretches, side.runs[0].lowpass)
-    weight = weight_of(lack, samples) / sigma**2
-    suspects, whole = Suspects(stretches), np.zeros((len(turn), len(turn)))
-    for j in (j for j in range(side.n) if lack[j] > 0.0):
-        tally, start = Tally(), 0
-        for stretch in stretches:
-            rows = slice(start, start + int(stretch.keep[:, j].sum()))
-            residual = fit.residual[j][rows] * sigma[j]
-            tally.add(suspects.families(stretch, j), fit.basis[j][rows], residual, columns[j][rows])
-            start = rows.stop
-        found = [d / sigma[j] ** 2 for d in tally.doubts(float(lack[j]))]
-        anything = weight[j] * (columns[j].T @ columns[j])
-        whole += worst([turn @ doubt @ turn.T for doubt in (anything, *found)])
-    return whole
+    spread = [side.spread(j, columns[j]) for j in range(side.n)]
+    bases = [side.spread(j, fit.basis[j]) for j in range(side.n)]
+
+    def seen() -> Iterator[list[Seen]]:
+        for k, keep in enumerate(side.keep):
+            yield [
+                Seen(spread[j][k], partial(np.compress, keep[:, j], bases[j][k], axis=0))
+                for j in range(side.n)
+            ]
+
+    turns, lowpass = [turn] * side.n, side.runs[0].lowpass
+    degrees = fit.leverage()
+    return uncertainty(stretches, seen, turns, fit.sigma, degrees, lowpass, known).covariance
 
 
-def noise_grams(side: Side, residual: PerJoint, columns: PerJoint) -> dict[int, Array]:
-    """joint -> Cᵀ Γ_j C for weighted columns and the whitened residual's autocovariance Γ_j."""
-    return {j: _noise_gram(side, j, residual[j], c) for j, c in columns.items()}
+def _noises(side: Side, fit: LeastSquares, residual: PerJoint) -> Noises:
+    """Of the fit's basis under each joint's noise: weighted residuals (m_j,)."""
+    memories = _memories(side, fit, residual)
+    return _scores(side, memories, residual, fit.basis, _block(side, memories))
 
 
-def _noise_gram(side: Side, joint: int, residual: Array, columns: Array) -> Array:
-    scattered = side.scatter({joint: residual})
-    stretches = [(r[:, joint], k[:, joint]) for r, k in zip(scattered, side.keep, strict=True)]
-    return _coloured(side, joint, columns, _colour(stretches, side.runs[0].rate))
+def _memories(side: Side, fit: LeastSquares, residual: PerJoint) -> dict[int, Memory]:
+    degrees, rate = fit.leverage(), side.runs[0].rate
+    return {
+        j: Memory.of(side.stretches(j, r), rate, float(degrees[j])) for j, r in residual.items()
+    }
 
 
-def _colour(stretches: list[tuple[Array, NDArray[np.bool_]]], rate: float) -> Array:
-    longest = int(min(LONGEST_MEMORY * rate, min(len(k) for _, k in stretches) // 4))
-    return colour(stretches, longest)
+def _block(side: Side, memories: dict[int, Memory]) -> int:
+    return block_of(list(memories.values()), sum(map(len, side.keep)), side.runs[0].rate)
 
 
-def _coloured(side: Side, joint: int, columns: Array, gamma: Array) -> Array:
-    total, start = np.zeros((columns.shape[1], columns.shape[1])), 0
-    for run_keep in side.keep:
-        k = run_keep[:, joint]
-        rows = int(k.sum())
-        spread = np.zeros((len(k), columns.shape[1]))
-        spread[k] = columns[start : start + rows]
-        total += coloured_gram(spread, gamma)
-        start += rows
-    return total
+def _scores(
+    side: Side, memories: dict[int, Memory], residual: PerJoint, columns: PerJoint, block: int
+) -> Noises:
+    out = {j: Scores(memory, block) for j, memory in memories.items()}
+    for j, scores in out.items():
+        stretches = side.stretches(j, residual[j])
+        for rows, (left, _) in zip(side.spread(j, columns[j]), stretches, strict=True):
+            scores.add(rows, left)
+    return out

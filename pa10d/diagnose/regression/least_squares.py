@@ -78,6 +78,10 @@ class LeastSquares:
             target=self.target,
         )
 
+    def leverage(self) -> Array:
+        """(n,) share of the coefficients that each joint's equation had to pay for."""
+        return np.array([float(np.sum(self.basis[j] ** 2)) for j in range(len(self.sigma))])
+
     def covariance(self) -> Array:
         """(p, p) for unit-variance independent errors; the caller knows better about noise."""
         return np.asarray(self.to_beta @ self.to_beta.T)

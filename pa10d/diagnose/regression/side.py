@@ -96,5 +96,19 @@ class Side:
                 start += count
         return out
 
+    def stretches(self, joint: int, rows: Array) -> list[tuple[Array, NDArray[np.bool_]]]:
+        """Per run (M,) rows (m_j,) of one joint, zeros where nothing is kept, and where it is."""
+        scattered = self.scatter({joint: rows})
+        return [(r[:, joint], k[:, joint]) for r, k in zip(scattered, self.keep, strict=True)]
+
+    def spread(self, joint: int, rows: Array) -> list[Array]:
+        """Per run (M, k) rows (m_j, k) of one joint, zeros where nothing is kept."""
+        out, start = [], 0
+        for keep in (k[:, joint] for k in self.keep):
+            out.append(np.zeros((len(keep), rows.shape[1])))
+            stop = start + int(keep.sum())
+            out[-1][keep], start = rows[start:stop], stop
+        return out
+
     def _rows(self, per_run: list[Array], joint: int) -> Array:
         return np.concatenate([x[k[:, joint]] for x, k in zip(per_run, self.keep, strict=True)])

@@ -31,7 +31,7 @@ from pa10d.diagnose.constants import (
     UNHEARD,
     UNKNOWN_GROUND,
 )
-from pa10d.diagnose.evidence.errors_of import doubt_under, held_noise_gram
+from pa10d.diagnose.evidence.errors_of import Noises, doubt_under, held_noise
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.state import SearchState
@@ -228,28 +228,26 @@ class Noise:
     leaves."""
 
     state: SearchState
-    grams: dict[int, Array]
-    own: dict[int, Array]
+    noises: Noises
+    own: Noises
 
     def beside(self, prediction: Prediction) -> Doubt:
         """With this one added: the noise of its joint is what it leaves."""
         own = {prediction.joint: self.own[id(prediction)]}
-        return doubt_under(self.state, {**self.grams, **own})
+        return doubt_under(self.state, {**self.noises, **own})
 
 
 def noise_beside(state: SearchState, residual: PerJoint, predictions: list[Prediction]) -> Noise:
     """residual: joint -> (m_j,) N·m held out."""
     power = {j: float(np.mean(r**2)) for j, r in residual.items()}
-    grams = {
-        j: held_noise_gram(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()
-    }
+    noises = {j: held_noise(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()}
     own = {}
     for p in predictions:
         left = residual[p.joint] - p.values
-        own[id(p)] = held_noise_gram(state, p.joint, left, p.inside)
+        own[id(p)] = held_noise(state, p.joint, left, p.inside)
         if (now := float(np.mean(left[p.inside] ** 2))) < power[p.joint]:
-            power[p.joint], grams[p.joint] = now, own[id(p)]
-    return Noise(state, grams, own)
+            power[p.joint], noises[p.joint] = now, own[id(p)]
+    return Noise(state, noises, own)
 
 
 @dataclass(frozen=True)
