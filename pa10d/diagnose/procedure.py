@@ -218,7 +218,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         size=size,
         confounded_with=confusions,
         next_experiment=plan,
-        sentence=sentence(term, before, after, size, confusions, state.prior is not None),
+        sentence=sentence(term, before, after, size, confusions, state.frozen),
     )
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.prior import Prior
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.covariance import Seen, Uncertainty, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout, has_sign
+from pa10d.regression.problem import Knowledge, Problem
 from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
@@ -55,17 +55,16 @@ def plain_fit(pieces: Pieces, layout: Layout) -> Array:
 
 def weighted_fit(
     pieces: Pieces,
-    layout: Layout,
+    problem: Problem[Layout],
     smoothing: Smoothing,
     weights: Sequence[Array] | None = None,
-    prior: Prior | None = None,
 ) -> Fit:
-    """Fit everything in the layout; each v0 that was found counts as one more unknown when the
+    """Fit all unknowns; each v0 that was found counts as one more unknown when the
     errors are worked out, because it makes the others less certain.
 
     weights: per piece (M, n), by which rows are multiplied beside 1/σ of their joint
-    prior: what is known of the bodies beforehand
     """
+    layout, known = problem.unknowns, problem.known
 
     def stretches(bent: NDArray[np.bool_] | None = None) -> Iterator[Rows]:
         whole = all_rows(pieces, layout, bent)
@@ -82,9 +81,11 @@ def weighted_fit(
     moving, rest = _triangles(stretches(smoothing.found))
     plain = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(moving, inner, strict=True))
     still = tuple(t.without(np.s_[len(i) : -1]) for t, i in zip(rest, inner, strict=True))
-    sigma = estimate_weights(plain, still, inner, size)
-    solution = _solved(plain, inner, size, sigma, prior)
-    wide = _solved(moving, outer, size + len(found), sigma, prior)
+    sigma = problem.sigma
+    if sigma is None:
+        sigma = estimate_weights(plain, still, inner, size)
+    solution = _solved(plain, inner, size, sigma, known)
+    wide = _solved(moving, outer, size + len(found), sigma, known)
     residuals, keeps, peaks = [], [], np.zeros((len(inner), size))
     for rows in stretches():
         residuals.append(rows.residual(inner, solution.beta))
@@ -104,28 +105,28 @@ def weighted_fit(
         wide.sigma,
         _degrees(moving, outer, wide),
         pieces.lowpass,
-        None if prior is None else inverse @ prior.information(len(inverse)) @ inverse,
+        None if known is None else inverse @ known.information(len(inverse)) @ inverse,
     )
     errors = _v0_errors(layout, smoothing, solution.beta, uncertain.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
-    known = uncertain.first(size)
-    sizes = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
+    stated = uncertain.first(size)
+    sizes = np.sqrt(np.maximum(np.diag(stated.covariance), 0.0))
     added = added_ones(len(layout.base), layout.terms)
     open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
     open_[solution.open] = True
-    return Fit(solution, known, rms, torque, errors, plain, open_)
+    return Fit(solution, stated, rms, torque, errors, plain, open_)
 
 
 def _solved(
-    factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array, prior: Prior | None
+    factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array, known: Knowledge | None
 ) -> Solution:
-    if prior is None:
+    if known is None:
         return solve(factors, indices, size, sigma)
-    known = solve(
-        [*factors, prior.triangle], [*indices, prior.unknowns()], size, np.append(sigma, 1.0)
+    found = solve(
+        [*factors, known.triangle], [*indices, known.unknowns()], size, np.append(sigma, 1.0)
     )
-    return replace(known, sigma=sigma)
+    return replace(found, sigma=sigma)
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:

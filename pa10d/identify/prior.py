@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics.pseudo_inertia import scales
 from pa10d.regression.layout import Layout, rotors_within
-from pa10d.regression.triangle import Triangle
+from pa10d.regression.problem import Knowledge
 
 Array = NDArray[np.float64]
 
@@ -26,32 +26,12 @@ WIDEST = 1000.0  # % of a link's own figures; beyond that nobody knows anything
 
 
 @dataclass(frozen=True)
-class Prior:
-    """rows (b, b), target (b,): ‖rows·h - target‖² is added to the squares of the weighted fit;
-    std_errors (b,): of the base parameters before any data, endless where nothing is known."""
+class Prior(Knowledge):
+    """std_errors (b,): of the base parameters before any data, endless where nothing is known;
+    percent: of what is usual for a link, as it was asked."""
 
-    rows: Array
-    target: Array
     std_errors: Array
     percent: float
-
-    @property
-    def triangle(self) -> Triangle:
-        """Beside those of the joints; its unknowns are the base parameters, its weight is 1."""
-        made = Triangle(len(self.target) + 1)
-        made.add(np.column_stack([self.rows, self.target]))
-        return made
-
-    def unknowns(self) -> NDArray[np.int64]:
-        """Which of all unknowns they are."""
-        return np.arange(len(self.target))
-
-    def information(self, size: int) -> Array:
-        """(size, size): what it adds to the normal matrix of all unknowns."""
-        out = np.zeros((size, size))
-        b = len(self.target)
-        out[:b, :b] = self.rows.T @ self.rows
-        return out
 
     def document(self) -> dict[str, object]:
         """Kept with the model."""

@@ -27,6 +27,7 @@ from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout, textbook
+from pa10d.regression.problem import Problem
 from pa10d.regression.told import names_of
 
 Array = NDArray[np.float64]
@@ -111,7 +112,7 @@ def _identify(
         layout = with_smoothing(layout, smoothing)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
-    fit = (robust_fit if robust else weighted_fit)(pieces, layout, smoothing, prior=known)
+    fit = (robust_fit if robust else weighted_fit)(pieces, Problem(layout, known), smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout)
     warnings = warnings_of(layout, fit, feasible, smoothing, shift, seen)

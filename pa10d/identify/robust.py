@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.fit import Fit, weighted_fit
-from pa10d.identify.prior import Prior
 from pa10d.identify.rows import all_rows
 from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.layout import Layout
+from pa10d.regression.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -19,16 +19,14 @@ ROUNDS = 15
 SETTLED = 0.01  # standard errors
 
 
-def robust_fit(
-    pieces: Pieces, layout: Layout, smoothing: Smoothing, prior: Prior | None = None
-) -> Fit:
+def robust_fit(pieces: Pieces, problem: Problem[Layout], smoothing: Smoothing) -> Fit:
     """Iteratively reweighted least squares: samples whose residual exceeds TUNING robust standard
     deviations (from the median of absolute values) count in proportion to its inverse."""
-    fit = weighted_fit(pieces, layout, smoothing, prior=prior)
+    fit = weighted_fit(pieces, problem, smoothing)
     for _ in range(ROUNDS):
         before = fit.solution.beta
-        weights = _weights(pieces, layout, before)
-        fit = weighted_fit(pieces, layout, smoothing, weights, prior)
+        weights = _weights(pieces, problem.unknowns, before)
+        fit = weighted_fit(pieces, problem, smoothing, weights)
         errors = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 1e-300))
         if np.max(np.abs(fit.solution.beta - before) / errors) < SETTLED:
             break

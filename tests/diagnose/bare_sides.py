@@ -21,7 +21,7 @@ def bare_side(tau: list[np.ndarray], keep: list[np.ndarray] | None = None) -> Si
         lowpass = Lowpass(len(values), RATE, 0.2 * RATE)
         kept = np.ones(values.shape, dtype=bool) if keep is None else keep[index]
         runs.append(RunEquation(f"run{index}", SimpleNamespace(), lowpass, values, kept, values))  # type: ignore[arg-type]
-    return Side(runs)
+    return Side.of(runs)
 
 
 def ar1(rng: np.random.Generator, samples: int, phi: float) -> np.ndarray:

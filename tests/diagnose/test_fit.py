@@ -8,7 +8,8 @@ from bare_sides import bare_side, stacked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.regression.least_squares import LeastSquares, Prior, iterated_fit, weighted_fit
+from pa10d.diagnose.regression.least_squares import LeastSquares, iterated_fit, weighted_fit
+from pa10d.regression.problem import Knowledge
 
 SIGMA = np.array([0.5, 2.0, 1.0])
 
@@ -27,16 +28,16 @@ def problem(seed: int, width: int, samples: int = 120, joints: int = 3):
     return side, columns
 
 
-def by_numpy(side, columns, sigma, prior: Prior | None = None):
+def by_numpy(side, columns, sigma, mean=None, root=None):
     """Coefficients and weighted residual per joint from one dense least-squares problem."""
     matrix = np.concatenate([columns[j] / sigma[j] for j in range(side.n)])
     target = np.concatenate([side.tau[j] / sigma[j] for j in range(side.n)])
     rows = len(target)
-    if prior is not None:
-        known = np.zeros((len(prior.root), matrix.shape[1]))
-        known[:, : len(prior.mean)] = prior.root
+    if mean is not None:
+        known = np.zeros((len(root), matrix.shape[1]))
+        known[:, : len(mean)] = root
         matrix = np.concatenate([matrix, known])
-        target = np.concatenate([target, prior.root @ prior.mean])
+        target = np.concatenate([target, root @ mean])
     scale = np.linalg.norm(matrix, axis=0)
     beta = np.linalg.lstsq(matrix / scale, target, rcond=None)[0] / scale
     return beta, (target - matrix @ beta)[:rows]
@@ -60,13 +61,13 @@ def test_weighted_fit_is_least_squares(seed, width):
 def test_the_triangular_form_is_the_whole_problem():
     """What any other coefficients leave, but for what none explains; prior knowledge included."""
     side, columns = problem(5, 6)
-    prior = Prior(np.arange(3.0), np.diag([1.0, 20.0, 300.0]))
-    fit = weighted_fit(side, columns, SIGMA, prior)
+    mean, root = np.arange(3.0), np.diag([1.0, 20.0, 300.0])
+    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, root))
     rng = np.random.default_rng(6)
 
     def squares(beta):
         left = sum(np.sum(((side.tau[j] - columns[j] @ beta) / SIGMA[j]) ** 2) for j in range(3))
-        return left + np.sum((prior.root @ (beta[:3] - prior.mean)) ** 2)
+        return left + np.sum((root @ (beta[:3] - mean)) ** 2)
 
     def by_triangle(beta):
         return np.sum((fit.triangle @ beta - fit.target) ** 2)
@@ -143,9 +144,9 @@ def test_leaving_out_a_column_beside_zeros_equals_a_refit():
 def test_a_prior_counts_as_so_many_equations():
     rng = np.random.default_rng(5)
     side, columns = problem(5, 6)
-    prior = Prior(rng.standard_normal(4), rng.standard_normal((4, 4)))
-    fit = weighted_fit(side, columns, SIGMA, prior)
-    beta, residual = by_numpy(side, columns, SIGMA, prior)
+    mean, root = rng.standard_normal(4), rng.standard_normal((4, 4))
+    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, root))
+    beta, residual = by_numpy(side, columns, SIGMA, mean, root)
     np.testing.assert_allclose(fit.beta, beta, rtol=1e-6)
     np.testing.assert_allclose(stacked(fit.residual), residual, atol=1e-8)
 
@@ -153,7 +154,7 @@ def test_a_prior_counts_as_so_many_equations():
 def test_a_certain_prior_keeps_the_model_where_it_is():
     side, columns = problem(6, 6)
     mean = np.arange(6.0)
-    fit = weighted_fit(side, columns, SIGMA, Prior(mean, 1e9 * np.eye(6)))
+    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, 1e9 * np.eye(6)))
     np.testing.assert_allclose(fit.beta, mean, atol=1e-6)
 
 

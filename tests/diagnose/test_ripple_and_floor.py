@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfreqz
@@ -11,6 +9,7 @@ from scipy.stats import chi2
 from two_links import CUTOFF, RATE, recordings, state_of
 
 from pa10d.compare import noise_floor, residual_of
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.search.ripple import (
     HIGHEST_ORDER,
     LOWEST_ORDER,
@@ -76,7 +75,7 @@ def test_chance_of_a_line_is_how_often_noise_alone_has_one_that_strong():
     """White noise, fitted at each of many orders on its own: how strong the strongest is."""
     state = state_of(recordings(3))
     (run,) = state.train.runs[:1]
-    side = replace(state.train, runs=[run])
+    side = Side.of([run])
     q = run.context.q[:: run.lowpass.factor, 1][side.keep[0][:, 1]]
     rng = np.random.default_rng(8)
     noise = rng.standard_normal((len(q), 400))

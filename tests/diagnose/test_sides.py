@@ -109,12 +109,28 @@ def test_shift_of_a_side_moves_its_torque(runs, model):
     side = state_of(runs, model).train
     before = side.runs[0].tau.copy()
     factor = side.runs[0].lowpass.factor
-    side.shift(factor / RATE)  # one sample of the equation
+    moved = side.shifted(factor / RATE)  # one sample of the equation
     middle = slice(20, -20)
     np.testing.assert_allclose(
-        side.runs[0].tau[middle], np.roll(before, -1, axis=0)[middle], atol=2e-2
+        moved.runs[0].tau[middle], np.roll(before, -1, axis=0)[middle], atol=2e-2
     )
-    assert side.runs[0].shift == factor / RATE
+    assert moved.runs[0].shift == factor / RATE
+    assert side.runs[0].shift == 0.0
+    np.testing.assert_array_equal(side.runs[0].tau, before)
+
+
+def test_a_bare_state_goes_its_own_way(runs, model):
+    """Problem and sides are constant: what becomes of a part leaves the whole alone."""
+    state = state_of(runs, model)
+    torque, terms, beta = state.train.tau[0].copy(), state.terms, state.fit.beta.copy()
+    part = state.bare(2)
+    part.train, part.held = part.train.shifted(0.01), part.held.shifted(0.01)
+    part.relook()
+    part.refit()
+    state.refit()
+    np.testing.assert_array_equal(state.train.tau[0], torque)
+    assert [t.label for t in state.terms] == [t.label for t in terms]
+    np.testing.assert_allclose(state.fit.beta, beta, rtol=0.02, atol=1e-3 * np.abs(beta).max())
 
 
 def test_a_spring_so_soft_that_its_link_runs_away_says_nothing(runs, model):

@@ -131,7 +131,7 @@ def _covariance(state: SearchState, fit: LeastSquares, noises: Noises) -> Array:
 
 def _known(state: SearchState, fit: LeastSquares) -> Array | None:
     """(p, p) what is not of these data: what was known already is as certain as it said."""
-    if state.knowledge is None:
+    if state.problem.known is None:
         return None
     top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
     return np.asarray(fit.to_beta @ (np.eye(len(top)) - top) @ fit.to_beta.T)
@@ -152,14 +152,14 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
         absorbed = rest.basis[j] @ seen
         left[j] = -absorbed if own is None else own / rest.sigma[j] - absorbed
     gram = sum(c.T @ c for c in left.values())
-    if state.knowledge is not None:
+    if state.problem.known is not None:
         gram, _ = normal_equations(rest, columns)
         penalty = term.effect.penalty(term.shape)
         if penalty is not None:
             gram = gram + penalty.T @ penalty
     inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
     known = None
-    if state.knowledge is not None:
+    if state.problem.known is not None:
         known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     covariance = _stated(state, left, np.asarray(inverse), known)
     slopes = {j: c[:, k:] for j, c in columns.items()}

@@ -39,7 +39,7 @@ def moved_by_reversals(state: SearchState, index: int, slopes: PerJoint, varianc
         for i, rows in enumerate((np.ones(len(basis), dtype=bool), far[j])):
             grams[i] += both[rows].T @ both[rows]
             sides[i] += both[rows].T @ state.fit.residual[j][rows]
-    if state.knowledge is not None:  # what was known before stays known
+    if state.problem.known is not None:  # what was known before stays known
         grams[:, :rank, :rank] += np.eye(rank) - grams[0, :rank, :rank]
     to_term = scipy.linalg.block_diag(state.fit.to_beta[place], np.eye(width))
     there, here = (to_term @ solve(g, s) for g, s in zip(grams[::-1], sides[::-1], strict=True))

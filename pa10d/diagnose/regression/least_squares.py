@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import NEAR_NULL
 from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.model import Unknowns
+from pa10d.regression.problem import Knowledge, Problem
 
 Array = NDArray[np.float64]
 
@@ -87,29 +89,14 @@ class LeastSquares:
         return np.asarray(self.to_beta @ self.to_beta.T)
 
 
-@dataclass(frozen=True)
-class Prior:
-    """What is known of the first coefficients: rows of (root @ (β - mean))² join the sum."""
-
-    mean: Array
-    root: Array
-
-    def rows(self, width: int) -> tuple[Array, Array]:
-        """As equations for ``width`` coefficients: matrix (p0, width) and target (p0,)."""
-        matrix = np.zeros((len(self.root), width))
-        matrix[:, : len(self.mean)] = self.root
-        return matrix, self.root @ self.mean
-
-
 def weighted_fit(
-    side: Side, columns: PerJoint, sigma: Array, prior: Prior | None = None
+    side: Side, columns: PerJoint, sigma: Array, known: Knowledge | None = None
 ) -> LeastSquares:
     """One weighted least-squares solution with near-null directions truncated."""
     parts = [columns[j] / sigma[j] for j in range(side.n)]
     targets = [side.tau[j] / sigma[j] for j in range(side.n)]
-    if prior is not None:
-        matrix, known = prior.rows(parts[0].shape[1])
-        parts, targets = [*parts, matrix], [*targets, known]
+    if known is not None:
+        parts, targets = [*parts, known.wide(parts[0].shape[1])], [*targets, known.target]
     stacked, target = np.concatenate(parts), np.concatenate(targets)
     scale = np.linalg.norm(stacked, axis=0)
     empty = scale == 0
@@ -145,24 +132,37 @@ def weighted_fit(
     )
 
 
+def solved(
+    side: Side,
+    columns: PerJoint,
+    problem: Problem[Unknowns],
+    start: Array | None = None,
+) -> LeastSquares:
+    """The weighted fit that a problem asks for; start: σ (n,) of the joints at first, where the
+    residual is to say."""
+    if problem.sigma is not None:
+        return weighted_fit(side, columns, problem.sigma, problem.known)
+    return iterated_fit(side, columns, start, problem.known)
+
+
 def iterated_fit(
     side: Side,
     columns: PerJoint,
     sigma: Array | None = None,
-    prior: Prior | None = None,
+    known: Knowledge | None = None,
     rounds: int = 3,
 ) -> LeastSquares:
     """Weighted fit with each joint's σ estimated from its own residual."""
     weights = np.array([max(float(np.std(side.tau[j])), 1e-9) for j in range(side.n)])
     if sigma is not None:
         weights, rounds = sigma, 1
-    fit = weighted_fit(side, columns, weights, prior)
+    fit = weighted_fit(side, columns, weights, known)
     for _ in range(rounds):
         smaller = np.maximum(fit.rms(), 1e-9)
         if np.all(np.abs(np.log(smaller / weights)) < 0.05):
             break
         weights = smaller
-        fit = weighted_fit(side, columns, weights, prior)
+        fit = weighted_fit(side, columns, weights, known)
     return fit
 
 

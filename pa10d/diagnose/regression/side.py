@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.effects import Effect, Shape
+from pa10d.effects import Context, Effect, Shape
 from pa10d.measurement.signals import delayed
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation
@@ -18,56 +19,53 @@ PerJoint = dict[int, Array]
 """Rows of each joint's equation that count, (m_j, k); joints without a column are absent."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Side:
     """Kept samples of several runs, joint by joint: standstill masks differ between joints.
 
-    tau    joint -> (m_j,) filtered torque
-    runs   the equations, in order; contexts are those of the current model
+    runs      the equations, in order
+    contexts  their motion, with the loads and torques of the model that they are seen through
     """
 
-    runs: list[RunEquation]
+    runs: tuple[RunEquation, ...]
+    contexts: tuple[Context, ...]
 
-    def __post_init__(self) -> None:
-        self.n = self.runs[0].tau.shape[1]
-        self.keep = [run.keep for run in self.runs]
-        self.tau = [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
-        self.contexts = [run.context for run in self.runs]
-        self._rigid: list[Array] | None = None
+    @classmethod
+    def of(cls, runs: Sequence[RunEquation]) -> Side:
+        """Seen through no model yet."""
+        return cls(tuple(runs), tuple(run.context for run in runs))
 
-    def shift(self, seconds: float) -> None:
-        """Move the torque of all runs earlier by this much (it was late against the motion)."""
-        self.runs = [
+    @property
+    def n(self) -> int:
+        """Joints."""
+        return self.runs[0].tau.shape[1]
+
+    @property
+    def keep(self) -> list[NDArray[np.bool_]]:
+        """Per run (M, n): which samples count."""
+        return [run.keep for run in self.runs]
+
+    @cached_property
+    def tau(self) -> list[Array]:
+        """Joint -> (m_j,) filtered torque."""
+        return [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+
+    def shifted(self, seconds: float) -> Side:
+        """The same with the torque of all runs taken ``seconds`` later than it is now."""
+        runs = [
             replace(run, tau=delayed(run.tau, -seconds, run.rate), shift=run.shift + seconds)
             for run in self.runs
         ]
-        self.tau = [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+        return Side(tuple(runs), self.contexts)
 
-    def look_through(self, model: TorqueModel) -> None:
-        """Let loads and torques that effects depend on be those of this model."""
-        self.contexts = [model.contextualise(run.context) for run in self.runs]
+    def through(self, model: TorqueModel) -> Side:
+        """The same with the loads and torques of a model."""
+        return Side(self.runs, tuple(model.contextualise(run.context) for run in self.runs))
 
     def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
         """Filtered regressor columns."""
-        columns = self.rigid_of_runs(kept)
+        columns = [run.rigid_columns(kept) for run in self.runs]
         return {j: self._rows([c[:, j] for c in columns], j) for j in range(self.n)}
-
-    def rigid_of_runs(self, kept: NDArray[np.int64]) -> list[Array]:
-        """Per run (M, n, b), rows that do not count included."""
-        if self._rigid is None:
-            self._rigid = [run.rigid_columns(kept) for run in self.runs]
-        return self._rigid
-
-    def columns_of_runs(self, effect: Effect, joints: Sequence[int], shape: Shape) -> list[Array]:
-        """Per run (M, n, k) filtered columns of one effect, rows that do not count included."""
-        out = []
-        for run, context in zip(self.runs, self.contexts, strict=True):
-            columns = run.lowpass(effect.columns(context, joints, shape))
-            if not effect.reaches_other_joints:
-                own, columns = columns, np.zeros((len(columns), self.n, columns.shape[-1]))
-                columns[:, joints[0]] = own
-            out.append(columns)
-        return out
 
     def columns(
         self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape], own: bool = False

@@ -60,7 +60,7 @@ def two_sides(
             )
     _enough_to_fit(model, train)
     _enough_to_judge(held)
-    return Side(train), Side(held), words
+    return Side.of(train), Side.of(held), words
 
 
 def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:

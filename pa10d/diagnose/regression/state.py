@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.regression.least_squares import (
-    LeastSquares,
-    Prior,
-    iterated_fit,
-    predict,
-    weighted_fit,
-)
+from pa10d.diagnose.regression.least_squares import LeastSquares, predict, solved
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
+from pa10d.regression.problem import Knowledge, Problem
 
 Array = NDArray[np.float64]
 
 
 @dataclass
 class SearchState:
-    """Fit and held-out side of one model; columns are kept, so a step computes only new ones."""
+    """A problem as far as it has come, and the work on it.
 
+    Problem and sides are constant: a step puts others in their place, and whoever holds the old
+    ones keeps them. Columns are kept, so a step computes only new ones.
+    """
+
+    problem: Problem[Unknowns]
     model: TorqueModel
     train: Side
     held: Side
     rigid: tuple[PerJoint, PerJoint]
-    terms: list[Term]
     blocks: list[tuple[PerJoint, PerJoint]] = field(default_factory=list)
     fit: LeastSquares = None  # type: ignore[assignment]
     held_matrix: PerJoint = field(default_factory=dict)
-    prior: Prior | None = None
-    weights: Array | None = None  # σ per joint where it is not to follow the residual
     loads: Array | None = None  # base parameters of the model that the columns look at
 
     @classmethod
@@ -47,11 +43,11 @@ class SearchState:
 
         frozen: the model may move only as far as its own uncertainty allows.
         """
-        train.look_through(model)
-        held.look_through(model)
         kept = model.base.kept
-        state = cls(model, train, held, (train.rigid(kept), held.rigid(kept)), [])
-        state.prior = own_uncertainty(model) if frozen else None
+        prior = own_uncertainty(model) if frozen else None
+        problem = Problem(Unknowns(model.base, ()), prior)
+        train, held = train.through(model), held.through(model)
+        state = cls(problem, model, train, held, (train.rigid(kept), held.rigid(kept)))
         for term in model.terms:
             state.push(term)
         state.refit()
@@ -61,10 +57,19 @@ class SearchState:
         return state
 
     @property
-    def knowledge(self) -> Prior | None:
-        """What the fit knows of the coefficients besides the data: a frozen model's own
-        uncertainty, else how smooth its maps are."""
-        return self.prior or smoothness(self.unknowns)
+    def unknowns(self) -> Unknowns:
+        """What stands where in the coefficients of the model at hand."""
+        return self.problem.unknowns
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Of the model at hand."""
+        return self.problem.terms
+
+    @property
+    def frozen(self) -> bool:
+        """May the model move only as far as its own uncertainty allows?"""
+        return self.problem.prior is not None
 
     @property
     def drawn_by_loads(self) -> bool:
@@ -73,31 +78,30 @@ class SearchState:
 
     def may_fall(self, effect: Effect) -> bool:
         """Is the effect sought as a change of what a frozen model has already?"""
-        return self.prior is not None and effect.question == "textbook"
+        return self.frozen and effect.question == "textbook"
 
     def push(self, term: Term) -> None:
         """Append a term; the caller refits."""
-        self.terms.append(term)
+        self.problem = self.problem.with_terms([*self.terms, term])
         self.blocks.append(self._columns(term))
 
     def replace_term(self, index: int, term: Term) -> None:
         """Another shape for a term; the caller refits."""
-        self.terms[index] = term
+        self.problem = self.problem.with_term(index, term)
         self.blocks[index] = self._columns(term)
 
     def drop(self, index: int) -> None:
         """Remove a term; the caller refits."""
-        del self.terms[index], self.blocks[index]
+        self.problem = self.problem.with_terms([*self.terms[:index], *self.terms[index + 1 :]])
+        del self.blocks[index]
+
+    def weigh(self, sigma: Array | None) -> None:
+        """Weight joints by 1/σ² (None: by what the fit leaves of each); the caller refits."""
+        self.problem = replace(self.problem, sigma=sigma)
 
     def copy(self) -> SearchState:
         """As it is now: going on with one of the two leaves the other alone."""
-        return replace(
-            self,
-            train=copy(self.train),
-            held=copy(self.held),
-            terms=list(self.terms),
-            blocks=list(self.blocks),
-        )
+        return replace(self, blocks=list(self.blocks))
 
     def bare(self, count: int, own_weights: bool = False) -> SearchState:
         """A refitted copy with the first ``count`` terms only.
@@ -105,16 +109,12 @@ class SearchState:
         own_weights: joints are weighted with what this smaller model leaves, as they would be had
         nobody ever seen the terms that it lacks.
         """
-        copy = replace(self, terms=self.terms[:count], blocks=self.blocks[:count])
+        problem = self.problem.with_terms(self.terms[:count])
+        copy = replace(self, problem=problem, blocks=self.blocks[:count])
         if own_weights:
             copy.fit = None  # type: ignore[assignment]
         copy.refit()
         return copy
-
-    @property
-    def unknowns(self) -> Unknowns:
-        """What stands where in the coefficients of the model at hand."""
-        return Unknowns(self.model.base, tuple(self.terms))
 
     def place(self, index: int) -> slice:
         """Columns of terms[index] in the matrix."""
@@ -122,14 +122,11 @@ class SearchState:
 
     def refit(self) -> None:
         """Solve for all coefficients and hand them to the terms and the model."""
-        if self.weights is not None:
-            self.fit = weighted_fit(self.train, self.matrix(0), self.weights, self.knowledge)
-        else:
-            sigma = None if self.fit is None else self.fit.rms()
-            self.fit = iterated_fit(self.train, self.matrix(0), sigma, self.knowledge)
+        start = None if self.fit is None else self.fit.rms()
+        self.fit = solved(self.train, self.matrix(0), self.problem, start)
         self.held_matrix = self.matrix(1)
         self.model = self.with_coefficients(self.fit.beta)
-        self.terms = list(self.model.terms)
+        self.problem = self.problem.with_terms(self.model.terms)
 
     def relook(self) -> None:
         """Loads have changed: columns that depend on the model are made again.
@@ -137,13 +134,12 @@ class SearchState:
         Loads are those of the coefficients that most samples agree on; a model that brings its
         own knowledge is not bent by a few samples anyway.
         """
-        if self.prior is None:
+        if not self.frozen:
             model = replace(self.with_coefficients(agreed(self.fit)), loads=None)
             self.loads = model.h
         else:
             model = self.model
-        self.train.look_through(model)
-        self.held.look_through(model)
+        self.train, self.held = self.train.through(model), self.held.through(model)
         for index, term in enumerate(self.terms):
             if term.effect.uses_model:
                 self.blocks[index] = self._columns(term)
@@ -213,18 +209,7 @@ class SearchState:
         )
 
 
-def smoothness(unknowns: Unknowns) -> Prior | None:
-    """Penalties of all terms that have one."""
-    rows = []
-    for term, place in zip(unknowns.terms, unknowns.places, strict=True):
-        penalty = term.effect.penalty(term.shape)
-        if penalty is not None:
-            rows.append(np.zeros((len(penalty), unknowns.size)))
-            rows[-1][:, place] = penalty
-    return Prior(np.zeros(unknowns.size), np.concatenate(rows)) if rows else None
-
-
-def own_uncertainty(model: TorqueModel) -> Prior:
+def own_uncertainty(model: TorqueModel) -> Knowledge:
     """The model's coefficients as prior knowledge with their own covariance.
 
     Directions that its data never showed have no variance to speak of in the covariance (they
@@ -235,4 +220,4 @@ def own_uncertainty(model: TorqueModel) -> Prior:
     scale = np.maximum(scale, 1e-9 * max(float(np.max(scale)), 1e-9))
     values, vectors = np.linalg.eigh(model.covariance / np.outer(scale, scale))
     values = np.maximum(values, 1e-8 * float(values[-1]))
-    return Prior(mean, (vectors / np.sqrt(values)).T / scale)
+    return Knowledge.about(mean, (vectors / np.sqrt(values)).T / scale)

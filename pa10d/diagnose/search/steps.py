@@ -135,9 +135,9 @@ class Search:
         may spoil another joint, so a second attempt leaves the weights as they were.
         """
         saved = self.state.copy()
-        for weights in (saved.weights, saved.fit.sigma):
+        for weights in (saved.problem.sigma, saved.fit.sigma):
             self.state = saved.copy()
-            self.state.weights = weights
+            self.state.weigh(weights)
             self.state.push(chosen.candidate.term)
             self.settle()
             dropped = self.prune()
@@ -185,7 +185,7 @@ class Search:
     def look(self) -> list[Judged]:
         """Scan all suspects and judge the shortlist on the held-out side."""
         # of a model that stays as it is, what it has already may have changed
-        first = self.fixed if self.state.prior is not None else 0
+        first = self.fixed if self.state.frozen else 0
         present = {(t.effect_id, t.joints) for t in self.state.terms[first:]}
         open_suspects = [
             (e, joints)
@@ -347,14 +347,14 @@ class Search:
 
     def _align(self) -> None:
         """A frozen model brings its own timing: nothing there may be explained by moving it."""
-        if self.state.prior is None:
+        if not self.state.frozen:
             align(self.state)
 
     def _relinearise(self) -> None:
         for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
             shape = term.effect.relinearised(term.coefficients, term.shape)
             if shape != term.shape:
-                self.state.terms[index] = replace(term, shape=shape)
+                self.state.problem = self.state.problem.with_term(index, replace(term, shape=shape))
 
     def _worth_refining(self, index: int) -> bool:
         if index >= self.fixed:

@@ -48,8 +48,7 @@ def align(state: SearchState) -> float:
 
 
 def _move(state: SearchState, seconds: float) -> None:
-    state.train.shift(seconds)
-    state.held.shift(seconds)
+    state.train, state.held = state.train.shifted(seconds), state.held.shifted(seconds)
     state.refit()
 
 

@@ -48,7 +48,7 @@ def snapshot(
         if index >= len(given.terms) and term.shape:
             errors = term_covariance(part, index)[1]
         terms.append(replace(term, shape_errors=errors))
-    frozen = state.prior is not None
+    frozen = state.frozen
     lost = (
         ("warnings", "delivery") if frozen else ("warnings", "feasible", "noise_floor", "delivery")
     )

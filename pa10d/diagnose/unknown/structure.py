@@ -94,8 +94,9 @@ def _best_maps(state: SearchState, joints: Iterable[int]) -> list[Structure]:
 def _without(state: SearchState, joints: list[int]) -> SearchState:
     """Fitted to the other joints: these have next to no weight."""
     rest = state.copy()
-    rest.weights = rest.fit.rms()
-    rest.weights[joints] *= UNHEARD
+    sigma = rest.fit.rms()
+    sigma[joints] *= UNHEARD
+    rest.weigh(sigma)
     rest.refit()
     return rest
 
