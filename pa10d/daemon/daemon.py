@@ -84,7 +84,7 @@ class Daemon:
         self.robot.inherit = inherit
         self.robot.joints = kept_joints(data, profile)
         if self.robot.joints is not None:
-            self.robot.keep_gains(self.robot.joints["gains"])
+            self.robot.keep_gains(self.robot.joints.known.gains)
         self.runtime = runtime
         self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))

@@ -11,6 +11,7 @@ import numpy as np
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.joint_figures import JointFigures
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
 from pa10d.control.motion_check import wrong_with_rows
@@ -101,7 +102,8 @@ def prepare_motion(
     figures = None if joints is None else JointFigures.from_document(joints["figures"])
     told = json.loads(text)
     under_way = joints is not None and "gains" not in joints
-    gains = Tuned(found, bare, None if under_way else joints).gains
+    measured = None if joints is None or under_way else MeasuredJoints.from_document(joints)
+    gains = Tuned(found, bare, measured).gains
     if not under_way:
         carried = model is None and figures is not None and ahead
         held = gains if law == "pid" else Tuned.of(data, found, bare).gains  # they hold beside it

@@ -9,7 +9,7 @@ from rough_plant import make
 
 from pa10d.control.build import build_arm
 from pa10d.control.gains import PidGains
-from pa10d.control.joint_figures import JointFigures, presumed_figures
+from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
@@ -132,7 +132,7 @@ class ArmBench:
             asked = {"kind": "first_motion", "parameters": {"part": part}}
             plan = read_request(asked).build(self.around)
             for _ in range(TRIES):
-                ahead = JointFigures.from_document(self.known["figures"])
+                ahead = self.known.figures
                 rows, fault = self.run(plan, ahead)
                 if fault is None or not self._calm(fault):
                     break
@@ -140,8 +140,7 @@ class ArmBench:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
             figures = measured_figures(self.robot, parts, self.steps)
-            known = JointFigures.from_document(self.known["figures"])
-            self.known = learnt(self.profile, self.robot, figures.after(known))
+            self.known = learnt(self.profile, self.robot, figures.after(self.known.figures))
             if (reason := not_held(self.known, self.rate)) is not None:
                 raise Refused(reason)
             self._use_known()
@@ -149,12 +148,10 @@ class ArmBench:
         return None
 
     def _use_known(self):
-        self.use(PidGains.from_document(self.known["gains"]))
+        self.use(self.known.gains)
 
     def _take_joints(self):
-        gains = PidGains.from_document(self.known["gains"])
-        figures = JointFigures.from_document(self.known["figures"])
-        self.joints = Joints(figures, gains, ahead=True)
+        self.joints = Joints(self.known.figures, self.known.gains, ahead=True)
 
     def _calm(self, fault) -> bool:
         """Reset with calmer gains, if it swung."""
@@ -163,8 +160,8 @@ class ArmBench:
         calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
         if calmer is None:
             return False
-        self.notes.append(calmer.pop("note"))
-        self.known = calmer
+        self.notes.append(calmer.note)
+        self.known = calmer.known
         while self.arm.state != ArmState.FAULT:
             self.arm.cycle()
         self.arm.reset()

@@ -81,7 +81,7 @@ def test_a_joint_that_swings_gets_calmer_gains_and_is_tried_again():
     """Gains as for an arm ten times as heavy: it swings, and says so; then it does not."""
     arm = ArmBench(250.0, inertia=0.5, friction=0.3)
     arm.known = learnt(arm.profile, arm.robot, presumed_figures(arm.robot))
-    arm.known["gains"]["kd"][3] *= 10.0
+    arm.known.gains.kd[3] *= 10.0
     arm._use_known()
     plan = planned("first_motion", {"part": "friction"})
     fault = arm.enable() or arm.run(plan)[1]

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pa10d.control.gains import PidGains
-from pa10d.control.joint_figures import JointFigures, presumed_figures
+from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import robot_from_profile
 from pa10d.experiments.measured_joints import lowered
@@ -37,10 +36,8 @@ def arm():
 def measured(profile, robot, heavier=1.0):
     """An arm that may be ``heavier`` than what it is given ahead."""
     known = learnt(profile, robot, presumed_figures(robot))
-    figures = JointFigures.from_document(known["figures"])
     bodies = np.stack([robot.parameters, heavier * robot.parameters])
-    gains = PidGains.from_document(known["gains"])
-    return Joints(figures.but(bodies=bodies), gains, ahead=True)
+    return Joints(known.figures.but(bodies=bodies), known.gains, ahead=True)
 
 
 def nearest(chosen, limits):
@@ -110,10 +107,10 @@ def test_a_servo_that_is_slower_than_asked_for_is_said_to_be():
     fast = profile.control.model_copy(update={"rate": 100.0, "bandwidth_hz": 4.0})
     profile = profile.model_copy(update={"control": fast})
     robot = robot_from_profile(profile)
-    known = learnt(profile, robot, presumed_figures(robot))["bandwidth_hz"]
-    assert known["asked"] == 4.0
-    slower = [j for j, hz in enumerate(known["joints"], 1) if hz < 0.9 * 4.0]
+    known = learnt(profile, robot, presumed_figures(robot))
+    assert known.asked == 4.0
+    slower = [j for j, hz in enumerate(known.bandwidth, 1) if hz < 0.9 * 4.0]
     assert slower
-    said = lowered(known["asked"], known["joints"])
+    said = lowered(known.asked, known.bandwidth)
     assert [int(j) for j in re.findall(r"joint (\d)", said)] == slower
     assert lowered(4.0, [4.0, 3.9]) is None

@@ -6,14 +6,18 @@ import asyncio
 from types import SimpleNamespace
 
 import pytest
+from known_joints import known_joints, measured_joints
 
 from pa10d.common.errors import UserError
+from pa10d.control.joint_figures import JointFigures
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.daemon.motions import first_motion
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
 
 FAULT = {"kind": "oscillation", "cause": "swings at 17 Hz", "joint": 2, "hertz": 17.0}
 REQUEST = MotionRequest("first_motion")
+OLD = 77.0  # damping from before
 
 
 class Robot:
@@ -24,7 +28,7 @@ class Robot:
         self.used, self.resets, self.joints = [], 0, None
 
     async def use_gains(self, gains, keep):
-        self.used.append((gains, keep))
+        self.used.append((gains.kd[0], keep))
 
     async def reset(self):
         self.resets, self.fault = self.resets + 1, None
@@ -40,17 +44,21 @@ class Workers:
         name = what.split(":")[1]
         self.calls.append(name)
         if name == "parts_to_run":
-            return {"parts": ["friction"], "begin": known(0), "before": "old"}
+            before = known_joints(OLD).gains.document()
+            return {"parts": ["friction"], "begin": known(0), "before": before}
         if name == "calmer":
             assert asked["fault"] == FAULT
-            step = asked["known"]["step"] + 1
+            step = int(asked["known"]["gains"]["kd"][0]) + 1
             return None if step > self.calmest else known(step) | {"note": f"note {step}"}
-        slow = {"asked": 4.0, "joints": [4.0, 1.5]}
-        return asked["known"] | {"sentences": ["joint 1: …"], "bandwidth_hz": slow}
+        if name == "learn":
+            return asked["known"]
+        return measured_joints(
+            asked["known"]["gains"]["kd"][0], sentences=("joint 1: …",)
+        ).document()
 
 
 def known(step):
-    return {"gains": f"gains {step}", "figures": f"figures {step}", "step": step}
+    return known_joints(step).document()
 
 
 def measured(monkeypatch, swings, calmest=10, fault=FAULT):
@@ -61,7 +69,7 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT):
         def __init__(self, daemon, request, report, figures):
             self.request = request
             assert request.parameters["part"] == "friction"
-            assert figures == robot.used[-1][0].replace("gains", "figures")
+            assert isinstance(figures, JointFigures)
 
         async def carry_out(self):
             if robot.swings:
@@ -83,14 +91,16 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT):
 
 def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     robot, workers, found = measured(monkeypatch, swings=2)
-    assert [gains for gains, _ in robot.used] == ["gains 0", "gains 1", "gains 2", "gains 2"]
-    assert robot.used[-1] == ("gains 2", True)
+    assert [gains for gains, _ in robot.used] == [0, 1, 2, 2]
+    assert robot.used[-1] == (2, True)
     *calmer, slower = found.notes
     assert calmer == ["note 1", "note 2"]
     assert slower.startswith("The servo is slower than the 4 Hz asked for")
     assert "(joint 2: 1.5 Hz)" in slower
     assert robot.resets == 2
-    assert robot.joints["step"] == 2
+    assert robot.joints.known.gains.kd[0] == 2
+    assert found.recommendation == ["joint 1: …"]
+    assert MeasuredJoints.from_document(found.joints).document() == found.joints
     assert workers.calls[-1] == "keep_joints"
 
 
@@ -101,7 +111,7 @@ def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, swings, calme
     assert str(found).startswith("joint 2: swings at 17 Hz; ")
     assert "raise control.rate" in str(found)
     assert "keep_joints" not in workers.calls
-    assert robot.used[-1] == ("old", False), "the gains from before are back"
+    assert robot.used[-1] == (OLD, False), "the gains from before are back"
 
 
 def test_another_fault_is_not_tried_again(monkeypatch):

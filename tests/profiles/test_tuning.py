@@ -11,7 +11,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.yamlfile import read_yaml
 from pa10d.control.joint_figures import MEASURED, presumed_figures
 from pa10d.profile import load_profile
-from pa10d.services.joints import keep_joints, kept_joints, learnt
+from pa10d.services.joints import keep_learnt, kept_joints, learnt
 from pa10d.services.profile_file import rewritten
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning import own_profile, propose, show, undo, versions, write
@@ -275,14 +275,15 @@ def test_a_urdf_alone_is_shown_but_not_tuned(arm, data):
 def test_measured_joints_hold_for_the_arm_tuned_otherwise(arm, data):
     profile, robot = load_robot(arm)
     figures = presumed_figures(robot).but(coulomb=np.array([2.0, 1.0]), doubt=np.full(2, MEASURED))
-    kept = keep_joints(data, str(arm), ["r"], learnt(profile, robot, figures))
+    kept = keep_learnt(data, profile, ["r"], learnt(profile, robot, figures))
     assert in_force(data, arm, "control.gains.kp")["source"] == "measured"
     found = write(data, arm, {"control.bandwidth_hz": 2, "safety.following_error": [0.1, 0.1]})
     now = kept_joints(data, load_profile(arm))
-    assert (now["measured"], now["figures"]) == (kept["measured"], kept["figures"])
+    assert now.measured == kept.measured
+    assert now.known.figures.document() == kept.known.figures.document()
     shown = in_force(data, arm, "control.gains.kp")["in_force"]
-    assert shown == pytest.approx(now["gains"]["kp"])
-    assert shown[0] < kept["gains"]["kp"][0]
+    assert shown == pytest.approx(now.known.gains.kp)
+    assert shown[0] < kept.known.gains.kp[0]
     new = [one["new"] for one in found["diff"] if one["key"] == "control.gains.kp"]
     assert new == pytest.approx(shown)
 
@@ -298,16 +299,17 @@ def test_figures_measured_in_another_scale_of_torques_are_not_taken_along(arm, d
     arm.write_text(PROFILE + DRIVES)
     plain, robot = load_robot(arm)
     figures = presumed_figures(robot).but(coulomb=np.array([2.0, 1.0]), doubt=np.full(2, MEASURED))
-    keep_joints(data, str(arm), ["plain"], learnt(plain, robot, figures))
+    keep_learnt(data, plain, ["plain"], learnt(plain, robot, figures))
     text = (PROFILE + DRIVES).replace("node: 2,", "node: 2, torque_gain: 1.25,")
     write_version(folder_of(data, arm), ["gain"], arm, PROFILE + DRIVES, text, None)
     assert kept_joints(data, load_profile(arm)) is None
     heavier = figures.but(coulomb=np.array([9.0, 9.0]))
-    keep_joints(data, str(arm), ["scaled"], learnt(load_profile(arm), robot, heavier))
+    scaled = load_profile(arm)
+    keep_learnt(data, scaled, ["scaled"], learnt(scaled, robot, heavier))
     found = undo(data, arm)
     assert (found["restart"], found["confirm"]) == (True, [])
     assert sentences(found) == ["torque gain of joint 2: 1.25 → 1"]
-    assert kept_joints(data, load_profile(arm))["runs"] == ["plain"]
+    assert kept_joints(data, load_profile(arm)).runs == ("plain",)
 
 
 def test_a_joint_without_limits_is_told_and_asked_for(arm, data):
@@ -322,7 +324,7 @@ def test_a_joint_without_limits_is_told_and_asked_for(arm, data):
 
 def test_a_disk_that_is_full_refuses_the_whole_change(arm, data, monkeypatch):
     plain, robot = load_robot(arm)
-    keep_joints(data, str(arm), ["plain"], learnt(plain, robot, presumed_figures(robot)))
+    keep_learnt(data, plain, ["plain"], learnt(plain, robot, presumed_figures(robot)))
 
     def full(*_):
         raise OSError(28, "No space left on device")

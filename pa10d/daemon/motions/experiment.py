@@ -14,6 +14,8 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.control.joint_figures import JointFigures
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.laws import Law
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.robot.readiness import readiness
@@ -39,7 +41,7 @@ log = logging.getLogger("pa10d.experiment")
 
 
 def carried_by(
-    robot: RobotProcess, request: MotionRequest, figures: JsonObject | None = None
+    robot: RobotProcess, request: MotionRequest, figures: JointFigures | None = None
 ) -> CarriedBy:
     """What this motion will be followed with; figures: see ``Experiment``."""
     asked = request.controller
@@ -48,9 +50,13 @@ def carried_by(
     return CarriedBy(
         law,
         robot.model if asked is None else request.model,
-        measured if figures is None else {"figures": figures},
+        _told(measured) if figures is None else {"figures": figures.document()},
         asked is None or figures is not None,
     )
+
+
+def _told(measured: MeasuredJoints | None) -> JsonObject | None:
+    return None if measured is None else measured.document()
 
 
 async def planned(
@@ -86,7 +92,7 @@ class Experiment:
         daemon: Daemon,
         request: MotionRequest,
         report: Progress,
-        figures: JsonObject | None = None,
+        figures: JointFigures | None = None,
         weight: Body | None = None,
     ) -> None:
         """figures: of the joints, where they are not those that the robot keeps; weight: one
@@ -123,10 +129,11 @@ class Experiment:
         )
         if kept is None:
             return False
-        self.result.notes.append(kept.pop("note"))
+        self.result.notes.append(kept["note"])
+        measured = MeasuredJoints.from_document(kept)
         await robot.reset()
-        await robot.use_gains(kept["gains"], keep=True)
-        robot.joints = kept
+        await robot.use_gains(measured.known.gains, keep=True)
+        robot.joints = measured
         self.result.runs = []
         self._request = replace(self._request, replace=self._request.name is not None)
         return True

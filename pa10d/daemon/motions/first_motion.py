@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
+from pa10d.control.gains import PidGains
+from pa10d.control.known_joints import KnownJoints, MeasuredJoints
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.robot import CommandRefused
@@ -32,14 +33,15 @@ class FirstMotion:
         self._request, self._report = request, report
         self.moved = False
         self.result = Outcome(request.kind)
-        self._before: JsonObject = {}
+        self._before: PidGains | None = None
 
     async def carry_out(self) -> Outcome:
         """Measure, keep, and use from now on; skipped where that was done."""
         kept = kept_joints(self._daemon.data, self._daemon.profile)
         if kept is not None and not self._request.parameters.get("again"):
-            self.result.joints = kept
-            self.result.recommendation = [SKIPPED.format(kept["measured"]), *kept["sentences"]]
+            self.result.joints = kept.document()
+            said = kept.known.sentences
+            self.result.recommendation = [SKIPPED.format(kept.measured), *said]
             return self.result
         was_unpowered = not self._robot.moving
         try:
@@ -54,7 +56,8 @@ class FirstMotion:
 
     async def _measure(self) -> Outcome:
         begin = await self._ask("parts_to_run", parameters=self._request.parameters)
-        self._before, known = begin["before"], begin["begin"]
+        self._before = PidGains.from_document(begin["before"])
+        known = KnownJoints.from_document(begin["begin"])
         runs: dict[str, str] = {}
         before = 0.0
         for name in begin["parts"]:
@@ -62,25 +65,28 @@ class FirstMotion:
             inner = part(self._report, before, before + share)
             runs[name], known = await self._run(name, known, inner)
             before += share
-            known = await self._ask("learn", runs=runs, known=known)
-        kept = await self._ask("keep_joints", runs=list(runs.values()), known=known)
-        await self._robot.use_gains(kept["gains"], keep=True)
+            told = await self._ask("learn", runs=runs, known=known.document())
+            known = KnownJoints.from_document(told)
+        made = await self._ask("keep_joints", runs=list(runs.values()), known=known.document())
+        kept = MeasuredJoints.from_document(made)
+        await self._robot.use_gains(kept.known.gains, keep=True)
         self._robot.joints = kept
-        self.result.joints, self.result.recommendation = kept, kept["sentences"]
-        bandwidth = kept["bandwidth_hz"]
-        if (slower := lowered(bandwidth["asked"], bandwidth["joints"])) is not None:
+        self.result.joints, self.result.recommendation = made, list(kept.known.sentences)
+        if (slower := lowered(kept.known.asked, kept.known.bandwidth.tolist())) is not None:
             self.result.notes.append(slower)
         return self.result
 
-    async def _run(self, name: str, known: JsonObject, report: Progress) -> tuple[str, JsonObject]:
+    async def _run(
+        self, name: str, known: KnownJoints, report: Progress
+    ) -> tuple[str, KnownJoints]:
         """One part → its run, and what is known then: gains get calmer where the arm swings."""
         parameters = {**self._request.parameters, "part": name}
         request = replace(
             self._request, parameters=parameters, controller="pid", model=None, name=None
         )
         for left in reversed(range(TRIES)):
-            await self._robot.use_gains(known["gains"], keep=False)
-            experiment = Experiment(self._daemon, request, report, known["figures"])
+            await self._robot.use_gains(known.gains, keep=False)
+            experiment = Experiment(self._daemon, request, report, known.figures)
             try:
                 found = await experiment.carry_out()
             except UserError as error:
@@ -93,17 +99,18 @@ class FirstMotion:
             return found.runs[0], known
         raise AssertionError("the last try raises")
 
-    async def _calmer(self, known: JsonObject, error: UserError, again: bool) -> JsonObject:
+    async def _calmer(self, known: KnownJoints, error: UserError, again: bool) -> KnownJoints:
         """What is known after a joint swung, the fault left for that; any other end is the end."""
         fault = self._robot.fault
         if not fault or fault["kind"] != "oscillation":
             raise error
-        calmer = await self._ask("calmer", known=known, fault=fault) if again else None
+        told = known.document()
+        calmer = await self._ask("calmer", known=told, fault=fault) if again else None
         if calmer is None:
             raise UserError(f"joint {fault['joint']}: {fault['cause']}; {STILL_SWINGS}") from error
-        self.result.notes.append(calmer.pop("note"))
+        self.result.notes.append(calmer["note"])
         await self._robot.reset()
-        return dict(calmer)
+        return KnownJoints.from_document(calmer)
 
     async def _ask(self, what: str, **more: Any) -> Any:
         return await self._daemon.workers.run(
@@ -117,5 +124,5 @@ class FirstMotion:
     async def _take_back(self) -> None:
         """The gains that there were before; an arm that is held gets them without a step."""
         with contextlib.suppress(CommandRefused):
-            if self._before:
+            if self._before is not None:
                 await self._robot.use_gains(self._before, keep=False)

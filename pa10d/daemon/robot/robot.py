@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from backends.device import Device
 from backends.registry import device
+from pa10d.control.gains import PidGains
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.daemon.events import Events
@@ -79,7 +81,7 @@ class RobotProcess:
         self._law_lost: str | None = None  # why it is not the one that was chosen
         self.controller: Message = {"name": "pid"}  # as it was chosen; ``document`` tells the law
         self.model: str | None = None
-        self.joints: Message | None = None  # what a first motion has measured
+        self.joints: MeasuredJoints | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
         self._told: Message = {"state": "offline", "fault": None, "controller": "pid"}
         self._gone: Message | None = None
@@ -271,16 +273,16 @@ class RobotProcess:
             await self.use({"name": "pid"})
             self._law_lost = lost
 
-    async def use_gains(self, gains: Message, keep: bool) -> None:
-        """Gains (``PidGains``) for every servo from now on; keep: also after control's death."""
-        await self.command("gains", gains=gains)
+    async def use_gains(self, gains: PidGains, keep: bool) -> None:
+        """Gains for every servo from now on; keep: also after control's death."""
+        await self.command("gains", gains=gains.document())
         if keep:
             self.keep_gains(gains)
 
-    def keep_gains(self, gains: Message) -> None:
+    def keep_gains(self, gains: PidGains) -> None:
         """For every control process that starts from now on; what the profile names stays."""
-        given = self.profile.control.gains
-        chosen = {k: getattr(given, k) or gains[k] for k in ("kp", "ki", "kd")}
+        given, measured = self.profile.control.gains, gains.document()
+        chosen = {k: getattr(given, k) or measured[k] for k in ("kp", "ki", "kd")}
         control = self.profile.control.model_copy(update={"gains": Gains(**chosen)})
         self._hand_over(self.profile.model_copy(update={"control": control}))
 
@@ -331,7 +333,7 @@ class RobotProcess:
             self.profile, self.robot = await change()
             self._hand_over(self.profile)
             if self.joints is not None:
-                self.keep_gains(self.joints["gains"])
+                self.keep_gains(self.joints.known.gains)
             if self.control is not None:
                 await self.control.end(ENDED)
             if self.recorder is not None:

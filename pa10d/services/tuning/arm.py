@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +12,8 @@ from numpy.typing import NDArray
 
 from backends.scaling import scaling_of
 from pa10d.control.gains import PidGains, loop_sensitivity, pid_gains
-from pa10d.control.joint_figures import JointFigures, presumed_figures
+from pa10d.control.joint_figures import presumed_figures
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.limits import usual_following_error, usual_torque_rate
 from pa10d.dynamics import Robot
 from pa10d.dynamics.robot import robot_from_urdf
@@ -30,7 +30,7 @@ class Tuned:
 
     profile: Profile
     robot: Robot
-    measured: Mapping[str, Any] | None
+    measured: MeasuredJoints | None
 
     @staticmethod
     def of(data: str | os.PathLike[str] | None, profile: Profile, robot: Robot) -> Tuned:
@@ -42,8 +42,8 @@ class Tuned:
         follow from them follow anew."""
         if self.measured is None:
             return Tuned(profile, robot, None)
-        again = learnt(profile, robot, JointFigures.from_document(self.measured["figures"]))
-        return Tuned(profile, robot, {**self.measured, **again})
+        again = learnt(profile, robot, self.measured.known.figures)
+        return Tuned(profile, robot, replace(self.measured, known=again))
 
     @cached_property
     def bare(self) -> Robot:
@@ -56,7 +56,7 @@ class Tuned:
         found = pid_gains(self.robot, self.profile.control)
         if self.measured is None:
             return found
-        given, fitted = self.profile.control.gains, PidGains.from_document(self.measured["gains"])
+        given, fitted = self.profile.control.gains, self.measured.known.gains
         kp, ki, kd = (getattr(found if getattr(given, k) else fitted, k) for k in GAINS)
         return PidGains(kp, ki, kd, fitted.push)
 
@@ -64,9 +64,7 @@ class Tuned:
     def sensitivity(self) -> Array:
         """(n,) peak of the loop's sensitivity by the inertias that are known, inf: it swings up."""
         figures = (
-            presumed_figures(self.robot)
-            if self.measured is None
-            else JointFigures.from_document(self.measured["figures"])
+            presumed_figures(self.robot) if self.measured is None else self.measured.known.figures
         )
         return loop_sensitivity(self.robot, self.profile.control, figures, self.gains)
 
