@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query
 
@@ -16,31 +16,31 @@ router = APIRouter(prefix="/robot", tags=["robot"])
 COMMAND = responses("state", "held", "not-ready")
 
 
-@router.get("", response_model=RobotState)
-async def show_robot(daemon: TheDaemon) -> dict[str, Any]:
+@router.get("")
+async def show_robot(daemon: TheDaemon) -> RobotState:
     """The arm, now."""
     return describe(daemon)
 
 
-@router.post("/enable", response_model=RobotState, responses=COMMAND)
-async def enable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/enable", responses=COMMAND)
+async def enable(daemon: TheDaemon, _client: Commander) -> RobotState:
     """Power on, release the brakes, hold the arm where it is."""
     await daemon.robot.enable()
     return describe(daemon)
 
 
-@router.post("/disable", response_model=RobotState, responses=COMMAND)
-async def disable(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/disable", responses=COMMAND)
+async def disable(daemon: TheDaemon, _client: Commander) -> RobotState:
     """Bring the arm to rest, brakes on, power off."""
     await daemon.robot.disable()
     return describe(daemon)
 
 
-@router.post("/stop", response_model=RobotState)
+@router.post("/stop")
 async def stop(
     daemon: TheDaemon,
     wait: Annotated[float, Query(ge=0, le=30, description="s to wait for the arm's rest")] = 0.0,
-) -> dict[str, Any]:
+) -> RobotState:
     """Bring the arm to rest along its limits. Everybody may, always; nothing needs to be held.
 
     Answers once control has been told; ``wait`` for those who want to see the arm at rest.
@@ -51,8 +51,8 @@ async def stop(
     return describe(daemon)
 
 
-@router.post("/reset", response_model=RobotState, responses=COMMAND)
-async def reset(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/reset", responses=COMMAND)
+async def reset(daemon: TheDaemon, _client: Commander) -> RobotState:
     """Leave a fault, once its cause is gone; the arm stays unpowered. A virtual arm that has died
     is started again."""
     await daemon.reset()
@@ -60,8 +60,8 @@ async def reset(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     return describe(daemon)
 
 
-@router.post("/connect", response_model=RobotState, responses=COMMAND)
-async def connect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/connect", responses=COMMAND)
+async def connect(daemon: TheDaemon, _client: Commander) -> RobotState:
     """Try to reach the drives now; a virtual arm that has died is started again."""
     await daemon.revive()
     if daemon.robot.state == "offline":
@@ -70,8 +70,8 @@ async def connect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     return describe(daemon)
 
 
-@router.post("/disconnect", response_model=RobotState, responses=COMMAND)
-async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/disconnect", responses=COMMAND)
+async def disconnect(daemon: TheDaemon, _client: Commander) -> RobotState:
     """Leave the bus; the arm must be unpowered."""
     if daemon.robot.state != "offline":
         await daemon.robot.disconnect()
@@ -79,27 +79,26 @@ async def disconnect(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
     return describe(daemon)
 
 
-@router.get("/errors", response_model=DriveMemories, responses=responses("state", "not-ready"))
-async def show_drive_errors(daemon: TheDaemon) -> dict[str, Any]:
+@router.get("/errors", responses=responses("state", "not-ready"))
+async def show_drive_errors(daemon: TheDaemon) -> DriveMemories:
     """What each drive remembers of its own errors, newest first; the arm must be unpowered, and may
     be offline."""
-    return {"drives": await daemon.robot.drive_errors()}
+    return DriveMemories.model_validate({"drives": await daemon.robot.drive_errors()})
 
 
-@router.post("/errors/clear", response_model=DriveMemories, responses=COMMAND)
-async def clear_drive_errors(daemon: TheDaemon, _client: Commander) -> dict[str, Any]:
+@router.post("/errors/clear", responses=COMMAND)
+async def clear_drive_errors(daemon: TheDaemon, _client: Commander) -> DriveMemories:
     """Empty every drive's history. A fault is not acknowledged by that: ``reset`` does."""
-    return {"drives": await daemon.robot.clear_drive_errors()}
+    return DriveMemories.model_validate({"drives": await daemon.robot.clear_drive_errors()})
 
 
 @router.put(
     "/controller",
-    response_model=RobotState,
     responses=responses("state", "held", "refused", "not-found"),
 )
 async def choose_controller(
     daemon: TheDaemon, _client: Commander, request: ControllerRequest
-) -> dict[str, Any]:
+) -> RobotState:
     """Choose the control law; all but PID need a model, whose effects go along in every
     experiment from now on."""
     model = None if request.model is None else (await find_model(daemon, request.model)).id
@@ -107,34 +106,34 @@ async def choose_controller(
     return describe(daemon)
 
 
-@router.get("/lease", response_model=Lease)
-async def show_lease(daemon: TheDaemon) -> dict[str, Any]:
+@router.get("/lease")
+async def show_lease(daemon: TheDaemon) -> Lease:
     """Who commands the arm."""
-    return daemon.lease.document()
+    return Lease.model_validate(daemon.lease.document())
 
 
-@router.put("/lease", response_model=Lease, responses=responses("held"))
-async def take_lease(daemon: TheDaemon, client: Client, request: LeaseRequest) -> dict[str, Any]:
+@router.put("/lease", responses=responses("held"))
+async def take_lease(daemon: TheDaemon, client: Client, request: LeaseRequest) -> Lease:
     """Take or prolong the command of the arm. Every command does so for half a minute, too."""
     daemon.lease.take(client, request.seconds)
     daemon.events.publish("lease", daemon.lease.document())
-    return daemon.lease.document()
+    return Lease.model_validate(daemon.lease.document())
 
 
-@router.delete("/lease", response_model=Lease, responses=responses("held"))
-async def give_lease_back(daemon: TheDaemon, client: Client) -> dict[str, Any]:
+@router.delete("/lease", responses=responses("held"))
+async def give_lease_back(daemon: TheDaemon, client: Client) -> Lease:
     """Let others command."""
     if not daemon.lease.release(client) and daemon.lease.current():
         holder = daemon.lease.current()
         raise Problem("held", f"{holder} holds the lease, not {client}", holder=holder)
     daemon.events.publish("lease", daemon.lease.document())
-    return daemon.lease.document()
+    return Lease.model_validate(daemon.lease.document())
 
 
-def describe(daemon: Daemon) -> dict[str, Any]:
+def describe(daemon: Daemon) -> RobotState:
     """The robot's state as clients see it."""
     document = daemon.robot.document() | {"lease": daemon.lease.document()}
     for axis in document["axes"]:
         state = daemon.robot.device.state(axis["status_word"])
         axis["drive_state"] = None if state is None else str(state)
-    return document
+    return RobotState.model_validate(document)

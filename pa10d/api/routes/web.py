@@ -39,7 +39,7 @@ async def page() -> HTMLResponse:
 @router.post("/api/v1/robot/stop-page")
 async def stop_without_script(daemon: TheDaemon) -> HTMLResponse:
     """The stop button's plain form, for the moment before its script is there, and without one."""
-    state = (await stop(daemon))["state"]
+    state = (await stop(daemon)).state
     rest = state in ("holding", "inactive", "fault")
     advice = "" if rest else " If the arm moves, press the hardware emergency stop."
     return HTMLResponse(HEARD.format(state=state, advice=advice))
