@@ -62,7 +62,7 @@ class Scores:
     """Those of one joint, taken in a stretch after the other; all in weighted units.
 
     gram (k, k): their covariance if the residual is stationary; blocks (B, k): their sums over
-    blocks of time, none where errors are told by another recording than the columns'.
+    blocks of time, none where no residual was given.
     """
 
     def __init__(self, memory: Memory, block: int = 0) -> None:

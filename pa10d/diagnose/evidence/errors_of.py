@@ -21,7 +21,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import Value
 from pa10d.regression.covariance import Seen, uncertainty
 from pa10d.regression.lacking import Stretch
-from pa10d.regression.scores import Memory, Scores, block_of, covariance_of
+from pa10d.regression.scores import Memory, Scores, covariance_of
 from pa10d.regression.told import added_ones, left_open, names_of
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ Noises = dict[int, Scores]
 def full_covariance(
     state: SearchState, fit: LeastSquares | None = None, noise: PerJoint | None = None
 ) -> Array:
-    """(p, p) of all coefficients under noise alone, as it is correlated.
+    """(p, p) of all coefficients under noise alone, as it is correlated: for the search.
 
     fit: another one of the same columns, some of them left out; noise: weighted residuals (m_j,)
     that know more than its own.
@@ -60,7 +60,6 @@ class Doubts:
 
     state: SearchState
     noises: Noises
-    block: int
 
     @classmethod
     def of(cls, state: SearchState, changes: Iterable[PerJoint]) -> Doubts:
@@ -71,15 +70,13 @@ class Doubts:
                 rest = state.fit.residual[j] - moved
                 if rest @ rest < left[j] @ left[j]:
                     left[j] = rest
-        memories = _memories(state.train, state.fit, left)
-        block = _block(state.train, memories)
-        return cls(state, _scores(state.train, memories, left, state.fit.basis, block), block)
+        return cls(state, _noises(state.train, state.fit, left))
 
     def beside(self, change: PerJoint) -> Doubt:
         """With a candidate added that changes the fit side so."""
-        side, fit = self.state.train, self.state.fit
+        fit = self.state.fit
         left = {j: fit.residual[j] - moved for j, moved in change.items()}
-        own = _scores(side, _memories(side, fit, left), left, fit.basis, self.block)
+        own = _noises(self.state.train, fit, left)
         return doubt_under(self.state, {**self.noises, **own})
 
 
@@ -226,28 +223,11 @@ def _stated(state: SearchState, columns: PerJoint, turn: Array, known: Array | N
 
 
 def _noises(side: Side, fit: LeastSquares, residual: PerJoint) -> Noises:
-    """Of the fit's basis under each joint's noise: weighted residuals (m_j,)."""
-    memories = _memories(side, fit, residual)
-    return _scores(side, memories, residual, fit.basis, _block(side, memories))
-
-
-def _memories(side: Side, fit: LeastSquares, residual: PerJoint) -> dict[int, Memory]:
-    degrees, rate = fit.leverage(), side.runs[0].rate
-    return {
-        j: Memory.of(side.stretches(j, r), rate, float(degrees[j])) for j, r in residual.items()
-    }
-
-
-def _block(side: Side, memories: dict[int, Memory]) -> int:
-    return block_of(list(memories.values()), sum(map(len, side.keep)), side.runs[0].rate)
-
-
-def _scores(
-    side: Side, memories: dict[int, Memory], residual: PerJoint, columns: PerJoint, block: int
-) -> Noises:
-    out = {j: Scores(memory, block) for j, memory in memories.items()}
-    for j, scores in out.items():
-        stretches = side.stretches(j, residual[j])
-        for rows, (left, _) in zip(side.spread(j, columns[j]), stretches, strict=True):
-            scores.add(rows, left)
+    """Of the fit's basis under each joint's noise: weighted residuals (m_j,). Without blocks of
+    time: they count as doubt what is missing from the model, and that is what the search is for."""
+    degrees, out = fit.leverage(), {}
+    for j, left in residual.items():
+        out[j] = Scores(Memory.of(side.stretches(j, left), side.runs[0].rate, float(degrees[j])))
+        for columns in side.spread(j, fit.basis[j]):
+            out[j].add(columns)
     return out
