@@ -38,7 +38,7 @@ def full_covariance(
     that know more than its own.
     """
     fit = state.fit if fit is None else fit
-    return _covariance(state, fit, _noises(state.train, fit, noise or fit.residual))
+    return _covariance(state, fit, _noises(state.train, fit.basis, noise or fit.residual))
 
 
 def honest_covariance(state: SearchState) -> Array:
@@ -70,13 +70,13 @@ class Doubts:
                 rest = state.fit.residual[j] - moved
                 if rest @ rest < left[j] @ left[j]:
                     left[j] = rest
-        return cls(state, _noises(state.train, state.fit, left))
+        return cls(state, _noises(state.train, state.fit.basis, left))
 
     def beside(self, change: PerJoint) -> Doubt:
         """With a candidate added that changes the fit side so."""
         fit = self.state.fit
         left = {j: fit.residual[j] - moved for j, moved in change.items()}
-        own = _noises(self.state.train, fit, left)
+        own = _noises(self.state.train, fit.basis, left)
         return doubt_under(self.state, {**self.noises, **own})
 
 
@@ -222,12 +222,15 @@ def _stated(state: SearchState, columns: PerJoint, turn: Array, known: Array | N
     return uncertainty(stretches, seen, turns, fit.sigma, degrees, lowpass, known).covariance
 
 
-def _noises(side: Side, fit: LeastSquares, residual: PerJoint) -> Noises:
-    """Of the fit's basis under each joint's noise: weighted residuals (m_j,). Without blocks of
-    time: they count as doubt what is missing from the model, and that is what the search is for."""
-    degrees, out = fit.leverage(), {}
+def _noises(side: Side, basis: PerJoint, residual: PerJoint) -> Noises:
+    """Of a fit's basis under each joint's noise: weighted residuals (m_j,), taken as they are.
+
+    Neither blocks of time nor what the fit took away count here: both make doubt of what is missing
+    from the model, and that is what the search is for.
+    """
+    out = {}
     for j, left in residual.items():
-        out[j] = Scores(Memory.of(side.stretches(j, left), side.runs[0].rate, float(degrees[j])))
-        for columns in side.spread(j, fit.basis[j]):
+        out[j] = Scores(Memory.of(side.stretches(j, left), side.runs[0].rate))
+        for columns in side.spread(j, basis[j]):
             out[j].add(columns)
     return out
