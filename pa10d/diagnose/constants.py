@@ -82,6 +82,8 @@ MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)
+UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing, its rows weigh 1e-4 (d)
+SIDE_BLOCKS = 6  # alternate blocks of time of a run that must serve both sides: three each (d)
 
 # -- chosen, on simulated seven-joint arms with stiction and the four shared real robots -----------
 
@@ -103,7 +105,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 #
 # On three arms of two links and one of seven with known answers, and on the LWR4 (decision 0190):
 # (a) no answer and no error changed; (b) other names for what is unexplained, no finding;
-# (c) a finding came or went. Not marked: not measured.
+# (c) a finding came or went; (d) the same as (a), on arms of two links alone.
 
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, be predicted, or be removed
 #   by a map where it knows, to be a claim (b: half names a map more, twice one less)
@@ -111,7 +113,8 @@ WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints (
 TIMING_AGREE = 0.6  # share of the joints' weight that must agree with a common offset (a)
 LEAST_SLOPE = 0.4  # of the held-out residual on a map (b: twice it one map less, half nothing)
 CLUSTERS = 2.5  # t of a map's drop over blocks of time: 0.6 % one-sided (b: twice it two maps less)
-SMOOTH_TAILS = 1e-3  # share of samples at either end that do not widen a map's range
+SMOOTH_TAILS = 1e-3  # share of samples at either end that do not widen a map's range (d, but for
+#   0.5 % of its held-out error)
 SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged (c: at half and at twice the
 #   LWR4's ripple on joint 7 goes, which is marginal, and joint 6 gets another map)
 HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for (a)
@@ -119,8 +122,6 @@ BLOCK_SECONDS = 2.0  # of time that counts as one draw where the drop is judged 
 MAP_KNOTS = 8  # hat functions per variable of a map of two (c: at 16 a map is claimed on a clean
 #   joint of the arm with Stribeck friction; at 4 the LWR4's joint 6 gets another map)
 MAP_FINE_KNOTS = 24  # of a map of one (a, without the LWR4)
-MAP_MEMORIES = (0.4, 2.0)  # s: where the joint has been lately
-FORETOLD_WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered
-FORETOLD_SHARP = 0.02  # of a joint's fast speed: within that its friction turns round
-UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing, its rows weigh 1e-4
-SIDE_BLOCKS = 6  # alternate blocks of time of a run that must serve both sides
+MAP_MEMORIES = (0.4, 2.0)  # s: where the joint has been lately (d)
+FORETOLD_WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered (d)
+FORETOLD_SHARP = 0.02  # of a joint's fast speed: within that its friction turns round (d)
