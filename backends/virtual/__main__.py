@@ -7,6 +7,7 @@ import contextlib
 import signal
 import sys
 
+from backends.arm_lock import only_arm
 from backends.virtual.arm import serve
 from pa10d.common.errors import UserError
 from pa10d.profile import load_profile
@@ -28,7 +29,7 @@ def main() -> int:
         if arguments.clock and profile.simulation:
             simulation = profile.simulation.model_copy(update={"clock": arguments.clock})
             profile = profile.model_copy(update={"simulation": simulation})
-        with contextlib.suppress(KeyboardInterrupt):
+        with contextlib.suppress(KeyboardInterrupt), only_arm(profile):
             serve(profile, ready=lambda: print("ready", flush=True))
     except UserError as error:
         print(error, file=sys.stderr)

@@ -122,10 +122,10 @@ def add_commands(commands: Commands) -> None:
 
 def serve(options: argparse.Namespace) -> Answer:
     """``serve``: until interrupted."""
+    from backends.arm_lock import is_simulated
     from pa10d.api.access import tokens_from
     from pa10d.api.server import Settings
     from pa10d.api.server import serve as run
-    from pa10d.daemon.processes.arm_lock import is_simulated
     from pa10d.daemon.timekeeping import kept_time, slower
     from pa10d.store.location import data_folder
 
@@ -215,15 +215,12 @@ def check(options: argparse.Namespace) -> Answer:
 
 def sim(options: argparse.Namespace) -> Answer:
     """``sim``: until interrupted."""
-    from pa10d.common.errors import UserError
-    from pa10d.daemon.processes.arm_lock import arm_lock
+    from backends.arm_lock import only_arm
     from pa10d.daemon.processes.simulator import serve_arm
     from pa10d.profile import load_profile
 
     profile = _on_bus(load_profile(options.profile), options)
-    with arm_lock(profile) as held:
-        if held is None:
-            raise UserError(f"a virtual arm is on '{profile.can.channel}' already")
+    with only_arm(profile):
         serve_arm(profile, lambda: note(f"virtual arm on '{profile.can.channel}'"))
     return Answer(None)
 

@@ -14,8 +14,8 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 
+from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated
 from pa10d.common.errors import UserError
-from pa10d.daemon.processes.arm_lock import Held, arm_leaves, arm_lock, is_simulated
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
 

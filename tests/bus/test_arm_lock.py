@@ -5,12 +5,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import subprocess
+import sys
 import threading
 
 import pytest
+from bus_helpers import make_profile, virtual_arm
 
-from pa10d.daemon.processes import arm_lock as locks
-from pa10d.daemon.processes.arm_lock import arm_leaves, arm_lock, is_simulated, lock_path
+from backends import arm_lock as locks
+from backends.arm_lock import arm_leaves, arm_lock, is_simulated, lock_path
 from pa10d.daemon.processes.simulator import Simulator
 from pa10d.profile import load_profile
 
@@ -80,3 +83,17 @@ def test_an_arm_whose_daemon_has_gone_is_waited_for(profile, monkeypatch):
     with pytest.raises(Started):
         asyncio.run(Simulator(profile).start())
     assert looks == [True, True, True]
+
+
+def test_a_second_arm_by_hand_is_refused_in_one_line(tmp_path):
+    """Two on one bus answer with the same node ids, and no master can tell."""
+    profile = make_profile(tmp_path, 1, can={"channel": f"hand-{os.getpid()}"})
+    command = [sys.executable, "-m", "backends.virtual", str(profile.path)]
+    with virtual_arm(profile):
+        assert is_simulated(profile)
+        second = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert second.returncode == 1
+    assert second.stderr == f"a virtual arm is on 'hand-{os.getpid()}' already\n"
+    assert second.stdout == ""
+    with virtual_arm(profile):
+        pass  # the first one has left, nothing keeps the next one out

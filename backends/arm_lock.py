@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from pa10d.common.errors import UserError
 from pa10d.common.locked_file import lock_at_once, still_there
 from pa10d.profile import Profile
 
@@ -77,3 +78,13 @@ def arm_lock(profile: Profile) -> Iterator[Held | None]:
     finally:
         path.unlink(missing_ok=True)
         os.close(descriptor)
+
+
+@contextlib.contextmanager
+def only_arm(profile: Profile) -> Iterator[None]:
+    """The same for whoever was started by hand: UserError where there is one. Two would answer
+    with the same node ids."""
+    with arm_lock(profile) as held:
+        if held is None:
+            raise UserError(f"a virtual arm is on '{profile.can.channel}' already")
+        yield
