@@ -56,6 +56,8 @@ _CODES = {
     0x8140: "recovered from bus-off",
     0x8210: "RPDO not processed, too short",
     0x8220: "RPDO longer than mapped",
+    0x8240: "SYNC of unexpected length",
+    0x8250: "RPDO did not come in time",
     0x8611: "following error",
     0x8612: "position limit reached",
     0x8700: "SYNC missing",

@@ -58,7 +58,7 @@ class VirtualArm:
         """Take in frames and answer them."""
         for can_id, data in frames(packet):
             if can_id in self._sync_ids:
-                self._synced(can_id)
+                self._synced(can_id, data)
                 continue
             for drive in self._routes.get(can_id, ()):
                 drive.node.receive(can_id, data)
@@ -99,7 +99,7 @@ class VirtualArm:
                 log.warning("frames of the drives are lost: %s", error)
             self._losing = True
 
-    def _synced(self, can_id: int) -> None:
+    def _synced(self, can_id: int, data: bytes) -> None:
         """A period ends with it; drives with a SYNC of their own (0x1005) share the period."""
         self._release_held()
         periods = int(not self._synced_by or can_id in self._synced_by)
@@ -112,16 +112,17 @@ class VirtualArm:
             self._time = now if periods else self._time
         for _ in range(periods - 1):
             self._cycle(synced_by=None)
-        self._cycle(synced_by=can_id, advance=periods > 0)
+        self._cycle(can_id, data, advance=periods > 0)
 
-    def _cycle(self, synced_by: int | None, advance: bool = True) -> None:
+    def _cycle(self, synced_by: int | None, sync: bytes = b"", advance: bool = True) -> None:
         dt = self.period if advance else 0.0
         q, torque = self.mechanics.measure(self._powered, dt)
         velocity = self.mechanics.velocity.tolist()
         self._read_temperature(dt)
         seen = zip(self.drives, q.tolist(), velocity, torque.tolist(), strict=True)
         for drive, angle, speed, effort in seen:
-            drive.update(dt, angle, speed, effort, drive.node.sync_id == synced_by)
+            synced = drive.node.sync_id == synced_by and drive.node.obeys(sync)
+            drive.update(dt, angle, speed, effort, synced)
         if synced_by is not None:
             self.flush()  # the answer first: the plant may take its time
         if not advance:

@@ -216,6 +216,74 @@ def test_two_syncs_of_one_period_are_one_period(tmp_path: Path) -> None:
     assert sum(map(len, beats)) == 10, "100 periods of 5 ms, and a heartbeat every 50 ms"
 
 
+def test_a_sync_has_a_counter_where_1019_says_so_and_nothing_else(bench: Bench) -> None:
+    make_pdo(bench, 0x1400, RPDO, 1, TORQUE)
+    bench.nmt(1)
+    bench.send(RPDO, b"\x11\x00")
+    assert emergencies(bench.send(0x80, b"\x01")) == [0x8240], "unexpected length: told …"
+    assert bench.read(0x1001) == 0x11
+    assert bench.read(0x6071) == 0, "… and no SYNC"
+    assert emergencies(bench.send(0x80, b"\x02")) == [], "once"
+    assert emergencies(bench.sync()) == [0]
+    assert (bench.read(0x1001), bench.read(0x6071)) == (0, 0x11)
+    assert bench.abort(0x1019, 4, 1) == 0
+    bench.send(RPDO, b"\x22\x00")
+    assert emergencies(bench.sync()) == [0x8240], "now the counter lacks"
+    assert bench.read(0x6071) == 0x11
+    assert emergencies(bench.send(0x80, b"\x01")) == [0]
+    assert bench.read(0x6071) == 0x22
+
+
+def test_a_sync_counter_is_set_while_no_sync_is_due(bench: Bench) -> None:
+    for value in (1, 241, 255):
+        assert bench.abort(0x1019, value, 1) == WRONG_VALUE
+    assert bench.abort(0x1006, 2000, 4) == 0
+    assert bench.abort(0x1019, 4, 1) == WRONG_STATE
+    assert bench.abort(0x1006, 0, 4) == 0
+    assert bench.abort(0x1019, 240, 1) == 0
+
+
+def test_a_tpdo_counts_from_the_sync_that_it_is_told(bench: Bench) -> None:
+    make_pdo(bench, 0x1800, TPDO, 2, STATUS)
+    assert bench.abort(0x1800, 3, 1, 6) == WRONG_STATE, "it exists"
+    assert bench.abort(0x1800, TPDO | OFF, 4, 1) == 0
+    assert bench.abort(0x1800, 241, 1, 6) == WRONG_VALUE
+    assert bench.abort(0x1800, 3, 1, 6) == 0
+    assert bench.abort(0x1800, TPDO, 4, 1) == 0
+    bench.nmt(1)
+    uncounted = [len(of(bench.sync(), TPDO)) for _ in range(4)]
+    assert uncounted == [0, 1, 0, 1], "without a counter it means nothing"
+    assert bench.abort(0x1019, 4, 1) == 0
+    bench.nmt(128)
+    bench.nmt(1)
+    came = [len(of(bench.send(0x80, bytes([1 + k % 4])), TPDO)) for k in range(8)]
+    assert came == [0, 0, 0, 1, 0, 1, 0, 1]
+
+
+def test_an_rpdo_that_does_not_come_in_time_is_told(bench: Bench) -> None:
+    """500 Hz: 5 ms are over within the third period."""
+    make_pdo(bench, 0x1400, RPDO, 255, TORQUE)
+    make_pdo(bench, 0x1401, 0x300 + NODE, 255, OFFSET)
+    assert [bench.abort(record, 5, 2, 5) for record in (0x1400, 0x1401)] == [0, 0]
+    bench.nmt(1)
+    assert emergencies(bench.sync(20)) == [], "the first one begins it"
+    assert emergencies(bench.send(RPDO, b"\x11\x00")) == []
+    assert emergencies(bench.sync(2)) == []
+    bench.send(RPDO, b"\x12\x00")
+    assert emergencies(bench.sync(2)) == []
+    assert emergencies(bench.sync()) == [0x8250]
+    assert bench.read(0x1001) == 0x11
+    assert emergencies(bench.sync(20)) == [], "told once"
+    bench.send(0x300 + NODE, b"\x00\x00")
+    assert emergencies(bench.sync(4)) == [0x8250], "another one is another error"
+    assert emergencies(bench.send(RPDO, b"\x12\x00")) == [], "one is late still"
+    assert emergencies(bench.send(0x300 + NODE, b"\x00\x00")) == [0]
+    assert bench.read(0x1001) == 0
+    bench.sync(1)
+    assert bench.abort(0x1400, 0, 2, 5) == bench.abort(0x1401, 0, 2, 5) == 0
+    assert emergencies(bench.sync(20)) == [], "switched off"
+
+
 # --- errors ---
 
 

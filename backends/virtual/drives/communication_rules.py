@@ -16,7 +16,8 @@ from backends.virtual.drives.pdo import CODES, EACH_SYNC, INVALID, MAPPINGS, RPD
 
 EXTENDED, PRODUCE_SYNC = 1 << 29, 1 << 30
 CAN_ID = 0x7FF
-COB_ID, TRANSMISSION_TYPE, INHIBIT_TIME = 1, 2, 3  # sub-indices of a communication record
+COB_ID, TRANSMISSION_TYPE, INHIBIT_TIME, SYNC_START = 1, 2, 3, 6  # sub-indices of a record
+COUNTS = (0, *range(2, 241))  # of a SYNC counter: none, or where it begins anew
 FROM_EVENTS = range(254, 256)
 FROM_REQUESTS = range(252, 254)
 RESTRICTED = (
@@ -39,6 +40,9 @@ def check_write(dictionary: LiveDictionary, key: int, value: Value) -> None:
         _require(value == 0)  # zero empties the history, nothing else can be written
     elif index == 0x1005:
         _require(not value & (EXTENDED | PRODUCE_SYNC) and value & CAN_ID not in RESTRICTED)
+    elif index == 0x1019:
+        _require(value in COUNTS)
+        _require(not dictionary.number(0x1006), WRONG_STATE)
     elif index == 0x1016:
         _check_consumer(dictionary, sub, value)
     elif RPDO <= index < RPDO + MAPPINGS or TPDO <= index < TPDO + MAPPINGS:
@@ -76,7 +80,8 @@ def _check_communication(dictionary: LiveDictionary, index: int, sub: int, value
     elif sub == TRANSMISSION_TYPE:
         sent = index >= TPDO
         _require(value in EACH_SYNC or value in FROM_EVENTS or (sent and value in FROM_REQUESTS))
-    elif sub == INHIBIT_TIME and index >= TPDO:
+    elif sub in (INHIBIT_TIME, SYNC_START) and index >= TPDO:
+        _require(sub == INHIBIT_TIME or value in EACH_SYNC)
         _require(not _exists(dictionary, index), WRONG_STATE)
 
 

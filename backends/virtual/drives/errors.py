@@ -9,7 +9,7 @@ from backends.virtual.drives.object_dictionary import LiveDictionary, key_of
 
 EMCY = Struct("<HB5x")  # error code, error register
 LOST_HEARTBEAT, LOST_SYNC, POSITION_LIMIT = 0x8130, 0x8700, 0x8612
-SHORT_PDO, LONG_PDO = 0x8210, 0x8220
+SHORT_PDO, LONG_PDO, SYNC_LENGTH, LATE_PDO = 0x8210, 0x8220, 0x8240, 0x8250
 HISTORY = 0x1003
 GENERIC, MANUFACTURER = 0x01, 0x80  # bits of 0x1001
 BIT_OF_CLASS = {0x2: 0x02, 0x3: 0x04, 0x4: 0x08}  # current, voltage, temperature

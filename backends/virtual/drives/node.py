@@ -7,7 +7,14 @@ from typing import Protocol
 
 from backends.frames import REMOTE, frame
 from backends.virtual.drives.communication_rules import CAN_ID, check_write
-from backends.virtual.drives.errors import LONG_PDO, LOST_HEARTBEAT, SHORT_PDO, ErrorMemory
+from backends.virtual.drives.errors import (
+    LATE_PDO,
+    LONG_PDO,
+    LOST_HEARTBEAT,
+    SHORT_PDO,
+    SYNC_LENGTH,
+    ErrorMemory,
+)
 from backends.virtual.drives.heartbeats import Consumer, Guard, Producer
 from backends.virtual.drives.injection import Injection, Injector
 from backends.virtual.drives.object_dictionary import LiveDictionary, Value, key_of
@@ -78,7 +85,11 @@ class CanopenNode:
         self._transmit: dict[int, TransmitPdo] = {}
         self._rpdos: dict[int, list[ReceivePdo]] = {}  # those that exist, by identifier
         self._tpdos: list[TransmitPdo] = []
+        self._awaited: list[ReceivePdo] = []  # those with a deadline
         self.sync_id = 0x80
+        self._sync_size = 0
+        self._sync_count: int | None = None
+        self._wrong_sync = False  # told once
         self._boot_left = boot_time
         dictionary.may_write, dictionary.on_write = self._may_write, self._written
 
@@ -108,6 +119,19 @@ class CanopenNode:
         elif can_id > 0x700:
             self._consumer.heard(can_id - 0x700)
 
+    def obeys(self, sync: bytes) -> bool:
+        """Whether this SYNC is one for us: it has a counter where 0x1019 says so, else nothing."""
+        if len(sync) == self._sync_size:
+            self._sync_count = sync[0] if sync else None
+            if self._wrong_sync:
+                self._wrong_sync = False
+                self.errors.over(SYNC_LENGTH)
+            return True
+        if not self._wrong_sync and self.state in (PRE_OPERATIONAL, OPERATIONAL):
+            self._wrong_sync = True
+            self.errors.emergency(SYNC_LENGTH)
+        return False
+
     def sync(self) -> None:
         """SYNC: what the synchronous RPDOs brought takes effect."""
         if self.injector.silent or self.state != OPERATIONAL:
@@ -127,6 +151,8 @@ class CanopenNode:
                 self.boot()
             return
         self.since_sync += dt
+        if self.state == OPERATIONAL and any([pdo.overdue(dt) for pdo in self._awaited]):
+            self.errors.emergency(LATE_PDO)
         if self._consumer.lost(dt) is not None or self._guard.lost(dt):
             self.communication_error(LOST_HEARTBEAT)
 
@@ -136,7 +162,7 @@ class CanopenNode:
             return
         if self.state == OPERATIONAL:
             for pdo in self._tpdos:
-                if (data := pdo.due(dt, synced)) is not None:
+                if (data := pdo.due(dt, synced, self._sync_count)) is not None:
                     self._offer(pdo, data)
         period = self.dictionary.values.get(HEARTBEAT_TIME, 0)
         if self._producer.due(dt, int(period)) and not self.injector.heartbeat_mute:
@@ -158,6 +184,7 @@ class CanopenNode:
         self.errors.publish()
         self._application.restarted(completely)
         self._consumer, self._guard = Consumer(), Guard()
+        self._wrong_sync = False
         self.state, self._boot_left = BOOTING, self._boot_time
         if self._boot_time <= 0:
             self.boot()
@@ -192,11 +219,18 @@ class CanopenNode:
             if pdo.enabled:
                 self._rpdos.setdefault(pdo.cob_id, []).append(pdo)
         self._tpdos = [pdo for pdo in self._transmit.values() if pdo.enabled]
+        self._awaited = [pdo for pdo in self._receive.values() if pdo.enabled and pdo.awaited]
+        self._see_who_is_late()
+
+    def _see_who_is_late(self) -> None:
+        if not any(pdo.late for pdo in self._awaited):
+            self.errors.over(LATE_PDO)
 
     def _watch_others(self) -> None:
         self._consumer.configure(self.dictionary)
         self._guard.configure(self.dictionary)
         self.sync_id = self.dictionary.number(0x1005, default=0x80) & CAN_ID or 0x80
+        self._sync_size = 1 if self.dictionary.number(0x1019) else 0
         self.on_routes()
 
     def _say(self, function: int, data: bytes) -> None:
@@ -215,7 +249,8 @@ class CanopenNode:
                 pdo.restart()
         if state != OPERATIONAL:
             for received in self._receive.values():
-                received.waiting = None
+                received.forget()
+            self._see_who_is_late()
         self.state = state
 
     def _asked(self, can_id: int) -> None:
@@ -249,6 +284,8 @@ class CanopenNode:
         elif pdo.wrong_length:
             pdo.wrong_length = False
             self.errors.over(SHORT_PDO, LONG_PDO)
+        pdo.came()
+        self._see_who_is_late()
         if pdo.synchronous:
             pdo.waiting = data
         else:

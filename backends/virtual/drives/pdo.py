@@ -38,12 +38,34 @@ class _Pdo:
 
 
 class ReceivePdo(_Pdo):
-    """One RPDO. ``waiting`` was received and takes effect with the next SYNC."""
+    """One RPDO. ``waiting`` was received and takes effect with the next SYNC; ``late``: the next
+    one is overdue by its event timer, which runs from the first one on."""
 
     def __init__(self, dictionary: LiveDictionary, communication: int) -> None:
         super().__init__(dictionary, communication)
-        self.waiting: bytes | None = None
         self.wrong_length = False  # the last frame's; told once
+        self._deadline = dictionary.number(communication, 5) * 1e-3 or inf  # s
+        self.forget()
+
+    def forget(self) -> None:
+        """As if none had been received."""
+        self.waiting: bytes | None = None
+        self.late, self._since = False, -inf
+
+    @property
+    def awaited(self) -> bool:
+        """Whether it has a deadline."""
+        return self._deadline < inf
+
+    def came(self) -> None:
+        """It was received."""
+        self.late, self._since = False, 0.0
+
+    def overdue(self, dt: float) -> bool:
+        """Whether it has become late within these s."""
+        self._since += dt
+        self.late, before = self._since > self._deadline + 1e-9, self.late
+        return self.late and not before
 
     @property
     def synchronous(self) -> bool:
@@ -61,6 +83,7 @@ class TransmitPdo(_Pdo):
         super().__init__(dictionary, communication)
         self._inhibit = dictionary.number(communication, 3) * 1e-4  # s
         self._longest = dictionary.number(communication, 5) * 1e-3 or inf  # s, the event timer
+        self._start = dictionary.number(communication, 6)  # the SYNC that counts as the first one
         self.restart()
 
     def restart(self) -> None:
@@ -68,17 +91,19 @@ class TransmitPdo(_Pdo):
         self._sent: bytes | None = None
         self._sampled: bytes | None = None
         self._since, self._syncs = inf, 0  # s and SYNCs since it was last sent
+        self._begun = not self._start
 
     @property
     def synchronous(self) -> bool:
         return self.type in EACH_SYNC
 
-    def due(self, dt: float, synced: bool) -> bytes | None:
-        """The data to send after ``dt`` s, at whose end a SYNC came or not."""
+    def due(self, dt: float, synced: bool, count: int | None = None) -> bytes | None:
+        """The data to send after ``dt`` s, at whose end a SYNC came or not; count: the SYNC's own,
+        where it has one."""
         self._since += dt
         if self.type > ASKED:
             return self._at_event()
-        return self._at_sync() if synced else None
+        return self._at_sync(count) if synced else None
 
     def asked(self) -> bytes | None:
         """The data to send on a remote frame."""
@@ -96,7 +121,10 @@ class TransmitPdo(_Pdo):
             return None
         return self._note(data)
 
-    def _at_sync(self) -> bytes | None:
+    def _at_sync(self, count: int | None) -> bytes | None:
+        self._begun = self._begun or count is None or count == self._start
+        if not self._begun:
+            return None
         self._syncs += 1
         if self.type in EACH_SYNC and self._syncs < self.type:
             return None
