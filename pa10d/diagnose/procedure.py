@@ -110,6 +110,7 @@ def diagnose(
         held_out=tuple(state.held.runs),
         judged_on=words,
         frozen=frozen,
+        identified_from=model.runs,
     )
 
 
@@ -200,6 +201,8 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     size = _size(state, index, judged)
     rivals = search.rivals_of(term)
     confusions = tuple(_confusion(term, r) for r in rivals)
+    named = {j for t in state.terms if t.effect_id == term.effect_id for j in t.joints}
+    others = [j for j in range(state.model.robot.n) if j not in named]
     plan = None
     if rivals:
         own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
@@ -218,7 +221,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         size=size,
         confounded_with=confusions,
         next_experiment=plan,
-        sentence=sentence(term, before, after, size, confusions, state.frozen),
+        sentence=sentence(term, before, after, size, confusions, state.frozen, others),
     )
 
 

@@ -199,6 +199,8 @@ class Effect(ABC):
     seen_by_shared_bodies: ClassVar[bool] = False  # a change that a new fit does not hide: the
     # equations of several joints ask different things of one body. Asked for where the question
     # is what is missing, too; any joint may show it, and it takes no rival's place on its own
+    only_against_others: ClassVar[str] = ""  # what to know of its value where the model is fitted
+    # anew and only what joints contradict each other in shows; {others}: those it is not named on
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines

@@ -32,6 +32,8 @@ def test_gains_that_differ_are_named_and_leave_nothing_to_explain():
     assert abs(gain.value - ratio) < 3.0 * gain.std_error
     rivals = [(c.effect, c.joints) for c in finding.confounded_with]
     assert rivals == [("torque_gain", (1 - joint,))]
+    # measured against a joint that may be off itself: whoever reads the figure has to know
+    assert f"against that of joint {2 - joint}" in finding.sentence
 
 
 def test_no_motion_is_promised_to_tell_which_gain_is_off():

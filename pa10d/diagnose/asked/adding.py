@@ -30,13 +30,16 @@ def add_asked(
 
     over: quantities of a smooth map, such as the ``depends_on`` of an ``unexplained`` entry.
     What only a comparison with an earlier model shows (a payload, a tilted base …) is added to the
-    model as it was: a refit would take it for a trait of the arm.
+    model as it was: a refit would take it for a trait of the arm. In the model's own runs nothing
+    has changed since; there, what joints contradict each other in is fitted along with the rest.
     """
     refuse_slips(model, effect, joints, over)
     if effect == SmoothMap.id:
         mapped = add_map(model, joints, over, fit, name=name, progress=progress)
         return mapped.model, mapped.warnings
-    if effect in all_effects() and all_effects()[effect].question == "changed":
+    kind = all_effects().get(effect)
+    own = {run.name for run in fit} <= set(model.runs)
+    if kind and kind.question == "changed" and not (own and kind.seen_by_shared_bodies):
         return _changed(model, effect, joints, fit, name, progress), []
     return add(model, effect, joints, fit, name=name, progress=progress)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import plain
+from pa10d.common.words import listed
 from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
@@ -87,6 +88,7 @@ class Diagnosis:
     fitted, held_out: the runs of both sides as they were looked at: behind the equation's low-pass,
     with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
+    identified_from: names of the given model's own runs
     """
 
     verdict: Verdict
@@ -103,6 +105,7 @@ class Diagnosis:
     held_out: tuple[RunEquation, ...]
     judged_on: str
     frozen: bool
+    identified_from: tuple[str, ...] = ()
 
     @property
     def noise_floor(self) -> Array:
@@ -118,10 +121,22 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
+        own = self._own_runs()
         return (
-            (*tails(self.model, found, self.fitted).values(), *warnings(self.model))
+            (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.model))
             if found
-            else ()
+            else own
+        )
+
+    def _own_runs(self) -> tuple[str, ...]:
+        """That a change is sought in runs from before it, where it is."""
+        own = set(self.identified_from) & {run.name for run in self.fitted}
+        if not self.frozen or not own:
+            return ()
+        return (
+            f"the model was identified from {listed(sorted(own))}, so nothing has changed there, "
+            "and a change that only other runs have cannot be named; fit runs from after the "
+            "change, and judge by others from after it",
         )
 
     def document(self) -> dict[str, Any]:

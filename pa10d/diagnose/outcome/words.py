@@ -23,10 +23,12 @@ def sentence(
     size: Value,
     confusions: Sequence[Confusion],
     frozen: bool,
+    others: Sequence[int] = (),
 ) -> str:
     """What and where, how large, and what it takes away of the joint that it helps most.
 
-    before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed
+    before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed;
+    others: joints (0-based) on which the same effect is not named
     """
     own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
     gone = 1.0 - (after / np.maximum(before, 1e-300)) ** 2
@@ -39,9 +41,12 @@ def sentence(
         lacks = float(np.sqrt(max(before[worst] ** 2 - after[worst] ** 2, 0.0)))
         said = missing(term, about + _lacking(size, lacks if len(own) == 1 else None))
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
+    if not frozen and others and term.effect.only_against_others:
+        joints = f"joint{'s' if len(others) > 1 else ''} {listed([str(j + 1) for j in others])}"
+        text += f" {term.effect.only_against_others.format(others=joints)}."
     if confusions:
-        others = sorted({_other(term, c) for c in confusions})
-        text += f" This data cannot yet tell it from {listed(others, 'or')}."
+        rivals = sorted({_other(term, c) for c in confusions})
+        text += f" This data cannot yet tell it from {listed(rivals, 'or')}."
     return text
 
 

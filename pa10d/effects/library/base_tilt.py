@@ -19,6 +19,7 @@ class BaseTilt(Effect):
     scope = "robot"
     question = "changed"
     reaches_other_joints = True
+    seen_by_shared_bodies = True
     uses_model = True
     coefficients = (
         Coefficient("rx", "rad", -0.5, 0.5),

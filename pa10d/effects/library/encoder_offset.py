@@ -16,6 +16,7 @@ class EncoderOffset(Effect):
     equation = "τ = τ_rigid(q - offset) - τ_rigid(q)"
     question = "changed"
     reaches_other_joints = True
+    seen_by_shared_bodies = True
     uses_model = True
     coefficients = (Coefficient("offset", "rad", -0.5, 0.5),)
     signature = (

@@ -16,6 +16,10 @@ class TorqueGain(Effect):
     equation = "τ = gain·τ_model"
     question = "changed"
     seen_by_shared_bodies = True
+    only_against_others = (
+        "A new fit shows only how gains differ: this one is against that of {others}, and as far "
+        "off as that one is"
+    )
     sensing = True
     uses_model = True
     coefficients = (Coefficient("gain", "1", -0.9, 9.0),)
