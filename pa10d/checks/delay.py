@@ -99,10 +99,11 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[Finding]:
     yield Finding(
         "warning" if late else "info",
         "delay",
-        f"the torque is {abs(delay.seconds) * 1e3:.2f} ms {word} against the position (95 %: "
+        f"the torque seems {abs(delay.seconds) * 1e3:.2f} ms {word} against the position (95 %: "
         f"{low * 1e3:.2f} … {high * 1e3:.2f} ms; one sample is {period * 1e3:.3g} ms)",
-        "log both in one cycle, or expect the fit to find a common shift; elasticity that the "
-        "textbook model lacks can look the same"
+        "log both in one cycle, or expect the fit to find a common shift; elasticity, play or "
+        "friction that the textbook model lacks can look the same, and the interval does not know "
+        "of them"
         if late
         else "",
     )

@@ -183,7 +183,9 @@ def in_words(found: Diagnosis) -> str:
     n = len(found.rms)
     what = "has changed" if found.frozen else "is missing"
     says = {
-        "none": nothing(found.rms, found.noise_floor, found.frozen, found.as_given.rms),
+        "none": nothing(
+            found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
+        ),
         "unknown": f"Something {what} that no effect of the library explains.",
         "missing": "Missing:" if not found.frozen else "Changed:",
     }

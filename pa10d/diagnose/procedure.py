@@ -27,6 +27,7 @@ from pa10d.diagnose.unknown.remaining import Unexplained, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable
+from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel, as_told
 
@@ -111,6 +112,7 @@ def diagnose(
         judged_on=words,
         frozen=frozen,
         identified_from=model.runs,
+        with_reversals=scores(seen).rms_with_reversals,
     )
 
 

@@ -53,7 +53,11 @@ def found_words(found: Document) -> str:
     """The verdict of a diagnosis."""
     if found["verdict"] == "none":
         return nothing(
-            found["rms"], found["noise_floor"], found["frozen"], found.get("rms_as_given")
+            found["rms"],
+            found["noise_floor"],
+            found["frozen"],
+            found.get("rms_as_given"),
+            found.get("rms_with_reversals"),
         )
     if found["verdict"] == "unknown":
         places = [_unexplained(s) for s in found["unexplained"]]

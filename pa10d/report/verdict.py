@@ -38,7 +38,9 @@ def doubt_words(found: Diagnosis) -> str:
 def answer(found: Diagnosis) -> str:
     """The verdict alone."""
     if found.verdict == "none":
-        return nothing(found.rms, found.noise_floor, found.frozen, found.as_given.rms)
+        return nothing(
+            found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
+        )
     if found.verdict == "unknown":
         what = "has changed" if found.frozen else "is missing"
         return (

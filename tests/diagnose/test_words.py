@@ -18,6 +18,13 @@ def test_what_only_a_new_fit_took_away_is_said_too():
     assert "given" not in nothing([0.1], [float("nan")], False, as_given=[0.3])
 
 
+def test_what_reversals_leave_is_said_where_they_are_left_out():
+    """Friction of low speeds may hide there: 25 N·m beside 60 were called nothing."""
+    said = nothing([0.1, 0.2], [0.1, 0.2], False, with_reversals=[0.24, 0.2])
+    assert "with them, up to 2.4 times the noise is left on joint 1:" in said
+    assert nothing([0.1], [0.1], False, with_reversals=[0.11]) == nothing([0.1], [0.1], False)
+
+
 def test_an_error_that_follows_nothing_is_owned_up_to():
     said = nothing([0.1, 0.5, 0.6], [0.1, 0.1, 0.2], frozen=True)
     assert said.startswith("Nothing has changed that this data can show. Joints 2 and 3 keep up")

@@ -89,6 +89,7 @@ class Diagnosis:
     with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
     identified_from: names of the given model's own runs
+    with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     """
 
     verdict: Verdict
@@ -106,6 +107,7 @@ class Diagnosis:
     judged_on: str
     frozen: bool
     identified_from: tuple[str, ...] = ()
+    with_reversals: Array | None = None
 
     @property
     def noise_floor(self) -> Array:
@@ -145,6 +147,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "rms": self.rms.tolist(),
             "rms_as_given": plain(self.as_given.rms),
+            "rms_with_reversals": plain(self.with_reversals),
             **self.left.floor.document(),
             "cutoff_hz": self.cutoff,
             "mask": self.left.mask,

@@ -59,10 +59,15 @@ def _other(term: Term, rival: Confusion) -> str:
 
 
 def nothing(
-    rms: ArrayLike, noise_floor: ArrayLike, frozen: bool, as_given: ArrayLike | None = None
+    rms: ArrayLike,
+    noise_floor: ArrayLike,
+    frozen: bool,
+    as_given: ArrayLike | None = None,
+    with_reversals: ArrayLike | None = None,
 ) -> str:
-    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise, and
-    to those of the model as it was given that a new fit of the same terms took away."""
+    """The verdict where nothing was found, (n,) N·m each; it owns up to errors far above noise, to
+    those of the model as it was given that a new fit of the same terms took away, and to those near
+    reversals, which are not judged."""
     floor = np.array([np.nan if f is None else f for f in np.atleast_1d(noise_floor)], dtype=float)
     floor = np.where(floor > 0.0, floor, np.nan)  # no floor, no claim
     ratio = np.asarray(rms) / floor
@@ -75,7 +80,10 @@ def nothing(
         )
     if not len(large):
         said = f"{first}: what the model leaves over on new data is measurement noise."
-        return said + _gone_by_refit(ratio if as_given is None else np.asarray(as_given) / floor)
+        said += _gone_by_refit(ratio if as_given is None else np.asarray(as_given) / floor)
+        return said + _left_out(
+            ratio if with_reversals is None else np.asarray(with_reversals) / floor
+        )
     joints = listed([str(j + 1) for j in large])
     keeps = "s {} keep" if len(large) > 1 else " {} keeps"
     return (
@@ -96,6 +104,20 @@ def _gone_by_refit(ratio: Array) -> str:
         f" That is the model fitted anew, clear of reversals; as it was given, it keeps up to "
         f"{times(np.max(ratio[large]))} the noise on {word} {joints}: its values, not its terms, "
         "are off."
+    )
+
+
+def _left_out(ratio: Array) -> str:
+    """What is left where reversals count, too, (n,) times the floor, if that is more than noise."""
+    large = np.flatnonzero(ratio > MATERIAL_REST)
+    if not len(large):
+        return ""
+    joints = listed([str(j + 1) for j in large])
+    word = "joints" if len(large) > 1 else "joint"
+    return (
+        f" Reversals are left out of that; with them, up to {times(np.max(ratio[large]))} the "
+        f"noise is left on {word} {joints}: sticking, or friction at low speed that the model "
+        "lacks. Slow, steady motion would tell."
     )
 
 

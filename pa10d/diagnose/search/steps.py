@@ -25,7 +25,7 @@ from pa10d.diagnose.constants import (
     TELL_APART,
     WORTH_A_ROUND,
 )
-from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of
+from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of, term_covariance
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.regression.least_squares import LeastSquares, predict
 from pa10d.diagnose.regression.partial import Partial, partials
@@ -108,9 +108,17 @@ class Search:
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int = MOST_STEPS) -> Search:
-        """Add, prune, add again."""
+        """Add, prune, add again; once more without what turned out unsure in the end."""
         self._align()
         refused: set[Place] = set()
+        while True:
+            self._forward(steps, refused)
+            unsure = self.unsure()
+            if not unsure:
+                return self
+            refused |= unsure
+
+    def _forward(self, steps: int, refused: set[Place]) -> None:
         for number in range(steps):
             self.progress(number / steps, f"step {number + 1}: looking through the library")
             judged = self.look()
@@ -125,7 +133,30 @@ class Search:
                 continue
             refused |= dropped | self.reconsider()
             self.steps.append(Step(chosen, tied, before, rms(self.state.held_residual())))
-        return self
+
+    def unsure(self) -> set[Place]:
+        """Drop findings that show only where joints contradict each other and whose own values, all
+        that is known of their doubt included, may as well be zero; says which. Noise as slow as
+        gravity leads bodies and joints apart, too, and its spectrum is not seen in so short a time.
+        """
+        if self.state.frozen:
+            return set()
+        dropped: set[Place] = set()
+        for index in reversed(range(self.fixed, len(self.state.terms))):
+            term = self.state.terms[index]
+            if not term.effect.seen_by_shared_bodies:
+                continue
+            told = [not c.nuisance for c in term.effect.coefficients]
+            covariance = term_covariance(self.state, index)[0][np.ix_(told, told)]
+            value = term.coefficients[told]
+            size = float(value @ np.linalg.pinv(covariance, hermitian=True) @ value)
+            alike = sum(e.seen_by_shared_bodies for e, _ in self.suspects)
+            if float(scipy.stats.chi2.sf(size, len(value))) * alike > SEARCH_LEVEL:
+                dropped.add((term.effect_id, term.joints))
+                self.state.drop(index)
+        if dropped:
+            self.settle()
+        return dropped
 
     def take(self, chosen: Judged) -> set[Place] | None:
         """Add a candidate and settle; says what became redundant, or None where, refitted around
