@@ -104,7 +104,7 @@ def diagnose(
         cutoff=model.cutoff,
         findings=findings,
         unexplained=unexplained,
-        remaining=remaining(left, again, unexplained, units),
+        remaining=remaining(left, again, unexplained, units, state.terms[given:]),
         model=versions[-1],
         versions=versions,
         fitted=tuple(state.train.runs),

@@ -201,6 +201,7 @@ class Effect(ABC):
     # is what is missing, too; any joint may show it, and it takes no rival's place on its own
     only_against_others: ClassVar[str] = ""  # what to know of its value where the model is fitted
     # anew and only what joints contradict each other in shows; {others}: those it is not named on
+    follows_angle: ClassVar[bool] = False  # depends on its joint's angle and on nothing else
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines

@@ -9,6 +9,7 @@ import pytest
 
 from pa10d.diagnose.unknown.remaining import Unnamed, remaining, unnamed
 from pa10d.judgement import Judgement, NoiseFloor, Repeatable
+from pa10d.model import Term
 
 SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
 
@@ -45,6 +46,18 @@ def test_a_map_of_a_small_part_does_not_speak_for_the_rest():
 
     assert "what the rest, 8.2 times that floor, depends on is not known" in sentence(0.08)
     assert "the rest" not in sentence(0.99)
+
+
+def test_findings_that_follow_the_angle_may_be_parts_of_the_curve_that_is_left():
+    """A counterbalance that the library lacks was a contact and two ripples."""
+    left, found = judged(2.1), [Term(kind, (0,), np.zeros(2)) for kind in ("contact", "spring")]
+
+    def sentence(variable: str, terms: list[Term]) -> str:
+        seen = Unnamed(0, 0.56, 0.1, 1e-9, "motion", (variable,))
+        return remaining(left, [None], [seen], ["N·m"], terms)[0].sentence
+
+    assert "may be no more than parts of one such curve" in sentence("q1", found)
+    assert "parts" not in sentence("q1", found[:1]) + sentence("dq1", found)
 
 
 def test_what_does_not_come_again_or_does_not_matter_is_no_claim():

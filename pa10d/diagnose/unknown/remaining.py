@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement
 from pa10d.judgement.noise import REPEATS
 from pa10d.judgement.repeatable import Repeatable
+from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
@@ -131,8 +132,10 @@ def remaining(
     again: Sequence[Repeatable | None],
     unexplained: Sequence[Unexplained],
     units: Sequence[str],
+    found: Sequence[Term] = (),
 ) -> tuple[Remaining, ...]:
-    """A line per joint; judged: of the model with all findings, on the held-out side."""
+    """A line per joint; judged: of the model with all findings, on the held-out side; found: their
+    terms."""
     of_joint = {one.joint: one for one in unexplained}
     out = []
     for j, seen in enumerate(again):
@@ -152,8 +155,23 @@ def remaining(
             depends_on=() if left is None else left.variables,
             sentence="",
         )
-        out.append(_with_sentence(line, left, seen, units[j]))
+        line = _with_sentence(line, left, seen, units[j])
+        if parts := _of_one_curve(line, found):
+            line = replace(line, sentence=line.sentence + parts)
+        out.append(line)
     return tuple(out)
+
+
+def _of_one_curve(line: Remaining, found: Sequence[Term]) -> str:
+    """Where several findings of a joint follow its angle, and what is left does so, too: a curve
+    that the library lacks is put together of those that it has."""
+    if line.depends_on != (f"q{line.joint + 1}",):
+        return ""
+    of_angle = [t for t in found if t.joints == (line.joint,) and t.effect.follows_angle]
+    if len(of_angle) < 2:
+        return ""
+    named = list(dict.fromkeys(t.effect.named for t in of_angle))
+    return f" What was found there, {listed(named)}, may be no more than parts of one such curve."
 
 
 def _repeats(seen: Repeatable | None, joints: int) -> bool | None:

@@ -13,6 +13,7 @@ class Contact(Effect):
     title = "Contact"
     noun = "a contact at one end of its range"
     equation = "τ = k·side·max(0, side·(q - qs))"
+    follows_angle = True
     coefficients = (Coefficient("k", "N·m/rad", lower=0.0),)
     shapes = (
         ShapeParameter("qs", "rad", -10.0, 10.0, "linear", step=0.08),

@@ -13,6 +13,7 @@ class Spring(Effect):
     title = "Spring"
     noun = "a spring"
     equation = "τ = k·(q - q0)"
+    follows_angle = True
     coefficients = (Coefficient("k", "N·m/rad"), Coefficient("kq0", "N·m"))
     signature = (
         "Against the joint's angle the error is a straight line, at any speed and whatever the "

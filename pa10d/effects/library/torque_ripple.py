@@ -16,6 +16,7 @@ class TorqueRipple(Effect):
     title = "Torque ripple"
     plainly = "torque that comes again at the same angles"
     equation = "τ = a·sin(N·q) + b·cos(N·q)"
+    follows_angle = True
     coefficients = (Coefficient("a", "N·m"), Coefficient("b", "N·m"))
     shapes = (ShapeParameter("N", "cycles/rev", 3.0, 1000.0, "linear", step=0.15),)
     repeatable = True
