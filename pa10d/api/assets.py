@@ -6,14 +6,15 @@ once is never asked for again; the page itself is asked for every time.
 
 from __future__ import annotations
 
+import base64
 import gzip
 import hashlib
 import mimetypes
-import os
-import re
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
+
+from pa10d.api import packs
 
 WEB = Path(__file__).resolve().parent.parent / "web"
 PAGE = "index.html"
@@ -22,9 +23,19 @@ PACKAGED = {
     "plots.js": ("pa10d.figures", "plots.js"),
 }
 PACKED = ".gz"  # of files that lie there compressed
-IMPORTED = re.compile(r'^import (?:[^;"]*? from )?"(\./[^"]+|\.\./[^"]+)"', re.MULTILINE)
 SMALL = 1000  # bytes: less is not worth compressing
-LEVEL = 6
+LEVEL = 9
+# Asks for the section in the address while the page is still read; any other word means "robot".
+AHEAD = """
+{
+  const [, section] = location.hash.match(/^#\\/(\\w+)/) ?? [null, "robot"];
+  const link = document.createElement("link");
+  link.rel = "modulepreload";
+  link.href = `${document.documentElement.dataset.parts}packs/sections/${section}.js`;
+  document.head.append(link);
+}
+"""
+AHEAD_HASH = base64.b64encode(hashlib.sha256(AHEAD.encode()).digest()).decode()
 
 mimetypes.add_type("text/javascript", ".js")
 
@@ -42,7 +53,7 @@ class Asset:
 class Assets:
     """Files by the names that the page uses for them, read again when they have changed."""
 
-    _known: dict[str, tuple[tuple[int, int], Asset]] = field(default_factory=dict)
+    _known: dict[str, tuple[object, Asset]] = field(default_factory=dict)
 
     def names(self) -> dict[str, Path]:
         """Name -> file."""
@@ -57,39 +68,30 @@ class Assets:
         return hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
 
     def page(self) -> str:
-        """The page, which asks for parts of this version; those that its script will ask for are
-        named at once, so that a slow link is not waited for once per level of imports."""
+        """The page, which asks for parts of this version."""
         text = (WEB / PAGE).read_text(encoding="utf-8")
-        links = [f'<link rel="modulepreload" href="assets/VERSION/{name}">' for name in needed()]
-        return text.replace("</body>", "\n".join([*links, "</body>"])).replace(
+        return text.replace("<!-- AHEAD -->", f"<script>{AHEAD}</script>").replace(
             "VERSION", self.version()
         )
 
     def get(self, name: str) -> Asset | None:
         """One file; None for what the page does not have. The first time it is compressed."""
-        path = self.names().get(name)
-        if path is None:
+        names = self.names()
+        script = name.removeprefix(packs.FOLDER)
+        path = names.get(script)
+        packed = script != name and path == WEB / script and path.suffix == ".js"
+        if path is None or (script != name and not packed):
             return None
-        stamp = _stamp(path)
+        stamp = self.version() if packed else _stamp(path)
         known = self._known.get(name)
         if known is None or known[0] != stamp:
-            known = self._known[name] = (stamp, _read(path))
+            made = _asset(packs.pack(script, _text).encode(), path) if packed else _read(path)
+            known = self._known[name] = (stamp, made)
         return known[1]
 
 
-def needed(script: str = "main.js") -> list[str]:
-    """Every module that a script imports before it runs, however deep, in the order of need."""
-    found: list[str] = []
-    waiting = [script]
-    while waiting:
-        name = waiting.pop(0)
-        if name in found or not (WEB / name).is_file():
-            continue
-        found.append(name)
-        folder = Path(name).parent
-        text = (WEB / name).read_text(encoding="utf-8")
-        waiting += [os.path.normpath(folder / said) for said in IMPORTED.findall(text)]
-    return found
+def _text(name: str) -> str:
+    return (WEB / name).read_text(encoding="utf-8")
 
 
 def _stamp(path: Path) -> tuple[int, int]:
@@ -99,11 +101,13 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 def _read(path: Path) -> Asset:
     stored = path.read_bytes()
-    packed: bytes | None = stored
     if path.suffix == PACKED:
-        plain = gzip.decompress(stored)
-    else:
-        plain = stored
-        packed = gzip.compress(plain, LEVEL, mtime=0) if len(plain) > SMALL else None
+        return _asset(gzip.decompress(stored), path, stored)
+    return _asset(stored, path)
+
+
+def _asset(plain: bytes, path: Path, packed: bytes | None = None) -> Asset:
+    if packed is None and len(plain) > SMALL:
+        packed = gzip.compress(plain, LEVEL, mtime=0)
     media = mimetypes.guess_type(path.name.removesuffix(PACKED))[0] or "application/octet-stream"
     return Asset(plain, packed if packed and len(packed) < len(plain) else None, media)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import re
 import socket
 import subprocess
@@ -15,6 +17,7 @@ from websockets.sync.client import connect
 
 import pa10d
 from pa10d.api.access import UPLOAD
+from pa10d.api.assets import AHEAD_HASH
 
 PROBLEM = "application/problem+json"
 
@@ -213,11 +216,22 @@ def test_a_request_that_says_its_length_twice_is_refused(arm):
 
 
 def test_pages_may_not_fetch_from_elsewhere(http):
-    for path in ("/healthz", "/docs", "/api/v1/robot"):
+    for path in ("/", "/docs"):
         policy = http.get(path).headers["content-security-policy"]
         assert "default-src 'self'" in policy
         assert "frame-ancestors 'none'" in policy
-        assert "script-src 'self';" in policy
+        assert f"script-src 'self' 'sha256-{AHEAD_HASH}';" in policy
+    script = re.search(r"<script>(.+?)</script>", http.get("/").text, re.DOTALL)
+    assert script
+    told = base64.b64encode(hashlib.sha256(script[1].encode()).digest()).decode()
+    assert told == AHEAD_HASH, "the one script that stands in the page itself"
+
+
+def test_what_is_no_document_has_no_rules_for_documents(http):
+    for path in ("/api/v1/robot", "/assets/now/main.js", "/assets/now/style/frame.css"):
+        headers = http.get(path).headers
+        assert headers["x-content-type-options"] == "nosniff"
+        assert "content-security-policy" not in headers
 
 
 def test_docs_need_no_internet(http):

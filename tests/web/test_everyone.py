@@ -49,6 +49,20 @@ def test_axe_finds_nothing(archive, visit, scheme, width):
     )
 
 
+FIRST_LIGHT = 60_000, 20  # bytes and requests: 1.2 s at 400 kbit/s, and few rounds
+
+
+def test_a_slow_link_carries_little_before_a_section_stands(archive, visit):
+    visitor = visit(archive[0])
+    network = visitor.context.new_cdp_session(visitor.page)
+    network.send("Network.enable")
+    carried = []
+    network.on("Network.loadingFinished", lambda end: carried.append(end["encodedDataLength"]))
+    visitor.open("explore")
+    assert sum(carried) < FIRST_LIGHT[0]
+    assert len(carried) < FIRST_LIGHT[1]
+
+
 def test_with_text_twice_as_large_the_numbers_of_a_list_stay_in_their_panel(archive, visit):
     visitor = visit(archive[0], viewport={"width": 1280, "height": 900}, bypass_csp=True)
     page = visitor.page

@@ -3,7 +3,6 @@ import { el } from "../base/dom.js";
 import { post, send } from "../base/api.js";
 import { loadRuns } from "../base/store.js";
 import { failed, notice } from "../base/notices.js";
-import { decide } from "./preview.js";
 
 const FILES = ".csv,.gz,.bz2,.zst,.xz,.zip,.txt,.tsv,.dat,.mcap,.db3,.bag,.parquet,.feather,.arrow,.arrows,.mat,.h5,.hdf5,.npz,.npy,.blf,.asc,.trc,.log";
 const LARGEST = 512 * 2 ** 20; // bytes, as the daemon takes them
@@ -27,6 +26,7 @@ export function dropZone(id, then = () => {}) {
   const take = async (files) => {
     if (busy) return notice("One file after the other.", { detail: "Import the one before, or leave it, first." });
     busy = true;
+    const { decide } = await import("./preview.js");
     const brought = [];
     let alike = null; // what was decided for all of them
     for (const [k, file] of files.entries()) {
