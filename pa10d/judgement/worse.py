@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.judgement.residuals import RunResidual
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 
@@ -21,14 +22,16 @@ def worse(before: Sequence[RunResidual], after: Sequence[RunResidual]) -> list[i
     """Joints (0-based) whose error rose significantly and materially.
 
     before, after: the same runs through either model; the rise of squared error is averaged over
-    blocks of time, whose scatter says how sure it is.
+    blocks of time, whose scatter says how sure it is. Runs count in which the joint moves, as in
+    the error that is shown.
     """
     return [j for j in range(before[0].error.shape[1]) if _rose(before, after, j)]
 
 
 def _rose(before: Sequence[RunResidual], after: Sequence[RunResidual], joint: int) -> bool:
     old, new, weight = [], [], []
-    for first, second in zip(before, after, strict=True):
+    counted = moving(before, joint), moving(after, joint)
+    for first, second in zip(*counted, strict=True):
         counts = first.judged[:, joint] & second.judged[:, joint]
         length = max(1, round(BLOCK_SECONDS * first.equation.rate))
         starts = np.arange(0, len(counts), length)

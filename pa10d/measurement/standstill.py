@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from pa10d.measurement.signals import Lowpass
 Array = NDArray[np.float64]
 
 STILL_SHARE = 0.01  # of the 99 % quantile of speed: slower is standing or creeping
+HELD_SHARE = 0.01  # of the farthest travel of its kind: less is a servo that gives way
 RESTING = 0.08  # s: a stop that long is a rest, a shorter one a reversal
 REACH = 0.8  # periods of the cut-off over which the filter remembers a standstill
 NARROWER = ((REACH, 0.5), (0.5, 0.1), (0.0, 0.0))
@@ -21,6 +24,18 @@ period, and what rings beyond it is at most a seventh of its peak (a ninth beyon
 def fast_speed(dq: Array) -> Array:
     """(n,) rad/s: the 99 % quantile of each joint's speed."""
     return np.asarray(np.quantile(np.abs(dq), 0.99, axis=0))
+
+
+def held(q: Array, kinds: Sequence[str]) -> NDArray[np.bool_]:
+    """(n,): True where joint i is held in this run while others travel.
+
+    Its own speed does not tell that: a held joint gives way by a milliradian to what the others do,
+    within the travel that friction takes to build up. q: (N, n) rad, m; kinds: (n,) whose travels
+    can be compared with each other, such as "rad" and "m".
+    """
+    travel, of = np.ptp(q, axis=0), np.array(kinds)
+    farthest = np.array([travel[of == kind].max() for kind in kinds])
+    return np.asarray(travel < HELD_SHARE * farthest)
 
 
 def standstill(

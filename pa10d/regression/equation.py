@@ -18,7 +18,7 @@ from pa10d.effects import Context
 from pa10d.measurement.motion import VelocitySource, motion, velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed
-from pa10d.measurement.standstill import RESTING, standstill
+from pa10d.measurement.standstill import RESTING, held, standstill
 
 Array = NDArray[np.float64]
 
@@ -124,8 +124,9 @@ def prepare(
     inside[ends : max(ends, lowpass.kept - ends)] = True
     used = _used(recording.left_out, lowpass)
     inside &= used
-    keep = inside[:, None] & ~standstill(dq, rate, lowpass, fast)
-    moving = inside[:, None] & ~standstill(dq, rate, lowpass, fast, RESTING)
+    counts = inside[:, None] & ~held(q, [robot.torque_unit(j) for j in range(robot.n)])
+    keep = counts & ~standstill(dq, rate, lowpass, fast)
+    moving = counts & ~standstill(dq, rate, lowpass, fast, RESTING)
     context = Context(
         robot=robot,
         t=recording.t - recording.t[0],

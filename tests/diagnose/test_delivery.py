@@ -13,7 +13,8 @@ from two_links import recordings, textbook
 
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.search.delivery import delivered, warnings
-from pa10d.judgement import judge, run_residual, worse
+from pa10d.judgement import judge, judged, run_residual, worse
+from pa10d.measurement.recording import Recording
 
 
 def stiff(t, q, dq, ddq):
@@ -51,6 +52,31 @@ def test_a_joint_that_became_worse_is_named():
     note = {"before": [0.1, 0.1], "achieved": [0.4, 0.1], "worse": [1]}
     said = warnings(replace(spoilt, parent="m0", notes={"delivery": note}))
     assert said == ["joint 1: its error rises from 0.1 to 0.4 N·m against m0, which stays as it is"]
+
+
+def test_a_run_in_which_a_joint_is_held_says_nothing_of_its_motion():
+    """The figures that are shown do not count it either: they fell where it was said they rose."""
+    runs = recordings(8)
+    moving, model = runs["valid_a"], textbook(runs)
+    q = moving.q.copy()
+    q[:, 0] = 0.3 + 1e-3 * np.sin(3.0 * moving.t)
+    spoilt = replace(
+        model,
+        terms=tuple(
+            replace(t, coefficients=0.8 * t.coefficients) if t.label == "coulomb J1" else t
+            for t in model.terms
+        ),
+    )
+    still = Recording("held", moving.t, q, np.zeros_like(q))
+    tau = -run_residual(spoilt, still).raw_error  # it rubs a little less while it is held
+    still = replace(still, tau=tau + 0.1 * np.sin(9.0 * moving.t)[:, None])
+    before, after = (
+        [run_residual(m, moving), *[run_residual(m, still)] * 40] for m in (spoilt, model)
+    )
+    assert not before[1].equation.keep[:, 0].any(), "a milliradian of a servo that gives way"
+    assert before[1].rested == (0,)
+    assert judged("m", after).rms[0] < judged("m", before).rms[0]
+    assert worse(before, after) == []
 
 
 @pytest.mark.long

@@ -51,6 +51,36 @@ def test_what_happens_in_one_block_is_not_seen_in_the_other(runs):
     assert np.max(seen) < 1e-2  # of 1000
 
 
+def of_periods(periods: int, harmonic: int = 1) -> Recording:
+    """Both joints turn to one side in the first half of a period, fast, and slowly back."""
+    t = np.arange(round(30.0 * RATE)) / RATE
+    phase = 2 * np.pi * periods / 30.0 * t
+    q = np.column_stack([np.sin(phase) + 0.4 * np.sin(2 * phase), 0.8 * np.sin(harmonic * phase)])
+    rng = np.random.default_rng(0)
+    return Recording("periods", t, q, 10.0 * q + rng.standard_normal(q.shape))
+
+
+@pytest.mark.parametrize("periods", [2, 3, 4, 5, 6])
+def test_both_sides_see_every_part_of_a_period(periods):
+    """Six blocks of three periods would give the one side every first half, the other the rest."""
+    run = prepare(of_periods(periods), robot(), CUTOFF)
+    first, second = blocks(run)
+    phase = np.mod(run.t * periods / 30.0, 1.0)
+    for side in (first, second):
+        inside = side.keep.any(axis=1)
+        seen = np.unique((12 * phase[inside]).astype(int))
+        assert len(seen) >= 10, f"{len(seen)} twelfths of the period"
+
+
+def test_a_run_is_cut_by_its_motion_alone():
+    run = of_periods(3)
+    other = Recording("periods", run.t, run.q, run.tau[::-1] ** 2)
+    for one, two in zip(
+        blocks(prepare(run, robot(), CUTOFF)), blocks(prepare(other, robot(), CUTOFF)), strict=True
+    ):
+        np.testing.assert_array_equal(one.keep, two.keep)
+
+
 def test_separate_runs_are_used_whole(runs, model):
     train, held, words = two_sides(model, [runs["fit_a"]], [runs["valid_a"], runs["valid_b"]])
     assert [r.name for r in train.runs] == ["fit_a"]

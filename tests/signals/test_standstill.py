@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pa10d.measurement.signals import Lowpass
-from pa10d.measurement.standstill import NARROWER, REACH, near, standstill
+from pa10d.measurement.standstill import NARROWER, REACH, held, near, standstill
 
 RATE, CUTOFF = 500.0, 12.5
 
@@ -29,6 +29,14 @@ def test_how_far_a_cut_reaches_follows_from_how_often_a_joint_turns_round(hertz,
 
 def test_a_joint_that_only_trembles_is_not_left_out_altogether():
     assert cut(40.0).mean() < 0.2  # the instants themselves
+
+
+def test_a_joint_that_gives_way_to_the_others_is_held():
+    travel = np.array([2.0, 1e-3, 0.1, 1e-3, 0.05e-3])
+    q = travel * np.sin(np.linspace(0.0, 9.0, 500))[:, None]
+    found = held(q, ["N·m", "N·m", "N·m", "N", "N"])
+    assert found.tolist() == [False, True, False, False, False]
+    assert not held(np.zeros((9, 2)), ["N·m", "N·m"]).any(), "nobody travels: nothing is known"
 
 
 def test_a_rest_is_left_out_as_far_as_the_filter_reaches():

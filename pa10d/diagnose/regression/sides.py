@@ -16,6 +16,9 @@ from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+LEAST_SEEN = 1e-3  # of the largest direction of a motion: less is no motion
 
 
 def two_sides(
@@ -98,19 +101,54 @@ def _independent(runs: Sequence[RunEquation]) -> Array:
 
 
 def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:
-    """The run twice, each with every other block of time kept."""
+    """The run twice, each with every other block of time kept.
+
+    Of a few numbers of blocks the one after which either side has seen most of what the whole run
+    shows: with two blocks to a period, the one side would know its first half only and the other
+    be judged on the second.
+    """
+    motion = _motions(run)
+    cuts = [_taking_turns(run, number) for number in SIDE_BLOCKS]
+    shares = [min(_least_share(motion, side) for side in cut) for cut in cuts]
+    even, odd = cuts[int(np.argmax(shares))]
+    return _within(run, even), _within(run, odd)
+
+
+def _taking_turns(run: RunEquation, number: int) -> tuple[Rows, Rows]:
+    """(M,) each: equally long blocks by turns, without what a filter carries over their seams."""
     samples = len(run.keep)
-    block = np.minimum(np.arange(samples) * SIDE_BLOCKS // samples, SIDE_BLOCKS - 1)
+    block = np.arange(samples) * number // samples
     guard = int(np.ceil(GUARD_PERIODS / run.lowpass.cutoff * run.rate))
     seam = np.zeros(samples, dtype=bool)
     for start in np.flatnonzero(np.diff(block)) + 1:
         seam[max(0, start - guard) : start + guard] = True
-    even = (block % 2 == 0) & ~seam
-    odd = (block % 2 == 1) & ~seam
-    return _within(run, even), _within(run, odd)
+    return (block % 2 == 0) & ~seam, (block % 2 == 1) & ~seam
 
 
-def _within(run: RunEquation, rows: NDArray[np.bool_]) -> RunEquation:
+def _motions(run: RunEquation) -> list[tuple[Rows, Array]]:
+    """Per joint the rows (M,) that count and an orthonormal basis (rows, ≤ 6) of what its motion
+    shows there: where it is, how fast, how it gathers speed."""
+    step = run.lowpass.factor
+    q, dq, ddq = (x[::step] for x in (run.context.q, run.context.dq, run.context.ddq))
+    found = []
+    for j, keep in enumerate(run.keep.T):
+        x, v, a = q[keep, j], dq[keep, j], ddq[keep, j]
+        shown = np.column_stack([np.ones(len(x)), x, x**2, v, v * np.abs(v), a])
+        basis, sizes, _ = np.linalg.svd(shown / (np.abs(shown).max(axis=0, initial=1e-12)), False)
+        found.append((keep, basis[:, sizes > LEAST_SEEN * sizes.max(initial=0.0)]))
+    return found
+
+
+def _least_share(motion: Sequence[tuple[Rows, Array]], side: Rows) -> float:
+    """The least share of any direction of any joint's motion that a side (M,) sees."""
+    shares = [1.0]
+    for keep, basis in motion:
+        seen = basis[side[keep]]
+        shares.append(float(np.linalg.eigvalsh(seen.T @ seen)[0]) if basis.shape[1] else 1.0)
+    return min(shares)
+
+
+def _within(run: RunEquation, rows: Rows) -> RunEquation:
     """Nothing but these rows (M,) counts."""
     whole = rows[:, None]
     return replace(run, keep=run.keep & whole, moving=run.moving & whole, inside=run.inside & rows)
