@@ -13,7 +13,8 @@ from two_links import recordings, textbook
 
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.search.delivery import delivered, warnings
-from pa10d.judgement import judge, judged, run_residual, worse
+from pa10d.judgement import judge, run_residual, worse
+from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 
 
@@ -75,7 +76,7 @@ def test_a_run_in_which_a_joint_is_held_says_nothing_of_its_motion():
     )
     assert not before[1].equation.keep[:, 0].any(), "a milliradian of a servo that gives way"
     assert before[1].rested == (0,)
-    assert judged("m", after).rms[0] < judged("m", before).rms[0]
+    assert scores(after).rms[0] < scores(before).rms[0]
     assert worse(before, after) == []
 
 
