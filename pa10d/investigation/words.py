@@ -92,13 +92,16 @@ def identified_words(found: Document) -> str:
 
 def doubt_words(finding: Document) -> str:
     """What a finding could be confused with, and what settles it."""
-    rivals = list(dict.fromkeys(named(rival) for rival in finding["confounded_with"]))
+    rivals = dict.fromkeys(
+        f"{all_effects()[rival['effect']].named}{place_words(rival['joints'])}"
+        for rival in finding["confounded_with"]
+    )
     plan = finding["next_experiment"]
     joints = (plan.get("parameters") or {}).get("joints")
     where = f", joint {' and '.join(map(str, joints))}" if joints else ""
     title = KINDS[plan["kind"]].title
     return (
-        f"{named(finding)} could also be {listed(rivals)}. The experiment that settles it: "
+        f"{named(finding)} could also be {listed(list(rivals))}. The experiment that settles it: "
         f"{plan['kind']}{where} ({title[0].lower()}{title[1:]})."
     )
 

@@ -7,6 +7,7 @@ from made_up import SET, answer, finding, investigation, motion, walk
 
 from pa10d.common.errors import UserError
 from pa10d.investigation import course
+from pa10d.investigation.words import doubt_words
 from pa10d.services.doubts import new_plan
 
 SWEEP = {"kind": "velocity_sweep", "parameters": {"joints": [4]}}
@@ -169,3 +170,12 @@ def test_what_took_longer_than_expected_is_taken_from_what_can_be_spared():
     short = investigation(135 / 60)
     course.done(short, short.step("motion-1"), {"moved": 134.0})
     assert not course.spent(short, short.step("motion-2")), "without it there is no answer"
+
+
+def test_a_doubt_reads_like_a_sentence():
+    said = doubt_words(finding(SWEEP))
+    assert said.startswith(
+        "Stribeck friction in joint 4 could also be Coulomb friction in joint 4. The experiment"
+    )
+    other = {**finding(SWEEP), "confounded_with": [{"effect": "spring", "joints": [2]}]}
+    assert "could also be a spring in joint 2." in doubt_words(other)
