@@ -26,6 +26,7 @@ SMOOTH = 10.0  # Hz below which friction is looked for
 SLIDES = 0.01  # rad/s: slower is stuck
 FEWEST = 30  # samples that slide
 PATH = 3  # degree of the path through a window of steady sliding
+DRIFT = 2  # degree of what a window has beside the lines
 ALIKE = 0.05  # of a response: what no model of ours explains
 PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
 LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
@@ -67,7 +68,7 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
 
 def stroke_friction(strokes: Sequence[tuple[Array, Array]], rate: float) -> Friction | None:
     """From windows of steady sliding, each angle and sent torque (N,), to and fro over one way at
-    two speeds; None where the joint did not slide there.
+    two speeds; None where the joint did not slide both ways.
 
     torque = C·sgn(dq) + B·dq + J·ddq + g0 + g1·q, by least squares, with a smooth path through each
     window: to and fro are not seen in quite the same places, and what gravity gains from one to the
@@ -81,8 +82,7 @@ def stroke_friction(strokes: Sequence[tuple[Array, Array]], rate: float) -> Fric
         speeds.append(float(dq.mean()))
         columns.append(np.stack([np.sign(speeds[-1]) + 0 * t, dq, ddq, 0 * t + 1, path(t)], axis=1))
         efforts.append(torque)
-    pairs = list(zip(speeds[::2], speeds[1::2], strict=False))
-    if not pairs or any(min(to, -fro) < SLIDES for to, fro in pairs):
+    if min(max(speeds, default=0.0), -min(speeds, default=0.0)) < SLIDES:
         return None
     seen, wanted = np.concatenate(columns), np.concatenate(efforts)
     scale = np.maximum(np.linalg.norm(seen, axis=0), 1e-6)
@@ -109,25 +109,39 @@ def response_of(
     """Of joint j, from whole periods of angles (W, N, n) and its sent torque (W, N); noise: N·m of
     the torque, by its steps; mass: (n, n) kg·m² of the links.
 
-    Windows are averaged as cross spectra; what differs between them is error. What the other
-    joints' giving way takes of the torque is taken off it: M_jk times their acceleration.
+    Windows are averaged as cross spectra; what differs between them is error, and so is what
+    depends on how much is taken for drift: a link that rings slowly looks like the lowest lines.
+    What the other joints' giving way takes of the torque is taken off it: M_jk times their
+    acceleration.
     """
     windows, count = torque.shape
-    drift = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), 2)
-    apart = np.eye(count) - drift @ np.linalg.pinv(drift)
-    at = np.outer(lines, np.arange(count) / rate)
-    waves = np.exp(-2j * np.pi * at) * scipy.signal.windows.hann(count, sym=False) * 4.0 / count
-    angles = np.einsum("wtj,ts,ks->wkj", q, apart, waves)
-    angle, effort = angles[:, :, j], torque @ apart @ waves.T
-    others = np.delete(np.arange(q.shape[2]), j)
-    effort = effort + (2 * np.pi * lines) ** 2 * (angles[:, :, others] @ mass[j, others])
+    angle, effort = _at_lines(q, torque, rate, lines, j, mass, DRIFT)
     power = (np.abs(effort) ** 2).sum(axis=0)
     value = (angle * effort.conj()).sum(axis=0) / power
     differ = np.sqrt((np.abs(angle - value * effort) ** 2).sum(axis=0) / max(windows - 1, 1))
     small = np.maximum(np.abs(value) * np.sqrt(power / windows), 1e-300)
     steps = noise * np.sqrt(3.0 / count) / np.sqrt(power / windows)
-    error = np.sqrt((differ / small / np.sqrt(windows)) ** 2 + steps**2 + ALIKE**2)
+    also, by = _at_lines(q, torque, rate, lines, j, mass, DRIFT + 1)
+    otherwise = (also * by.conj()).sum(axis=0) / np.maximum((np.abs(by) ** 2).sum(axis=0), 1e-300)
+    leaks = np.abs(otherwise - value) / np.maximum(np.abs(value), 1e-300)
+    error = np.sqrt((differ / small / np.sqrt(windows)) ** 2 + steps**2 + ALIKE**2 + leaks**2)
     return Response(lines, value, error)
+
+
+def _at_lines(
+    q: Array, torque: Array, rate: float, lines: Array, j: int, mass: Array, drift: int
+) -> tuple[Complex, Complex]:
+    """Angle and torque of joint j (W, K), without a polynomial of this degree."""
+    count = torque.shape[1]
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), drift)
+    apart = np.eye(count) - slow @ np.linalg.pinv(slow)
+    at = np.outer(lines, np.arange(count) / rate)
+    waves = np.exp(-2j * np.pi * at) * scipy.signal.windows.hann(count, sym=False) * 4.0 / count
+    angles = np.einsum("wtj,ts,ks->wkj", q, apart, waves, optimize=True)
+    effort = torque @ apart @ waves.T
+    others = np.delete(np.arange(q.shape[2]), j)
+    given = (2 * np.pi * lines) ** 2 * (angles[:, :, others] @ mass[j, others])
+    return angles[:, :, j], effort + given
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.control.gains import PidGains
-from pa10d.control.joint_figures import JointFigures, inertias, presumed_figures
+from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.felt_bodies import felt_bodies
@@ -26,9 +25,9 @@ from pa10d.experiments.joint_response import (
     with_friction,
     with_response,
 )
+from pa10d.experiments.seen import Seen, Stroke
 from pa10d.experiments.shaking import lines_of
-from pa10d.trajectory.kinds.first_motion import NUDGE, PERIOD, shaken_joint
-from pa10d.trajectory.plan import Plan
+from pa10d.trajectory.kinds.first_motion import NUDGE
 
 Array = NDArray[np.float64]
 
@@ -36,21 +35,6 @@ AROUND = 0.2  # s before and after a stroke that belong to it
 FEW = 0.7  # of a viscous friction that was seen in a few moments of sliding
 HALF_KNOWN = 2.0  # doubt of inertias where friction is known to damp
 BLOCKED = 0.25  # of the way that a joint should have gone to either side
-
-
-@dataclass(frozen=True)
-class Seen:
-    """A part of the first motion as recorded: rate Hz; q rad, sent torque N·m, (N, n); sample k was
-    taken at (k + 1)/rate s of the plan."""
-
-    plan: Plan
-    rate: float
-    q: Array
-    torque: Array
-
-    def between(self, begin: float, end: float) -> slice:
-        """Samples of this stretch of the plan, s."""
-        return slice(max(int(begin * self.rate), 0), int(end * self.rate))
 
 
 def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> JointFigures:
@@ -68,15 +52,14 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
         surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
         half = with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
         return half.but(bodies=felt_bodies(robot, half, seen))
-    strokes = parts["response"]
-    friction |= {j: _stroke_friction(strokes, robot, j) for j in range(robot.n)}
-    responses = _responses(robot, parts, step)
+    friction |= {j: _stroke_friction(parts, robot, j) for j in range(robot.n)}
+    responses = {j: found for j in range(robot.n) if (found := _responses(robot, parts, step, j))}
     fits: dict[int, Fitted] = {
-        j: fitted_response(seen, float(presumed.rotor[j]), friction[j].viscous, strokes.rate)
-        for j, seen in responses.items()
+        j: fitted_response(found, float(presumed.rotor[j]), friction[j].viscous, nudged.rate)
+        for j, found in responses.items()
     }
     whole = with_response(with_friction(presumed, friction), fits)
-    shaken = [(j, pose) for one in parts.values() for j, pose in _shaken_at(one)]
+    shaken = [(j, one.q[-1]) for j in responses for one in _strokes(parts, j, "shaken")]
     return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
 
 
@@ -92,8 +75,10 @@ def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]
         spring = ""
         if np.isfinite(figures.stiffness[j]):
             spring = f", a spring of {figures.stiffness[j]:.3g} N·m/rad ({resonance[j]:.2g} Hz)"
+        # of a joint that stuck in each of its strokes nothing else is known
+        unit = "kg·m² (by the URDF)" if figures.doubt[j] >= ROUGH else "kg·m²"
         lines.append(
-            f"joint {j + 1}: inertia {span.light[j]:.2g} … {span.heavy[j]:.2g} kg·m², friction "
+            f"joint {j + 1}: inertia {span.light[j]:.2g} … {span.heavy[j]:.2g} {unit}, friction "
             f"{figures.coulomb[j]:.2g} N·m + {figures.viscous[j]:.2g} N·m·s/rad{spring}; "
             f"kp {gains.kp[j]:.3g}, ki {gains.ki[j]:.3g}, kd {gains.kd[j]:.3g}"
         )
@@ -117,11 +102,6 @@ def lowered(asked: float, given: Sequence[float]) -> str | None:
     )
 
 
-def _shaken_at(seen: Seen) -> list[tuple[int, Array]]:
-    spans = [(shaken_joint(span.label), span) for span in seen.plan.spans]
-    return [(j, seen.q[int(span.end * seen.rate) - 1]) for j, span in spans if j is not None]
-
-
 def _refuse_blocked(found: Mapping[int, Friction]) -> None:
     stuck = [j for j, one in found.items() if one.moved < BLOCKED * NUDGE]
     if stuck:
@@ -131,34 +111,39 @@ def _refuse_blocked(found: Mapping[int, Friction]) -> None:
         )
 
 
-def _stroke_friction(seen: Seen, robot: Robot, j: int) -> Friction:
-    spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
-    cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
-    cuts = [seen.between(max(span.begin, span.end - PERIOD), span.end) for span in spans]
-    windows = [(seen.q[one, j], seen.torque[one, j]) for one in cuts]
+def _strokes(parts: Mapping[str, Seen], j: int, *kinds: str) -> list[Stroke]:
+    """Of joint j (0-based), those in which it slid all the way."""
+    every = [one for seen in parts.values() for one in seen.strokes(j)]
+    return [one for one in every if one.what in kinds and one.slid]
+
+
+def _here(parts: Mapping[str, Seen]) -> dict[str, Seen]:
+    """Those about the first pose."""
+    return {name: seen for name, seen in parts.items() if name != "poses"}
+
+
+def _stroke_friction(parts: Mapping[str, Seen], robot: Robot, j: int) -> Friction:
+    """From strokes to and fro; where it stuck in one of them, from whatever slid."""
+    windows = [(one.q[:, j], one.torque) for one in _strokes(_here(parts), j, "shaken", "quick")]
+    seen = parts["response"]
     if (found := stroke_friction(windows, seen.rate)) is not None:
         return found
+    spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
+    cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
     own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
     return friction_of(seen.q[cut, j], seen.torque[cut, j], seen.rate, float(own))
 
 
-def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array) -> dict[int, list[Response]]:
-    """Of each joint, one per pose; the strokes to and fro of a pose belong together."""
-    windows: dict[tuple[int, str], list[tuple[Array, Array, Array]]] = defaultdict(list)
-    rate = parts["response"].rate
-    count = round(PERIOD * rate)
-    for name, seen in parts.items():
-        for span in seen.plan.spans:
-            j = shaken_joint(span.label)
-            if j is not None:
-                end = int(span.end * rate) - 1
-                cut = slice(end - count, end)
-                windows[j, name].append((seen.q[cut], seen.torque[cut, j], seen.q[end]))
-    found: dict[int, list[Response]] = defaultdict(list)
-    for (j, _), taken in windows.items():
-        q, torque = (np.array([one[k] for one in taken]) for k in (0, 1))
+def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array, j: int) -> list[Response]:
+    """Of joint j, one per pose; the strokes to and fro of a pose belong together."""
+    here = _here(parts)
+    found, rate = [], parts["response"].rate
+    for about in (here, {name: seen for name, seen in parts.items() if name not in here}):
+        if not (taken := _strokes(about, j, "shaken")):
+            continue
+        q, torque = np.array([one.q for one in taken]), np.array([one.torque for one in taken])
         noise = float(step[j]) / np.sqrt(12.0)
-        mass = mass_matrices(robot, taken[0][2][None])[0]
+        mass = mass_matrices(robot, q[:1, -1])[0]
         response = response_of(q, torque, rate, lines_of(rate), noise, j, mass)
-        found[j].append(replace(response, inertia=float(mass[j, j])))
-    return dict(found)
+        found.append(replace(response, inertia=float(mass[j, j])))
+    return found

@@ -22,7 +22,8 @@ from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import Robot
-from pa10d.experiments.measured_joints import Seen, bandwidths, measured_figures, sentences
+from pa10d.experiments.measured_joints import bandwidths, measured_figures, sentences
+from pa10d.experiments.seen import Seen
 from pa10d.profile import Profile
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot

@@ -16,9 +16,10 @@ from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics import robot_from_profile
-from pa10d.experiments.measured_joints import Seen, measured_figures
+from pa10d.experiments.measured_joints import measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import Joints, paced
+from pa10d.experiments.seen import Seen
 from pa10d.profile import load_profile
 from pa10d.services.joints import calmed, learnt, not_held, torque_steps
 from pa10d.trajectory.kinds import read_request
