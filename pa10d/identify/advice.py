@@ -22,6 +22,7 @@ FEW_REVERSALS = 2
 UNCERTAIN = 0.3  # standard error over value
 COSTLY = 0.02  # share of RMS that feasibility may add unmentioned
 NEGLIGIBLE = 1e-4  # of the torque: an error that nobody minds
+ASK = "whether an effect is missing, a diagnosis says"  # on motion that no fit has seen
 NAMED = 6  # parameters named in one sentence
 
 
@@ -81,7 +82,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
         if beta[k] < 0 <= bound and abs(bound) < 1e-6 * (abs(beta[k]) + sizes[k]):
             yield (
                 f"{name} is {beta[k]:.3g} in the free fit and 0, its bound, in the feasible one: "
-                "it takes over something that the model lacks"
+                f"as it is, nothing can have it; {ASK}"
             )
     cost = feasible.rms / np.maximum(fit.rms, 1e-300) - 1.0
     costly = np.flatnonzero((cost > COSTLY) & (feasible.rms > NEGLIGIBLE * fit.torque))
@@ -95,7 +96,8 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
     for j in costly:
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
-            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): an effect is missing"
+            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): "
+            f"nothing that can exist explains all of it; {ASK}"
         )
 
 

@@ -1,0 +1,45 @@
+"""A fit says what it sees; whether an effect is missing is for a diagnosis alone to say."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from pa10d.identify.advice import warnings_of
+
+
+def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
+    """The diagnosis of the same data may find that nothing is missing; one verdict at a time."""
+    joint = SimpleNamespace(
+        n=1, angle_unit=lambda j: "rad", joint_names=("a",), parameters=np.zeros((1, 10))
+    )
+    layout = SimpleNamespace(
+        robot=joint, base=[], names=lambda: ["Fv1"], owners=lambda: [0], effects=()
+    )
+    solution = SimpleNamespace(beta=np.array([-0.4]), lost=np.zeros((1, 0)), scale=np.ones(1))
+    fit = SimpleNamespace(
+        solution=solution,
+        uncertainty=SimpleNamespace(covariance=np.array([[1e-6]])),
+        rms=np.array([0.5]),
+        torque=np.array([20.0]),
+        open=np.array([False]),
+    )
+    feasible = SimpleNamespace(
+        found=True, coefficients=np.zeros(1), rms=np.array([0.6]), edge=np.array([False])
+    )
+    said = warnings_of(
+        layout,
+        fit,
+        feasible,
+        SimpleNamespace(found=np.array([True]), v0=np.array([0.01])),
+        SimpleNamespace(seconds=0.0, std_error=0.0, slow=np.nan),
+        SimpleNamespace(range=np.array([2.0]), reversals=np.array([9])),
+    )
+    assert [one.split(";")[0] for one in said] == [
+        "Fv1 is -0.4 in the free fit and 0, its bound, in the feasible one: as it is, nothing can "
+        "have it",
+        "joint 1 (a): feasible parameters leave 20 % more error (0.6 instead of 0.5 N·m): nothing "
+        "that can exist explains all of it",
+    ]
+    assert all(one.endswith("whether an effect is missing, a diagnosis says") for one in said)
