@@ -42,6 +42,8 @@ def own_sync(remote: Remote) -> list[str]:
         remote.write(0x1005, found & ~PRODUCES)
     if found & SYNC_BITS != SYNC_ID and (problem := remote.ensure(0x1005, SYNC_ID)) is not None:
         reasons.append(f"COB-ID SYNC (0x1005): expected 0x80, {problem}: ours is not heard")
+    if remote.read(0x1019):  # cannot be changed while a period is set; ours is written later
+        remote.ensure(0x1006, 0)
     if (problem := remote.ensure(0x1019, 0)) is not None:
         reasons.append(f"SYNC counter (0x1019): expected 0, {problem}: our SYNC has no counter")
     if (problem := remote.ensure(0x1007, 0)) is not None:

@@ -247,6 +247,20 @@ def test_limits_watches_and_pdos_of_an_earlier_master(profile: Profile) -> None:
         assert [node.sdo[0x60E0].raw, node.sdo[0x60E1].raw] == [most, most]
 
 
+def test_a_sync_counter_of_an_earlier_master_is_taken_away(profile: Profile) -> None:
+    """A drive changes it only while it has no communication cycle period (CiA 301)."""
+    with second_master(profile, 1) as node:
+        node.sdo[0x1019].raw, node.sdo[0x1006].raw = 40, 5000
+    arm = CanopenBackend(profile)
+    arm.open()
+    try:
+        by_hand.enable(arm, Driver(arm).hold)
+    finally:
+        arm.close()
+    with second_master(profile, 1) as node:
+        assert node.sdo[0x1019].raw == 0
+
+
 def test_an_older_watch_on_our_heartbeat_gives_way() -> None:
     with node_made_from(EPOS4) as node:
         node.sdo[0x1016][2].raw = 127 << 16 | 9000
