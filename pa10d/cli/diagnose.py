@@ -230,6 +230,9 @@ def in_words(found: Diagnosis) -> str:
     ]
     where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {found.left.mask}"
     lines += [table(head, rows), where]
+    if not found.frozen:  # compare's figure is the given model's
+        given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)
+        lines.append(f"RMS is that of the model fitted anew; as it was given it leaves {given}")
     return "\n".join(lines)
 
 

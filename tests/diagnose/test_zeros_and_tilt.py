@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 from two_links import recordings, textbook
 
+from pa10d.cli.diagnose import in_words
 from pa10d.diagnose.asked.adding import add_asked
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
 from pa10d.identify.procedure import identify
+from pa10d.judgement import judge
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 
@@ -88,9 +90,14 @@ def test_a_base_that_leans_is_named():
 
 def test_in_a_plane_the_first_zero_and_a_tilt_are_one():
     runs = {n: replace(r, q=r.q + np.array([OFFSET, 0.0])) for n, r in recordings(3).items()}
-    (finding,) = asked(runs, textbook(runs)).findings
+    model = textbook(runs)
+    found = asked(runs, model)
+    (finding,) = found.findings
     named = {finding.term.effect_id, *(c.effect for c in finding.confounded_with)}
     assert named >= {"base_tilt", "encoder_offset"}
+    # the table's first column is of the refitted model: compare's figure stands beside it
+    given = judge(model, [runs[n] for n in HELD]).rms
+    assert ", ".join(f"{v:.4g}" for v in given) in in_words(found)
 
 
 def test_a_change_sought_in_runs_from_before_it_says_so():
