@@ -21,7 +21,7 @@ from backends.virtual.plant.plant import build
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 
-SECONDS = 40.0
+SECONDS, RATE = 20.0, 250.0  # long and fine enough for names, and quick
 HANGS = 0.15  # rad under the joint's usual gravity: softer gears nobody builds
 HARMONICS = 5
 
@@ -74,7 +74,7 @@ def spring_arm(seed: int, spring: Spring | None = None) -> tuple[Spring, Arm]:
             dynamics=dynamics,
         )
         motion = _motion(kind, np.random.default_rng([seed, number]), spring.highest)
-        run, _ = run_motion(plant, robot, motion, SECONDS, centred=True)
+        run, _ = run_motion(plant, robot, motion, SECONDS, RATE, centred=True)
         runs[kind] = Recording(kind, run.t, run.q, run.tau)
     truth = truth_of(seed, [spring.hidden], "white", plant, 0.2)
     model = identify([runs["train_a"], runs["train_b"]], _robot(), name="m0")
