@@ -202,6 +202,8 @@ class Effect(ABC):
     only_against_others: ClassVar[str] = ""  # what to know of its value where the model is fitted
     # anew and only what joints contradict each other in shows; {others}: those it is not named on
     follows_angle: ClassVar[bool] = False  # depends on its joint's angle and on nothing else
+    series_spring: ClassVar[bool] = False  # the joint's whole torque passes through a spring with
+    # the shapes K, zeta and, where the bodies have taken it in, rotor
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines

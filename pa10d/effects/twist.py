@@ -5,7 +5,8 @@ the torque p(δ) + C·δ̇, where p is a spring with a dead zone of ±gap; acros
 never pull. With τ_load the torque that a rigid joint would need, the link obeys, to first order
 in δ, M_jj·δ̈ + ∂τ/∂q̇·δ̇ + ∂τ/∂q·δ + p(δ) + C·δ̇ = τ_load. Integrated causally at the raw rate with
 sub-steps; the torque of all joints then follows, to first order in δ (exact in δ̈), from the rigid
-bodies moving with the link instead of the encoder.
+bodies moving with the link instead of the encoder. Of a spring that is wound farther, what it adds
+is taken from the bodies as they move with the link (``closely``); trials of a search stay rough.
 
 Spong, Modeling and control of elastic joint robots (1987).
 """
@@ -20,11 +21,11 @@ from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
 from pa10d.effects.rotor import link_inertia, link_load, typical_link
+from pa10d.effects.swing import SOFTEST, SUBSTEPS, Swing
 
 Array = NDArray[np.float64]
 
-SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
-SUBSTEPS = 6.0  # per radian of the spring's own oscillation
+SMALL = 0.02  # rad: below, the second order is a hundredth of the first
 
 
 def twisted_torque(
@@ -35,12 +36,14 @@ def twisted_torque(
     gaps: Sequence[Sequence[float]] = ((0.0,),),
     rotor: float = 0.0,
     own: bool = False,
+    closely: bool = False,
 ) -> Array:
     """Δτ (N, n, S) N·m that a compliant joint adds to the rigid model; own: (N, S), its own.
 
     stiffness N·m/rad, zeta: damping ratio on that stiffness at the link's typical inertia, gaps
     (S, E): half widths in rad, E of each case, over which the motion of its link is averaged;
-    rotor: kg·m² of what the rigid bodies count to the link and sits on the motor's side.
+    rotor: kg·m² of what the rigid bodies count to the link and sits on the motor's side; closely:
+    beyond first order from the first sample on at which a spring without a gap is wound far.
     """
     by_q, by_dq, by_ddq = context.sensitivity(joint)
     load, wide = link_load(context, joint, rotor), np.array(gaps, float)
@@ -57,6 +60,13 @@ def twisted_torque(
     twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
+    if closely and not wide.any() and np.abs(twist[:, 0]).max() > SMALL:
+        far = np.maximum.accumulate(np.abs(twist[:, 0, 0])) > SMALL
+        swing = Swing.of(context, joint, context.rigid, stiffness, damping, rotor)
+        if swing is not None:  # what comes later must not change what was
+            whole = context.rigid_torque(*swing.motion) - context.load
+            whole[:, joint] += rotor * swing.lag[2]
+            torque[far, :, 0] = whole[far][:, reach]
     return torque[:, 0] if own else torque
 
 

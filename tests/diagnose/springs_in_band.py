@@ -13,15 +13,18 @@ import numpy as np
 from hidden_arms import PROFILE, Arm, _robot, _sizes
 
 from backends.virtual.datasets.figures import heavy
-from backends.virtual.datasets.motions import Course, random_fourier
+from backends.virtual.datasets.motions import Array, Course, random_fourier
 from backends.virtual.datasets.robot import open_robot
-from backends.virtual.datasets.runs import KINDS, motion_of, run_motion
+from backends.virtual.datasets.runs import KINDS, LEAD_IN, gathering, motion_of
 from backends.virtual.datasets.sets import truth_of
-from backends.virtual.plant.plant import build
+from backends.virtual.plant.plant import Plant, build
+from backends.virtual.plant.servo import feed_forward, nominal, servo_for
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
+from pa10d.profile import Profile
 
 SECONDS, RATE = 20.0, 250.0  # long and fine enough for names, and quick
+REST = 40.0  # s before a recording begins: no link still swings
 HANGS = 0.15  # rad under the joint's usual gravity: softer gears nobody builds
 HARMONICS = 5
 
@@ -74,8 +77,7 @@ def spring_arm(seed: int, spring: Spring | None = None) -> tuple[Spring, Arm]:
             dynamics=dynamics,
         )
         motion = _motion(kind, np.random.default_rng([seed, number]), spring.highest)
-        run, _ = run_motion(plant, robot, motion, SECONDS, RATE, centred=True)
-        runs[kind] = Recording(kind, run.t, run.q, run.tau)
+        runs[kind] = _from_rest(kind, plant, robot, motion)
     truth = truth_of(seed, [spring.hidden], "white", plant, 0.2)
     model = identify([runs["train_a"], runs["train_b"]], _robot(), name="m0")
     return spring, Arm(runs, (spring.hidden,), truth, model, False)
@@ -88,3 +90,20 @@ def _motion(kind: str, rng: np.random.Generator, highest: float) -> Course:
     if kind == "valid_a":
         return random_fourier(rng, reach, HARMONICS / highest)
     return motion_of(kind, rng, reach, SECONDS)
+
+
+def _from_rest(kind: str, plant: Plant, profile: Profile, motion: Course) -> Recording:
+    """A recording that begins where the arm hangs still."""
+    dt = 1.0 / RATE
+    arm, book = nominal(profile)
+    t = np.arange(round(-REST * RATE), round(SECONDS * RATE) + 1) * dt - LEAD_IN
+    forward = feed_forward(arm, book, *gathering(motion, t + 0.5 * dt))
+    q, dq, _ = gathering(motion, t)
+    plant.reset(q[0] - plant.sensing.encoder_offset)
+    soft = plant.physics.transmission.rotor >= plant.n
+    servo = servo_for(arm, book, plant.measure()[0], dt, soft)
+    log = plant.follow(servo, q, dq, forward, dt)
+    torque: Array = 0.5 * (log.torque[:-1] + log.torque[1:])
+    recorded = slice(round(REST * RATE), None)
+    torque, angle = torque[recorded], log.q[:-1][recorded]
+    return Recording(kind, np.arange(len(torque)) * dt, angle, torque)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context, Effect, Shape
 from pa10d.measurement.signals import delayed
-from pa10d.model import TorqueModel
+from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
@@ -73,6 +73,16 @@ class Side:
         """Filtered columns of one effect for several shapes, side by side (k per shape); own: in
         the equation of ``joints[0]`` alone."""
         raw = [effect.columns_of(c, joints, shapes, own) for c in self.contexts]
+        return self._filtered(effect, joints, raw, own)
+
+    def columns_of_term(self, term: Term) -> PerJoint:
+        """Filtered columns of one term of a model, as exactly as the model predicts with it."""
+        raw = [term.effect.columns(c, term.joints, term.shape) for c in self.contexts]
+        return self._filtered(term.effect, term.joints, raw, own=False)
+
+    def _filtered(
+        self, effect: Effect, joints: Sequence[int], raw: list[Array], own: bool
+    ) -> PerJoint:
         if own or not effect.reaches_other_joints:
             filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
             return {joints[0]: self._rows(filtered, joints[0])}

@@ -139,6 +139,14 @@ class SearchState:
             self.loads = model.h
         else:
             model = self.model
+        self._look_through(model)
+
+    def look_through(self, bodies: Array) -> None:
+        """Columns are made anew with the loads of these base parameters; the caller refits."""
+        self.loads = bodies
+        self._look_through(replace(self.with_coefficients(self.fit.beta), h=bodies, loads=None))
+
+    def _look_through(self, model: TorqueModel) -> None:
         self.train, self.held = self.train.through(model), self.held.through(model)
         for index, term in enumerate(self.terms):
             if term.effect.uses_model:
@@ -204,8 +212,8 @@ class SearchState:
 
     def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:
         return (
-            self.train.columns(term.effect, term.joints, [term.shape]),
-            self.held.columns(term.effect, term.joints, [term.shape]),
+            self.train.columns_of_term(term),
+            self.held.columns_of_term(term),
         )
 
 

@@ -35,6 +35,7 @@ from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, held_columns, scan, sharpened
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
+from pa10d.diagnose.search.springs import follow, with_springs
 from pa10d.diagnose.search.timing import align
 from pa10d.diagnose.unknown.structure import all_maps
 from pa10d.effects import Effect
@@ -123,10 +124,15 @@ class Search:
             self.progress(number / steps, f"step {number + 1}: looking through the library")
             judged = self.look()
             good = [j for j in judged if j.acceptable and j.place not in refused]
+            before = rms(self.state.held_residual())
+            spring = self.spring_beside(good)
+            if spring is not None:
+                refused |= self.prune() | self.reconsider()
+                self.steps.append(Step(*spring, before, rms(self.state.held_residual())))
+                continue
             if not good:
                 break
             chosen, tied = self.prefer(good, judged)
-            before = rms(self.state.held_residual())
             dropped = self.take(chosen)
             if dropped is None:
                 refused.add(chosen.place)
@@ -176,6 +182,22 @@ class Search:
                 return dropped
         self.state = saved
         return None
+
+    def spring_beside(self, good: Sequence[Judged]) -> tuple[Judged, list[Judged]] | None:
+        """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
+        beside bodies that have bent to it; the other joint's where the data cannot tell."""
+        most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
+        told = []
+        for state in with_springs(self.state, self.suspects, most):
+            judged = replace(self, state=state).judge_term(len(state.terms) - 1)
+            taken = taken_by(self.state, state)
+            if judged.acceptable and taken > most and not harmful(self.state, state):
+                told.append((state, judged, rms(state.held_residual())))
+        if not told:
+            return None
+        self.state, chosen, left = told[0]
+        tied = [j for _, j, r in told[1:] if np.all(r < (1.0 + MATERIAL_GAIN) * left)]
+        return chosen, tied
 
     def best(self, effect: Effect, joints: tuple[int, ...]) -> Candidate | None:
         """The best shape of one effect in one place, or None where the data cannot show it."""
@@ -307,6 +329,7 @@ class Search:
         self.state.refit()
         self._align()
         drawn = self.state.drawn_by_loads
+        begun = self.state.loads
         best, least, idle = self.state, np.inf, 0
         for number in range(1, rounds + MORE_ROUNDS + 1):
             self._relinearise()
@@ -323,7 +346,21 @@ class Search:
                 best, least = self.state.copy(), left
             if number >= rounds and idle > drawn:
                 break
-        self.state = best
+        self.state = self._with_springs_followed(best, least, begun)
+
+    def _with_springs_followed(
+        self, best: SearchState, least: float, begun: Array | None
+    ) -> SearchState:
+        """The same with bodies and springs fitted at once, where that leaves less."""
+        for index, term in enumerate(best.terms):
+            if not term.effect.series_spring or best.prior is not None:
+                continue
+            bodies = [h for h in (begun, best.loads) if h is not None]
+            found = follow(best, index, bodies)
+            left = np.inf if found is None else float(np.sum(np.log(found.fit.rms())))
+            if found is not None and left < least:
+                best, least = found, left
+        return best
 
     def prune(self) -> set[Place]:
         """Drop additions that later ones made redundant, the least useful first; says which."""
@@ -422,6 +459,12 @@ class Search:
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()
+
+
+def taken_by(before: SearchState, after: SearchState) -> float:
+    """Weighted squared error that is gone from the fit side, in units of what was left before."""
+    share = 1.0 - (after.fit.rms() / before.fit.rms()) ** 2
+    return float(np.sum(share * [len(before.train.tau[j]) for j in range(before.train.n)]))
 
 
 def _seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:

@@ -23,6 +23,7 @@ class JointElasticity(Effect):
         "Δτ = share·(τ_link(q - δ) - τ_link(q))"
     )
     reaches_other_joints = True
+    series_spring = True
     uses_model = True
     # with a free share a spring that is too stiff or too soft would do as well
     coefficients = (Coefficient("share", "1", 0.97, 1.03),)
@@ -56,16 +57,16 @@ class JointElasticity(Effect):
     )
 
     def columns(self, context, joints, shape):
-        return self.columns_of(context, joints, [shape])
+        return self._column(context, joints, shape, closely=True)
 
     def columns_of(self, context, joints, shapes, own=False):
-        made = [
-            twisted_torque(
-                context, joints[0], s["K"], s["zeta"], rotor=s.get("rotor", 0.0), own=own
-            )
-            for s in shapes
-        ]
-        return np.concatenate(made, axis=-1)
+        return np.concatenate([self._column(context, joints, s, own) for s in shapes], axis=-1)
+
+    def _column(self, context, joints, shape, own=False, closely=False):
+        rotor = shape.get("rotor", 0.0)
+        return twisted_torque(
+            context, joints[0], shape["K"], shape["zeta"], rotor=rotor, own=own, closely=closely
+        )
 
     def starts(self, context, joints):
         out = []

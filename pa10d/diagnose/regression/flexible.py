@@ -1,0 +1,259 @@
+"""The whole model beside one spring in a gear, fitted by Gauss and Newton's steps.
+
+Where a spring lets its link swing within the band of the motion, a rigid model's bodies are those
+of no arm: they have bent themselves to the swing, and links thrown about by their loads lead
+farther from the truth with every fit. A share r²/(1 - r²) of an error in the load comes back, r the
+motion's frequency over the spring's own: more than all of it from 0.7 on. So bodies, friction and
+spring are sought at once: how the link would swing with other bodies is worked out beside how it
+swings, by the same equation driven by the regressor's columns instead of the load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import NEAR_NULL, STEP_SHARES
+from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.dynamics import Robot, inverse_dynamics, regressor, typical_inertia
+from pa10d.effects import Context
+from pa10d.effects.rotor import LIGHTEST
+from pa10d.effects.swing import Swing, driven_lag
+from pa10d.measurement.signals import Lowpass
+from pa10d.regression.equation import RunEquation
+
+Array = NDArray[np.float64]
+
+LONGEST_STEP = 1.0  # of a logarithm: nobody knows what a spring of another size would do
+SAMPLES_PER_PERIOD = 16.0  # of the equation's cut-off, at least, of the motion that is integrated
+
+
+@dataclass(frozen=True)
+class Spring:
+    """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side; start
+    (runs, 2): δ in rad and δ̇ in rad/s at the first sample of each run, beyond its rest."""
+
+    joint: int
+    stiffness: float
+    damping: float
+    rotor: float
+    start: Array
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Coefficients (p,) of the bodies and of all other terms, beside the spring; left: the sum over
+    the joints of the logarithm of what is left over, N·m."""
+
+    beta: Array
+    spring: Spring
+    left: float
+
+
+@dataclass(frozen=True)
+class _Run:
+    context: Context
+    lowpass: Lowpass
+
+
+class Flexible:
+    """One side of a model with a spring at a joint; the spring's own term, if it has one, is out.
+
+    but: index of that term
+    """
+
+    def __init__(self, state: SearchState, joint: int, but: int | None = None) -> None:
+        self.joint, self.side = joint, state.train
+        self.robot: Robot = state.model.robot
+        self.kept = state.model.base.kept
+        self.bodies = len(self.kept)
+        self.rotor_in_load = joint in self.side.contexts[0].rotor_in_load
+        self.runs = [_coarse(r, c) for r, c in zip(self.side.runs, self.side.contexts, strict=True)]
+        places = state.unknowns.places
+        chosen = [i for i in range(len(state.terms)) if i != but]
+        self.others = [(places[i], state.blocks[i][0]) for i in chosen]
+        self.size = state.unknowns.size
+
+    def fit(self, beta: Array, spring: Spring, rounds: int) -> Fitted | None:
+        """The best that so many steps reach from there; None where the link would run away."""
+        found = self._torque(beta, spring)
+        if found is None:
+            return None
+        left = _left(self.side, found)
+        for _ in range(rounds):
+            step = self._step(beta, spring, found)
+            better = None
+            for share in STEP_SHARES:
+                trial = beta + share * step[: self.size], self._moved(spring, share, step)
+                torque = self._torque(*trial)
+                if torque is not None and _left(self.side, torque) < left:
+                    better = (*trial, torque)
+                    break
+            if better is None:
+                break
+            beta, spring, found = better
+            before, left = left, _left(self.side, found)
+            if before - left < 1e-3:
+                break
+        return Fitted(beta, spring, left)
+
+    def _step(self, beta: Array, spring: Spring, torque: PerJoint) -> Array:
+        """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
+        slopes = self._slopes(beta, spring)
+        sigma = {j: _rms(self.side.tau[j] - torque[j]) for j in torque}
+        rows = np.concatenate([slopes[j] / sigma[j] for j in torque])
+        target = np.concatenate([(self.side.tau[j] - torque[j]) / sigma[j] for j in torque])
+        scale = np.linalg.norm(rows, axis=0)
+        scale[scale == 0] = 1.0
+        both = np.column_stack([rows / scale, target])
+        triangle = scipy.linalg.qr(both, mode="r", overwrite_a=True, check_finite=False)[0]
+        width = len(scale)
+        left, values, right = np.linalg.svd(triangle[:width, :width])
+        strong = values > NEAR_NULL * values[0]
+        seen = left[:, strong].T @ triangle[:width, width]
+        return np.asarray(right[strong].T @ (seen / values[strong]) / scale)
+
+    def _moved(self, spring: Spring, share: float, step: Array) -> Spring:
+        stiffer, damped, rotor = step[self.size : self.size + 3]
+        longest = max(abs(stiffer), abs(damped), LONGEST_STEP)
+        stiffer, damped = (share * LONGEST_STEP / longest * x for x in (stiffer, damped))
+        return replace(
+            spring,
+            stiffness=spring.stiffness * float(np.exp(stiffer)),
+            damping=spring.damping * float(np.exp(damped)),
+            rotor=max(0.0, spring.rotor + share * float(rotor)),
+            start=spring.start + share * step[self.size + 3 :].reshape(spring.start.shape),
+        )
+
+    def _torque(self, beta: Array, spring: Spring) -> PerJoint | None:
+        """joint -> (m_j,) filtered torque on the samples that count."""
+        rigid, filtered = self._rigid(beta), []
+        for run, start in zip(self.runs, spring.start, strict=True):
+            swing = _swing(run.context, rigid, spring, start)
+            if swing is None:
+                return None
+            torque = inverse_dynamics(self.robot, rigid, *swing.motion)
+            torque[:, self.joint] += spring.rotor * swing.lag[2]
+            filtered.append(run.lowpass(torque))
+        out = {j: self._rows([x[:, j] for x in filtered], j) for j in range(self.side.n)}
+        for place, block in self.others:
+            for j, columns in block.items():
+                out[j] = out[j] + columns @ beta[place]
+        return out
+
+    def _slopes(self, beta: Array, spring: Spring) -> PerJoint:
+        """joint -> (m_j, p + 3 + 2 runs): by coefficients, ln K, ln C, rotor and each start."""
+        rigid, whole = self._rigid(beta), []
+        for number, (run, start) in enumerate(zip(self.runs, spring.start, strict=True)):
+            swing = _swing(run.context, rigid, spring, start)
+            assert swing is not None  # it was followed to get here
+            columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
+            regressor(self.robot, *swing.motion, self.kept, out=columns)
+            whole.append(run.lowpass(self._moving(columns, swing, spring, number, run.context.dt)))
+        out = {}
+        for j in range(self.side.n):
+            rows = self._rows([x[:, j] for x in whole], j)
+            out[j] = np.zeros((len(rows), self.size + rows.shape[1] - self.bodies))
+            out[j][:, : self.bodies] = rows[:, : self.bodies]
+            out[j][:, self.size :] = rows[:, self.bodies :]
+            for place, block in self.others:
+                if j in block:
+                    out[j][:, place] = block[j]
+        return out
+
+    def _moving(
+        self, columns: Array, swing: Swing, spring: Spring, number: int, dt: float
+    ) -> Array:
+        """(N, n, b + 3 + 2·count) raw: the regressor's columns at the link, and what the link's
+        own change of motion adds to each."""
+        j, b = self.joint, self.bodies
+        samples, n, _ = columns.shape
+        count = len(self.runs)
+        lag = swing.lag
+        drives = np.zeros((samples, b + 3 + 2 * count))
+        drives[:, :b] = columns[:, j]
+        drives[:, b] = -spring.stiffness * lag[0]
+        drives[:, b + 1] = -spring.damping * lag[1]
+        drives[:, b + 2] = -swing.motion[2][:, j] if self.rotor_in_load else 0.0
+        rest = np.zeros((1, n, b))
+        still = np.zeros((1, n))
+        regressor(self.robot, swing.motion[0][:1], still, still, self.kept, out=rest)
+        rests = drives[0].copy()
+        rests[:b] = rest[0, j]
+        rests[b + 1 :] = 0.0
+        starts = np.zeros((2, drives.shape[1]))
+        starts[(0, 1), (b + 3 + 2 * number, b + 4 + 2 * number)] = 1.0
+        moved = driven_lag(drives, rests, *swing.equation, starts, dt)
+        out = np.zeros((samples, n, drives.shape[1]))
+        out[:, :, :b] = columns
+        for by, change in zip(swing.slopes, moved, strict=True):
+            out -= by[:, :, None] * change[:, None, :]
+        out[:, j] += spring.rotor * moved[2]
+        if self.rotor_in_load:
+            out[:, j, b + 2] += lag[2]
+        return out
+
+    def _rigid(self, beta: Array) -> Array:
+        out = np.zeros(10 * self.robot.n)
+        out[self.kept] = beta[: self.bodies]
+        return out.reshape(-1, 10)
+
+    def _rows(self, per_run: Sequence[Array], joint: int) -> Array:
+        return np.concatenate(
+            [x[k[:, joint]] for x, k in zip(per_run, self.side.keep, strict=True)]
+        )
+
+
+def _swing(context: Context, rigid: Array, spring: Spring, start: Array) -> Swing | None:
+    return Swing.of(
+        context, spring.joint, rigid, spring.stiffness, spring.damping, spring.rotor, start
+    )
+
+
+def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:
+    """Damping ratio at the link's typical inertia, with these base parameters."""
+    rigid = np.zeros(10 * state.model.robot.n)
+    rigid[state.model.base.kept] = h
+    typical = float(typical_inertia(state.model.robot, rigid.reshape(-1, 10))[spring.joint])
+    link = max(typical - spring.rotor, LIGHTEST * typical)
+    return float(spring.damping / (2.0 * np.sqrt(spring.stiffness * link)))
+
+
+def _coarse(run: RunEquation, context: Context) -> _Run:
+    """The motion on fewer samples, as many as its swing needs, with a filter that ends on the same
+    samples of the equation."""
+    fine = run.lowpass
+    most = int(fine.rate / (SAMPLES_PER_PERIOD * fine.cutoff))
+    step = max(d for d in range(1, max(most, 1) + 1) if fine.factor % d == 0)
+    thin = replace(
+        context,
+        t=context.t[::step],
+        q=context.q[::step],
+        dq=context.dq[::step],
+        ddq=context.ddq[::step],
+        total=context.total[::step],
+        temperature=None,
+        rubbing=None,
+    )
+    lowpass = Lowpass(
+        len(thin.t),
+        fine.rate / step,
+        fine.cutoff,
+        fine.factor // step,
+        fine.order,
+        -(-fine.blind // step),
+    )
+    return _Run(thin, lowpass)
+
+
+def _left(side: Side, torque: PerJoint) -> float:
+    return float(sum(np.log(_rms(side.tau[j] - torque[j])) for j in torque))
+
+
+def _rms(x: Array) -> float:
+    return max(float(np.sqrt(np.mean(x**2))), 1e-12)
