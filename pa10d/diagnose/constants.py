@@ -37,6 +37,8 @@ WORTH_A_STEP = 0.1  # squared standard errors of the noise: less moves no estima
 
 # -- physics and arithmetic ------------------------------------------------------------------------
 
+SWING_SAMPLES = 16.0  # per period of the equation's cut-off, of a motion that is integrated
+PASSED_MOTION = 0.995  # of the velocity's power lies below the highest frequency of a motion
 GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter looks that far
 LOWEST_ORDER = 4.0  # cycles per revolution: below, gravity and ripple cannot be told apart
 RIPPLE_LEAST_SPAN = 1e-3  # rad: a joint that turned less has no orders
@@ -65,6 +67,9 @@ ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apa
 MORE_ROUNDS = 4  # of settling, beyond the usual
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses
 SPRING_STEPS = (3, 20)  # of Gauss and Newton's, from each start and from the best of them
+SPRING_STEP = 1.0  # of a logarithm of stiffness or damping, at most
+SPRING_WORTH = 1e-3  # drop of the errors' logarithms, summed over the joints, of a step
+SPRING_HOLDS = 2.0  # times as stiff, where a link would run away
 PASSED_SAMPLES = 400  # of a run, that say where a spring may be
 PASSED_ROUNDS = 2  # in which friction and bodies settle behind a spring
 PASSED_MODES = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # of a link, over the motion's highest

@@ -44,15 +44,12 @@ class Swing:
         stiffness: float,
         damping: float,
         rotor: float,
-        start: Array | None = None,
     ) -> Swing | None:
         """None: farther than any gear twists.
 
-        rigid (n, 10): bodies; N·m/rad, N·m·s/rad and kg·m² on the motor's side; start (2,): δ rad
-        and δ̇ rad/s at the first sample beyond its rest.
+        rigid (n, 10): bodies; N·m/rad, N·m·s/rad and kg·m² on the motor's side.
         """
         robot, lag = context.robot, np.zeros((3, len(context.q)))
-        begins = np.zeros((2, 1)) if start is None else start[:, None]
         for _ in range(PASSES):
             motion = _behind(context, joint, lag)
             load = inverse_dynamics(robot, rigid, *motion)[:, joint] - rotor * motion[2][:, joint]
@@ -62,7 +59,7 @@ class Swing:
             push = load + soft * lag[0] + drag * lag[1] + mass * lag[2]
             equation = mass, drag + damping, np.maximum(soft + stiffness, SOFTEST * stiffness)
             rest = still_load(context, joint, rigid, motion[0]) + soft[0] * lag[0, 0]
-            lag = driven_lag(push[:, None], rest, *equation, begins, context.dt)[:, :, 0]
+            lag = driven_lag(push[:, None], rest, *equation, context.dt)[:, :, 0]
             if not np.all(np.abs(lag[0]) < FURTHEST):
                 return None
         return cls(lag, _behind(context, joint, lag), (by_q, by_dq, by_ddq), equation)
@@ -82,13 +79,13 @@ def _behind(context: Context, joint: int, lag: Array) -> Three:
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})
-def driven_lag(load, rest, mass, drag, stiff, start, dt):
+def driven_lag(load, rest, mass, drag, stiff, dt):
     """δ, δ̇, δ̈ (3, N, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, S), from rest under the loads rest
-    (S,) plus start (2, S), rad and rad/s; all others (N,). Implicit midpoint rule, as ``mean_lag``:
-    a measured acceleration is too noisy to say where a soft spring begins."""
+    (S,); all others (N,). Implicit midpoint rule, as ``mean_lag``: a measured acceleration is too
+    noisy to say where a soft spring begins."""
     n, lanes = load.shape
     out = np.zeros((3, n, lanes))
-    x, v = rest / stiff[0] + start[0], start[1].copy()
+    x, v = rest / stiff[0], np.zeros(lanes)
     for k in range(n):
         b = max(k - 1, 0)
         steps = max(1, int(np.ceil(np.sqrt(stiff[k] / mass[k]) * dt * SUBSTEPS)))

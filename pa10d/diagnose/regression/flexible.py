@@ -17,7 +17,13 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import NEAR_NULL, STEP_SHARES
+from pa10d.diagnose.constants import (
+    NEAR_NULL,
+    SPRING_STEP,
+    SPRING_WORTH,
+    STEP_SHARES,
+    SWING_SAMPLES,
+)
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import Robot, inverse_dynamics, regressor, typical_inertia
@@ -29,20 +35,15 @@ from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
 
-LONGEST_STEP = 1.0  # of a logarithm: nobody knows what a spring of another size would do
-SAMPLES_PER_PERIOD = 16.0  # of the equation's cut-off, at least, of the motion that is integrated
-
 
 @dataclass(frozen=True)
 class Spring:
-    """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side; start
-    (runs, 2): δ in rad and δ̇ in rad/s at the first sample of each run, beyond its rest."""
+    """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side."""
 
     joint: int
     stiffness: float
     damping: float
     rotor: float
-    start: Array
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class Flexible:
                 break
             beta, spring, found = better
             before, left = left, _left(self.side, found)
-            if before - left < 1e-3:
+            if before - left < SPRING_WORTH:
                 break
         return Fitted(beta, spring, left)
 
@@ -119,22 +120,21 @@ class Flexible:
         return np.asarray(right[strong].T @ (seen / values[strong]) / scale)
 
     def _moved(self, spring: Spring, share: float, step: Array) -> Spring:
-        stiffer, damped, rotor = step[self.size : self.size + 3]
-        longest = max(abs(stiffer), abs(damped), LONGEST_STEP)
-        stiffer, damped = (share * LONGEST_STEP / longest * x for x in (stiffer, damped))
+        stiffer, damped, rotor = step[self.size :]
+        longest = max(abs(stiffer), abs(damped), SPRING_STEP)
+        stiffer, damped = (share * SPRING_STEP / longest * x for x in (stiffer, damped))
         return replace(
             spring,
             stiffness=spring.stiffness * float(np.exp(stiffer)),
             damping=spring.damping * float(np.exp(damped)),
             rotor=max(0.0, spring.rotor + share * float(rotor)),
-            start=spring.start + share * step[self.size + 3 :].reshape(spring.start.shape),
         )
 
     def _torque(self, beta: Array, spring: Spring) -> PerJoint | None:
         """joint -> (m_j,) filtered torque on the samples that count."""
         rigid, filtered = self._rigid(beta), []
-        for run, start in zip(self.runs, spring.start, strict=True):
-            swing = _swing(run.context, rigid, spring, start)
+        for run in self.runs:
+            swing = _swing(run.context, rigid, spring)
             if swing is None:
                 return None
             torque = inverse_dynamics(self.robot, rigid, *swing.motion)
@@ -147,14 +147,14 @@ class Flexible:
         return out
 
     def _slopes(self, beta: Array, spring: Spring) -> PerJoint:
-        """joint -> (m_j, p + 3 + 2 runs): by coefficients, ln K, ln C, rotor and each start."""
+        """joint -> (m_j, p + 3): by coefficients, ln K, ln C and rotor."""
         rigid, whole = self._rigid(beta), []
-        for number, (run, start) in enumerate(zip(self.runs, spring.start, strict=True)):
-            swing = _swing(run.context, rigid, spring, start)
+        for run in self.runs:
+            swing = _swing(run.context, rigid, spring)
             assert swing is not None  # it was followed to get here
             columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
             regressor(self.robot, *swing.motion, self.kept, out=columns)
-            whole.append(run.lowpass(self._moving(columns, swing, spring, number, run.context.dt)))
+            whole.append(run.lowpass(self._moving(columns, swing, spring, run.context.dt)))
         out = {}
         for j in range(self.side.n):
             rows = self._rows([x[:, j] for x in whole], j)
@@ -166,16 +166,13 @@ class Flexible:
                     out[j][:, place] = block[j]
         return out
 
-    def _moving(
-        self, columns: Array, swing: Swing, spring: Spring, number: int, dt: float
-    ) -> Array:
-        """(N, n, b + 3 + 2·count) raw: the regressor's columns at the link, and what the link's
+    def _moving(self, columns: Array, swing: Swing, spring: Spring, dt: float) -> Array:
+        """(N, n, b + 3) raw: the regressor's columns at the link, and what the link's
         own change of motion adds to each."""
         j, b = self.joint, self.bodies
         samples, n, _ = columns.shape
-        count = len(self.runs)
         lag = swing.lag
-        drives = np.zeros((samples, b + 3 + 2 * count))
+        drives = np.zeros((samples, b + 3))
         drives[:, :b] = columns[:, j]
         drives[:, b] = -spring.stiffness * lag[0]
         drives[:, b + 1] = -spring.damping * lag[1]
@@ -186,9 +183,7 @@ class Flexible:
         rests = drives[0].copy()
         rests[:b] = rest[0, j]
         rests[b + 1 :] = 0.0
-        starts = np.zeros((2, drives.shape[1]))
-        starts[(0, 1), (b + 3 + 2 * number, b + 4 + 2 * number)] = 1.0
-        moved = driven_lag(drives, rests, *swing.equation, starts, dt)
+        moved = driven_lag(drives, rests, *swing.equation, dt)
         out = np.zeros((samples, n, drives.shape[1]))
         out[:, :, :b] = columns
         for by, change in zip(swing.slopes, moved, strict=True):
@@ -209,10 +204,8 @@ class Flexible:
         )
 
 
-def _swing(context: Context, rigid: Array, spring: Spring, start: Array) -> Swing | None:
-    return Swing.of(
-        context, spring.joint, rigid, spring.stiffness, spring.damping, spring.rotor, start
-    )
+def _swing(context: Context, rigid: Array, spring: Spring) -> Swing | None:
+    return Swing.of(context, spring.joint, rigid, spring.stiffness, spring.damping, spring.rotor)
 
 
 def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:
@@ -228,7 +221,7 @@ def _coarse(run: RunEquation, context: Context) -> _Run:
     """The motion on fewer samples, as many as its swing needs, with a filter that ends on the same
     samples of the equation."""
     fine = run.lowpass
-    most = int(fine.rate / (SAMPLES_PER_PERIOD * fine.cutoff))
+    most = int(fine.rate / (SWING_SAMPLES * fine.cutoff))
     step = max(d for d in range(1, max(most, 1) + 1) if fine.factor % d == 0)
     thin = replace(
         context,

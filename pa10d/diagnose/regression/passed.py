@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.constants import (
     PASSED_BAND,
     PASSED_MODES,
+    PASSED_MOTION,
     PASSED_ROUNDS,
     PASSED_SAMPLES,
     PASSED_ZETA,
@@ -26,8 +27,6 @@ from pa10d.dynamics import regressor, typical_inertia
 from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
-
-MOVES = 0.995  # of the power of the velocity lies below the highest frequency of the motion
 
 
 @dataclass(frozen=True)
@@ -86,8 +85,8 @@ class _Thin:
         out = []
         for motion, chosen in zip(motions, self.chosen, strict=True):
             columns = np.zeros((len(chosen), self.n, len(self.kept)))
-            thin = (x[chosen] for x in motion)
-            regressor(self.state.model.robot, *thin, self.kept, out=columns)
+            q, dq, ddq = (x[chosen] for x in motion)
+            regressor(self.state.model.robot, q, dq, ddq, self.kept, out=columns)
             out.append(columns)
         return out
 
@@ -156,5 +155,5 @@ def highest_frequency(velocity: Array, rate: float) -> float:
     """Hz below which nearly all of the power of velocities (M, n) lies, each by its own size."""
     power = np.abs(np.fft.rfft(velocity - velocity.mean(axis=0), axis=0)) ** 2
     share = np.cumsum(np.sum(power / np.maximum(power.sum(axis=0), 1e-300), axis=1))
-    at = int(np.searchsorted(share, MOVES * share[-1]))
+    at = int(np.searchsorted(share, PASSED_MOTION * share[-1]))
     return float(max(at, 1) * rate / len(velocity))

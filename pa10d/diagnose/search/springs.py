@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import SPRING_STEPS, SPRINGS_FOLLOWED
+from pa10d.diagnose.constants import SPRING_HOLDS, SPRING_STEPS, SPRINGS_FOLLOWED
 from pa10d.diagnose.regression.flexible import Fitted, Flexible, Spring, zeta_of
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
@@ -43,8 +44,7 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
     rotor = shape.get("rotor", 0.0)
     inertia = typical_link(state.train.contexts[0], j, rotor)
     damping = 2.0 * shape["zeta"] * float(np.sqrt(shape["K"] * inertia))
-    still = np.zeros((len(state.train.runs), 2))
-    spring = Spring(j, shape["K"], damping, rotor, still)
+    spring = Spring(j, shape["K"], damping, rotor)
     starts = []
     for h in bodies:
         beta = state.fit.beta.copy()
@@ -62,8 +62,7 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
 
 def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, Spring]]:
     """Bodies from the torque that passed, those of the robot's file, and the model's own."""
-    still = np.zeros((len(state.train.runs), 2))
-    spring = Spring(guess.joint, guess.stiffness, guess.damping, guess.rotor, still)
+    spring = Spring(guess.joint, guess.stiffness, guess.damping, guess.rotor)
     filed = guess.beta.copy()
     filed[: len(state.model.h)] = state.model.base.of(state.model.robot.parameters)
     return [(beta, spring) for beta in (guess.beta, filed, state.fit.beta)]
@@ -72,7 +71,10 @@ def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, Spring]]:
 def _followed(model: Flexible, starts: Sequence[tuple[Array, Spring]]) -> Fitted | None:
     """The best end of some steps from each start, and of more from the best."""
     few, many = SPRING_STEPS
-    ends = [model.fit(*start, few) for start in starts]
+    ends = []
+    for beta, spring in starts:  # where the link would run away, a stiffer gear may hold it
+        stiffer = replace(spring, stiffness=SPRING_HOLDS * spring.stiffness)
+        ends.append(model.fit(beta, spring, few) or model.fit(beta, stiffer, few))
     reached = [e for e in ends if e is not None]
     if not reached:
         return None

@@ -1,0 +1,71 @@
+"""A spring within the band of the motion is named, though rigid bodies have bent to its swing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from how_often import how_often
+from springs_in_band import spring_arm
+from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of, textbook
+
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.regression.flexible import Flexible, Spring
+from pa10d.dynamics import inverse_dynamics
+from pa10d.effects.base import smooth_sign
+from pa10d.measurement.recording import Recording
+
+STIFFNESS = 9.0  # N·m/rad at the second joint: its link swings at some 1.8 Hz, moved at up to 0.9
+NOISE = 0.02
+NAMES = ("fit_a", "fit_b", "valid_a", "valid_b")
+
+
+def a_run(name: str, seed: int) -> Recording:
+    """The links' motion is drawn; the second motor is ahead of its link by load over stiffness."""
+    t, q, dq, ddq = motion(seed)
+    load = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)
+    rates = [load[:, 1]]
+    for _ in range(2):
+        rates.append(np.gradient(rates[-1], t[1] - t[0]))
+    motor = [x.copy() for x in (q, dq, ddq)]
+    for x, rate in zip(motor, rates, strict=True):
+        x[:, 1] += rate / STIFFNESS
+    sign = np.column_stack([smooth_sign(v, V0) for v in motor[1].T])
+    tau = load + ROTOR * motor[2] + COULOMB * sign + VISCOUS * motor[1]
+    noise = NOISE * np.random.default_rng(seed).standard_normal(tau.shape)
+    return Recording(name, t, motor[0], tau + noise)
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, Recording]:
+    return {name: a_run(name, seed) for seed, name in enumerate(NAMES)}
+
+
+def test_bodies_and_spring_are_fitted_at_once(runs):
+    """From a spring that is off by a third and bodies that are off by a fifth."""
+    state = state_of(runs)
+    beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
+    beta[: len(true)] = true * np.where(np.arange(len(true)) % 2, 1.2, 0.8)
+    spring = Spring(1, 1.3 * STIFFNESS, 0.05, 0.0)
+    found = Flexible(state, 1).fit(beta, spring, 20)
+    assert found.spring.stiffness == pytest.approx(STIFFNESS, rel=0.02)
+    assert found.left < np.log(0.5 * state.fit.rms()).sum()
+
+
+def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(runs):
+    fit, valid = ([runs[f"{side}_{part}"] for part in "ab"] for side in ("fit", "valid"))
+    found = diagnose(textbook(runs), fit, valid)
+    (first, *_) = found.findings
+    assert (first.term.effect_id, first.term.joints) == ("joint_elasticity", (1,))
+    assert first.parameters["K"].value == pytest.approx(STIFFNESS, rel=0.03)
+
+
+@pytest.mark.long
+def test_nine_of_ten_springs_within_the_band_are_named(pytestconfig):
+    trials, right = how_often(pytestconfig, 10, 10), 0
+    for seed in range(301, 301 + trials):
+        spring, arm = spring_arm(seed)
+        found = arm.diagnose()
+        said = [(f.term.effect_id, f.term.joints) for f in found.findings[:1]]
+        said += [(c.effect, c.joints) for f in found.findings[:1] for c in f.confounded_with]
+        right += ("joint_elasticity", (spring.joint - 1,)) in said
+    assert right >= 0.9 * trials
