@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from how_often import how_often
 from springs_in_band import spring_arm
-from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of, textbook
+from two_links import COULOMB, ROTOR, V0, VISCOUS, motion, robot, state_of
 
-from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.flexible import Flexible, Spring
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.search.steps import Search
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign
 from pa10d.measurement.recording import Recording
@@ -36,27 +38,25 @@ def a_run(name: str, seed: int) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def runs() -> dict[str, Recording]:
-    return {name: a_run(name, seed) for seed, name in enumerate(NAMES)}
+def state() -> SearchState:
+    """Rigid bodies, fitted to runs that begin in full swing (what rings of that moves K a bit)."""
+    return state_of({name: a_run(name, seed) for seed, name in enumerate(NAMES)})
 
 
-def test_bodies_and_spring_are_fitted_at_once(runs):
+def test_bodies_and_spring_are_fitted_at_once(state):
     """From a spring that is off by a third and bodies that are off by a fifth."""
-    state = state_of(runs)
     beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
     beta[: len(true)] = true * np.where(np.arange(len(true)) % 2, 1.2, 0.8)
-    spring = Spring(1, 1.3 * STIFFNESS, 0.05, 0.0)
-    found = Flexible(state, 1).fit(beta, spring, 20)
-    assert found.spring.stiffness == pytest.approx(STIFFNESS, rel=0.02)
-    assert found.left < np.log(0.5 * state.fit.rms()).sum()
+    found = Flexible(state, 1).fit(beta, Spring(1, 1.3 * STIFFNESS, 0.05, 0.0), 20)
+    assert found.spring.stiffness == pytest.approx(STIFFNESS, rel=0.1)
+    assert found.left < np.log(0.6 * state.fit.rms()).sum()
 
 
-def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(runs):
-    fit, valid = ([runs[f"{side}_{part}"] for part in "ab"] for side in ("fit", "valid"))
-    found = diagnose(textbook(runs), fit, valid)
-    (first, *_) = found.findings
-    assert (first.term.effect_id, first.term.joints) == ("joint_elasticity", (1,))
-    assert first.parameters["K"].value == pytest.approx(STIFFNESS, rel=0.03)
+def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(state):
+    chosen, rivals = Search(state, suspects(False, 2), len(state.terms)).spring_beside([])
+    assert chosen.place == ("joint_elasticity", (1,))
+    assert chosen.candidate.shape["K"] == pytest.approx(STIFFNESS, rel=0.1)
+    assert not rivals
 
 
 @pytest.mark.long

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import SPRING_HOLDS, SPRING_STEPS, SPRINGS_FOLLOWED
+from pa10d.diagnose.constants import MATERIAL_GAIN, SPRING_HOLDS, SPRING_STEPS, SPRINGS_FOLLOWED
 from pa10d.diagnose.regression.flexible import Fitted, Flexible, Spring, zeta_of
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
@@ -27,7 +27,8 @@ def with_springs(state: SearchState, suspects: Sequence[Place], least: float) ->
     places = {j[0]: kind for kind, j in suspects if kind.series_spring and j not in there}
     if not places or state.prior is not None:
         return []
-    likely = [g for g in guesses(state, sorted(places)) if g.gain > least]
+    tried = guesses(state, sorted(places))
+    likely = [g for g in tried if g.gain > least and g.drop > MATERIAL_GAIN]
     found = []
     for guess in likely[:SPRINGS_FOLLOWED]:
         fitted = _followed(Flexible(state, guess.joint), _starts(state, guess))
