@@ -196,6 +196,9 @@ class Search:
         if not told:
             return None
         self.state, chosen, left = told[0]
+        for index in range(self.fixed):  # how sharp friction turns round was not to be seen before
+            if self.state.terms[index].effect.smoothed_over:
+                self._refine(index)
         tied = [j for _, j, r in told[1:] if np.all(r < (1.0 + MATERIAL_GAIN) * left)]
         return chosen, tied
 
