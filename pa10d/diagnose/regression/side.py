@@ -67,6 +67,17 @@ class Side:
         columns = [run.rigid_columns(kept) for run in self.runs]
         return {j: self._rows([c[:, j] for c in columns], j) for j in range(self.n)}
 
+    def columns_of_runs(self, effect: Effect, joints: Sequence[int], shape: Shape) -> list[Array]:
+        """Per run (M, n, k) filtered columns of one effect, rows that do not count included."""
+        out = []
+        for run, context in zip(self.runs, self.contexts, strict=True):
+            columns = run.lowpass(effect.columns(context, joints, shape))
+            if not effect.reaches_other_joints:
+                own, columns = columns, np.zeros((len(columns), self.n, columns.shape[-1]))
+                columns[:, joints[0]] = own
+            out.append(columns)
+        return out
+
     def columns(
         self, effect: Effect, joints: Sequence[int], shapes: Sequence[Shape], own: bool = False
     ) -> PerJoint:

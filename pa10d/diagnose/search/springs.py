@@ -25,7 +25,7 @@ def with_springs(state: SearchState, suspects: Sequence[Place], least: float) ->
     (weighted squared error of the fit side); the one that leaves least comes first."""
     there = {t.joints for t in state.terms if t.effect.series_spring}
     places = {j[0]: kind for kind, j in suspects if kind.series_spring and j not in there}
-    if not places or state.prior is not None:
+    if not places or state.frozen:
         return []
     tried = guesses(state, sorted(places))
     likely = [g for g in tried if g.gain > least and g.drop > MATERIAL_GAIN]
@@ -55,7 +55,7 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
     if fitted is None:
         return None
     out = state.copy()
-    out.terms[index] = _term(state, term.effect, fitted)
+    out.problem = out.problem.with_term(index, _term(state, term.effect, fitted))
     out.look_through(fitted.beta[: len(state.model.h)])
     out.refit()
     return out

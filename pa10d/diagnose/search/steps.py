@@ -356,7 +356,7 @@ class Search:
     ) -> SearchState:
         """The same with bodies and springs fitted at once, where that leaves less."""
         for index, term in enumerate(best.terms):
-            if not term.effect.series_spring or best.prior is not None:
+            if not term.effect.series_spring or best.frozen:
                 continue
             bodies = [h for h in (begun, best.loads) if h is not None]
             found = follow(best, index, bodies)
