@@ -60,6 +60,7 @@ def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(state):
 
 
 @pytest.mark.long
+@pytest.mark.timeout(3600)
 def test_nine_of_ten_springs_within_the_band_are_named(pytestconfig):
     trials, right = how_often(pytestconfig, 10, 10), 0
     for seed in range(301, 301 + trials):
