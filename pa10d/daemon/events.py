@@ -27,7 +27,7 @@ class Events:
         self._number = 0
 
     def publish(self, kind: str, data: Any) -> None:
-        """kind: robot, job, run, lease, process."""
+        """kind: robot, job, run, model, lease, profile, investigation, story."""
         self._number += 1
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         event = json.dumps({"number": self._number, "time": now, "kind": kind, "data": data})

@@ -47,6 +47,7 @@ function happened(event) {
   if (event.kind === "investigation" || (event.data?.kind === "preparation" && event.data.finished)) loadInvestigations().catch(() => {});
   if (event.kind === "profile") change({ tuned: event.data.version });
   if (event.kind === "run") loadRuns().catch(() => {});
+  if (event.kind === "model") loadModels().catch(() => {});
   if (event.kind === "robot" || event.kind === "lease") loadRobot().catch(() => {});
 }
 

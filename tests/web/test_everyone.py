@@ -6,6 +6,7 @@ import gzip
 from pathlib import Path
 
 import pytest
+from browsers import DROP
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
 SECTIONS = ("robot", "investigate", "experiments", "tune", "runs", "explore")
@@ -108,3 +109,46 @@ def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
             for x, y in ((0.1, 0.2), (0.5, 0.5), (0.9, 0.8)):
                 at = [box["x"] + x * box["width"], box["y"] + y * box["height"]]
                 assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "stop"
+
+
+def test_a_plot_is_there_in_numbers_too(archive, visit):
+    visitor = visit(archive[0])
+    page = visitor.page
+    visitor.open("compare")
+    page.locator("#compare-start:enabled").click()
+    plot = page.locator("#compare figure.plot", has_text="Measured, modelled").first
+    plot.locator(".main-svg").first.wait_for()
+    plot.get_by_text("The same in numbers").click()
+    table = plot.get_by_role("region", name="in numbers").get_by_role("table")
+    table.wait_for()
+    heads = table.get_by_role("columnheader").all_inner_texts()
+    assert heads == ["line", "points", "first", "last", "least", "greatest"]
+    rows = table.get_by_role("rowheader").all_inner_texts()
+    assert {"measured", "model"} <= {row.lower() for row in rows}, rows
+    shown = page.evaluate("""() => {
+      const canvas = document.querySelector("#compare .canvas");
+      const [one] = canvas._fullData.filter((trace) => trace.visible === true);
+      return [one.name, Math.max(...one.y.filter(Number.isFinite))];
+    }""")
+    row = table.get_by_role("row").filter(has_text=shown[0]).first
+    most = float(row.get_by_role("cell").last.inner_text().split(" at ")[0])
+    assert most == pytest.approx(shown[1], rel=1e-3)
+    assert not visitor.errors
+
+
+def test_two_tabs_know_the_same(archive, visit, csv_text):
+    first, second = visit(archive[0]), visit(archive[0])
+    second.open("runs")
+    first.open("runs")
+    first.page.evaluate(DROP, csv_text)
+    first.page.get_by_role("button", name="Import", exact=True).click()
+    told = second.page.locator("#runs tbody tr", has_text="dropped")
+    told.wait_for()
+    first.page.get_by_label("dropped: fit").check()
+    second.page.locator("[aria-label='dropped: fit']:checked").wait_for()
+    first.page.get_by_role("button", name="dropped").click()
+    first.page.get_by_role("button", name="Delete", exact=True).click()
+    first.page.get_by_role("button", name="Delete for good").click()
+    told.wait_for(state="detached")
+    assert not first.errors
+    assert not second.errors

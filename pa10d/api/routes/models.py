@@ -103,7 +103,9 @@ async def delete_model(daemon: TheDaemon, model: str) -> Any:
     info = await find_model(daemon, model)
     if daemon.robot.document()["model"] == info.name:
         raise Problem("conflict", f"the controller uses {info.name!r}: choose another one first")
-    return vars(await daemon.shelf(lambda: daemon.models.delete(info.id)))
+    gone = vars(await daemon.shelf(lambda: daemon.models.delete(info.id)))
+    daemon.events.publish("model", {"id": info.id, "name": info.name, "status": "deleted"})
+    return gone
 
 
 @router.get("/models/{model}/history", response_model=History, responses=responses("not-found"))

@@ -82,6 +82,7 @@ async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str
     )
     if change.excluded is not None:
         await daemon.look("forget")
+    daemon.events.publish("run", changed.document())
     return changed.document()
 
 

@@ -1,5 +1,6 @@
 // One plot in a card: title, figure, how to read it; with `load`, full detail on zoom.
 import { el } from "../base/dom.js";
+import { inNumbers } from "./in_numbers.js";
 
 /** Draw when it comes near the window: most plots of a page are never looked at. */
 const watcher = new IntersectionObserver((entries) => {
@@ -32,7 +33,9 @@ export async function draw(box, figure) {
   try {
     const { draw: onto } = await plots();
     box.querySelector(":scope > p")?.remove();
-    return await onto(box, figure);
+    const done = await onto(box, figure);
+    box.drawn?.();
+    return done;
   } catch (error) {
     box.replaceChildren(el("p", { class: "bad pad" }, error.message));
     throw error;
@@ -59,7 +62,8 @@ export function plot({ title, figures, reading, advice }) {
 
 export function card(title, tools, canvas, reading, advice) {
   return el("figure", { class: "plot" },
-    el("figcaption", {}, el("span", {}, title), tools), canvas, reading ? words(reading, advice) : null);
+    el("figcaption", {}, el("span", {}, title), tools), canvas, inNumbers(canvas.matches(".canvas") ? canvas : canvas.querySelector(".canvas"), title),
+    reading ? words(reading, advice) : null);
 }
 
 export function words(reading, advice = "") {
