@@ -101,6 +101,7 @@ SIDE_BLOCKS = (
     8,
 )  # alternate blocks of time of a run that must serve both sides: the first
 #   of those after which both have seen most (six alone: d)
+LEAST_SEEN = 1e-3  # of the largest direction of a motion: less is no motion
 
 # -- chosen, on simulated seven-joint arms with stiction and the four shared real robots -----------
 

@@ -62,6 +62,7 @@ class World:
         self._condition: Callable[[], bool] = lambda: True
         self._since, self._said_alive = 0.0, 0.0
         self._failure: BaseException | None = None
+        self._threads = threading.active_count()
         self.told: list[dict] = []  # what control told the daemon
         self.faults: list[Fault] = []  # that were latched, whoever was told
         self._take_the_clock(patch)
@@ -271,6 +272,9 @@ class World:
         try:
             while self._condition():
                 self._condition, self._since = next(self._story), self.now
+            if threading.active_count() > self._threads:  # drives are being opened: in real time
+                real_time.sleep(1e-3)
+                self._since = self.now
             assert self.now - self._since < PATIENCE, f"waited in vain; {self.how_it_is()}"
         except StopIteration:
             self._condition = lambda: False

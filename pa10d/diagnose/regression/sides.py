@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.diagnose.constants import FEWEST_TO_JUDGE, GUARD_PERIODS, PER_UNKNOWN, SIDE_BLOCKS
+from pa10d.diagnose.constants import (
+    FEWEST_TO_JUDGE,
+    GUARD_PERIODS,
+    LEAST_SEEN,
+    PER_UNKNOWN,
+    SIDE_BLOCKS,
+)
 from pa10d.diagnose.regression.side import Side
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -17,8 +23,6 @@ from pa10d.regression.equation import RunEquation, prepare
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
-
-LEAST_SEEN = 1e-3  # of the largest direction of a motion: less is no motion
 
 
 def two_sides(
