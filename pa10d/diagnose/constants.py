@@ -94,13 +94,8 @@ SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapola
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)
 UNHEARD = 100.0  # times its noise: a joint that tells the fit nothing, its rows weigh 1e-4 (d)
-SIDE_BLOCKS = (
-    6,
-    5,
-    7,
-    8,
-)  # alternate blocks of time of a run that must serve both sides: the first
-#   of those after which both have seen most (six alone: d)
+SIDE_BLOCKS = (6, 5, 7, 8)  # alternate blocks of time of a run that must serve both sides: of
+#   these the first after which both have seen most (six alone: d)
 LEAST_SEEN = 1e-3  # of the largest direction of a motion: less is no motion
 
 # -- chosen, on simulated seven-joint arms with stiction and the four shared real robots -----------

@@ -95,30 +95,29 @@ def nothing(
 
 def _gone_by_refit(ratio: Array) -> str:
     """What the given model left, (n,) times the floor, where that was more than noise."""
-    large = np.flatnonzero(ratio > MATERIAL_REST)
-    if not len(large):
-        return ""
-    joints = listed([str(j + 1) for j in large])
-    word = "joints" if len(large) > 1 else "joint"
-    return (
-        f" That is the model fitted anew, clear of reversals; as it was given, it keeps up to "
-        f"{times(np.max(ratio[large]))} the noise on {word} {joints}: its values, not its terms, "
-        "are off."
+    found = _most_of(ratio)
+    return found and (
+        " That is the model fitted anew, clear of reversals; as it was given, it keeps up to "
+        f"{found}: its values, not its terms, are off."
     )
 
 
 def _left_out(ratio: Array) -> str:
     """What is left where reversals count, too, (n,) times the floor, if that is more than noise."""
+    found = _most_of(ratio)
+    return found and (
+        f" Reversals are left out of that; with them, there is up to {found}: sticking, or "
+        "friction at low speed that the model lacks. Slow, steady motion would tell."
+    )
+
+
+def _most_of(ratio: Array) -> str:
+    """``3 times the noise on joints 1 and 2``: those with more than noise, or nothing."""
     large = np.flatnonzero(ratio > MATERIAL_REST)
     if not len(large):
         return ""
     joints = listed([str(j + 1) for j in large])
-    word = "joints" if len(large) > 1 else "joint"
-    return (
-        f" Reversals are left out of that; with them, up to {times(np.max(ratio[large]))} the "
-        f"noise is left on {word} {joints}: sticking, or friction at low speed that the model "
-        "lacks. Slow, steady motion would tell."
-    )
+    return f"{times(np.max(ratio[large]))} the noise on joint{'s' * (len(large) > 1)} {joints}"
 
 
 def missing(term: Term, size: str) -> str:
