@@ -32,6 +32,11 @@ class Port(Protocol):
     def close(self) -> None:
         """Leave the bus."""
 
+    @property
+    def deserted(self) -> bool:
+        """Whether it is known that nobody is left who could answer; a real bus never tells."""
+        return False
+
 
 class VirtualBusPort:
     def __init__(self, bus: VirtualBus) -> None:
@@ -39,12 +44,18 @@ class VirtualBusPort:
         self.send = bus.send_packet
         self.receive = bus.receive_packet
 
+    @property
+    def deserted(self) -> bool:
+        return self._bus.deserted
+
     def close(self) -> None:
         self._bus.shutdown()
 
 
 class SocketcanPort:
     """A raw socket: one system call a frame, but no message objects."""
+
+    deserted = False
 
     def __init__(self, bus: Any) -> None:
         self._bus, self._socket = bus, bus.socket
@@ -78,6 +89,8 @@ class SocketcanPort:
 
 class MessagePort:
     """Any other interface of python-can."""
+
+    deserted = False
 
     def __init__(self, bus: can.BusABC) -> None:
         self._bus = bus

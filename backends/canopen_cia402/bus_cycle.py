@@ -17,7 +17,9 @@ from backends.protocol import BackendFault
 MASTER = 127  # our node id, which the drives watch
 HEARTBEAT = frame(0x700 + MASTER, bytes([5]))
 ANSWER_WITHIN = 0.6  # of a period, in real time: seven answers take half of one on a full bus
-SIMULATION_ANSWERS = 2.0  # s; a simulator may be slow, but not for ever
+SIMULATION_ANSWERS = 8.0  # s; a simulator may be kept from its work, but not for ever
+THE_OTHERS_ANSWER = 2.0  # s, once one of its drives has answered: it works
+LOOKS = 0.1  # s between two looks whether the simulator still lives
 SECOND_CHANCE = 0.02  # s, for an axis that was silent in the last cycle already
 INTERFACE_DOWN = {
     errno.ENETDOWN: "the CAN interface is down",
@@ -110,9 +112,15 @@ class BusCycle:
         within = ANSWER_WITHIN * self._pace.period
         while not exchange.complete:
             if not self._pace.realtime:
-                within = SECOND_CHANCE if exchange.overdue else SIMULATION_ANSWERS
+                within = self._patience()
             left = started + within - time.monotonic()
             if left <= 0:
                 exchange.counters.missing += 1
                 return
-            exchange.take(self._port.receive(left))
+            exchange.take(self._port.receive(min(left, LOOKS)))
+
+    def _patience(self) -> float:
+        """s for which simulated time stands still: a machine that is busy makes no drive silent."""
+        if self._exchange.overdue or self._port.deserted:
+            return SECOND_CHANCE
+        return THE_OTHERS_ANSWER if self._exchange.begun else SIMULATION_ANSWERS

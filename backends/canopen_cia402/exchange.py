@@ -79,6 +79,11 @@ class Exchange:
         return not self._waiting
 
     @property
+    def begun(self) -> bool:
+        """Whether any axis has answered in this cycle."""
+        return any(seen.cycle == self.cycle for seen in self.axes)
+
+    @property
     def overdue(self) -> bool:
         """Whether every axis still waited for was silent in the last cycle already."""
         return all(self.axes[axis].cycle < self.cycle - 1 for axis in self._waiting)

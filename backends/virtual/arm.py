@@ -61,6 +61,8 @@ def serve(
 class _Unplugged:
     """A bus that is not there, and looked for now and then."""
 
+    deserted = False
+
     def __init__(self, search: Callable[[], Port]) -> None:
         self._search, self._next = search, 0.0
         self.found: Port | None = None

@@ -51,6 +51,11 @@ class VirtualBus(can.BusABC):
             return packet
         return self._mesh.receive(timeout)
 
+    @property
+    def deserted(self) -> bool:
+        """Everybody who ever spoke on this bus has left it, or died."""
+        return self._mesh.deserted
+
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         if msg.is_fd:
             raise can.CanOperationError("virtualbus carries CAN 2.0 frames, not CAN FD")

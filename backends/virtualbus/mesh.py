@@ -41,6 +41,7 @@ class Mesh:
         self._epoll = select.epoll()
         self._closed = False
         self._conversation = False  # somebody other than us has sent something
+        self.deserted = False  # everybody who ever spoke has left, and all of it was heard
         self._channel = channel
         with alone(channel) as folder:
             self._listener, self._path = listen(folder)
@@ -125,7 +126,8 @@ class Mesh:
         if len(packet) % SIZE:
             return b""  # a late HELLO
         if not peer.speaks:
-            peer.speaks = self._conversation = True
+            peer.speaks, self.deserted = True, False
+            self._conversation = True
             self._arrange()
         return packet
 
@@ -176,6 +178,8 @@ class Mesh:
                 return
             self._epoll.unregister(peer.socket)
             peer.socket.close()
+            speaking = any(other.speaks for other in self._by_fd.values())
+            self.deserted = self._conversation and not speaking
 
     def _arrange(self) -> None:
         """Listeners first, so that in their log no answer overtakes the question."""

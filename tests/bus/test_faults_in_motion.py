@@ -30,6 +30,7 @@ from bus_helpers import (
 )
 
 from backends import by_hand
+from backends.canopen_cia402 import bus_cycle
 from backends.canopen_cia402.backend import CanopenBackend
 from backends.canopen_cia402.exchange import AxisInput
 from backends.canopen_cia402.watch import Watch
@@ -315,6 +316,34 @@ def test_the_arm_process_dies(tmp_path: Path) -> None:
     with virtual_arm(profile) as process, running(profile) as (_, driver, _):
         process.kill()
         assert next_fault(driver).kind == "silent"
+
+
+@pytest.mark.timeout(120)
+def test_nobody_waits_for_an_arm_that_is_known_dead(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bus_cycle, "SIMULATION_ANSWERS", math.inf)
+    profile = make_profile(tmp_path)
+    with virtual_arm(profile) as process, VirtualBus(profile.can.channel):  # a mere listener
+        arm = CanopenBackend(profile)
+        arm.open()
+        driver = Driver(arm)
+        by_hand.enable(arm, driver.hold)
+        process.kill()
+        assert next_fault(driver).kind == "silent"
+        arm.close()
+
+
+def test_an_arm_that_is_kept_from_its_work_is_waited_for(tmp_path: Path) -> None:
+    """Simulated time stands still meanwhile."""
+    profile = make_profile(tmp_path)
+    with virtual_arm(profile) as process, running(profile) as (arm, driver, _):
+        process.send_signal(signal.SIGSTOP)
+        wakes = threading.Timer(3.0, process.send_signal, [signal.SIGCONT])
+        wakes.start()
+        driver.run(0.3)
+        wakes.join()
+        assert arm.counters.missing == 0
 
 
 @pytest.mark.realtime
