@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, profile_option, replace_option
+from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.checks import Finding
     from pa10d.store import RunInfo, RunStore
 
 FORMATS = ("csv", "mcap", "parquet", "mat")
+EVERY = "all"  # episodes
 
 
 def add_commands(commands: Commands) -> None:
@@ -27,6 +29,7 @@ def add_commands(commands: Commands) -> None:
             "pa10d run import train.csv --profile robot.urdf --name train",
             "pa10d run import bag_folder --profile robot.urdf --check",
             "pa10d run import log.csv --map 't[ms]=time' 'joint_{n}_position[deg]=q'",
+            "pa10d run import data_set --episode 12",
         ),
     )
     parser.add_argument(
@@ -40,6 +43,7 @@ def add_commands(commands: Commands) -> None:
         help="say what to know before fitting, and store nothing that a fit must not use",
     )
     _map_option(parser)
+    _part_options(parser, "a number, or 'all': each as a run of its own")
     parser.add_argument("--force", action="store_true", help="store it whatever --check says")
     replace_option(parser, "the run of this name")
     looking = runs.add(
@@ -51,6 +55,7 @@ def add_commands(commands: Commands) -> None:
     looking.add_argument("file", type=Path, metavar="FILE|FOLDER", help="a recording")
     profile_option(looking)
     _map_option(looking)
+    _part_options(looking, "its number")
     runs.add("list", list_, "all runs, oldest first", examples=("pa10d run list",))
     _one_run(runs.add("show", show, "what is known of a run", examples=("pa10d run show train",)))
     checking = runs.add(
@@ -79,16 +84,43 @@ def add_commands(commands: Commands) -> None:
 
 def import_(options: argparse.Namespace) -> Answer:
     """``run import``."""
+    if options.episode == EVERY:
+        return _import_each(options)
+    return _import_one(options, options.name, options.episode)
+
+
+def _import_each(options: argparse.Namespace) -> Answer:
+    """Episodes that are refused are said; the others are stored all the same."""
+    from pa10d.readers import episodes_of
+
+    stored: list[Answer] = []
+    refused = 0
+    for episode in episodes_of(options.file):
+        name = None if options.name is None else f"{options.name}-{episode}"
+        try:
+            stored.append(_import_one(options, name, episode))
+        except UserError as error:
+            refused += 1
+            note(f"episode {episode}: {error}")
+    if not stored:
+        raise UserError(f"{options.file}: none of its {refused} episodes can be imported")
+    note(f"{len(stored)} episodes stored" + (f", {refused} refused" if refused else ""))
+    ids = "\n".join(answer.text for answer in stored)
+    return Answer([answer.document for answer in stored], ids, status=1 if refused else 0)
+
+
+def _import_one(options: argparse.Namespace, name: str | None, episode: int | None) -> Answer:
     from pa10d.cli.progress import progress_line
+    from pa10d.readers import Part
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import import_run
 
     store = _store(options)
     profile, robot = load_robot(options.profile)
     result = import_run(
-        store, options.file, profile, robot, name=options.name, mapping=options.map,
+        store, options.file, profile, robot, name=name, mapping=options.map,
         replace=options.replace, check=options.check, force=options.force,
-        progress=progress_line(),
+        progress=progress_line(), part=Part(options.topic, episode),
     )  # fmt: skip
     for warning in result.header_warnings if options.check else result.info.warnings:
         note(f"warning: {warning}")
@@ -108,13 +140,17 @@ def import_(options: argparse.Namespace) -> Answer:
 def preview(options: argparse.Namespace) -> Answer:
     """``run preview``; exit status 1 where an import would be refused."""
     from pa10d.cli.progress import progress_line
+    from pa10d.readers import Part
     from pa10d.services.import_preview import preview_recording
     from pa10d.services.robots import load_robot
 
+    if options.episode == EVERY:
+        raise UserError("--episode all: expected the number of one episode to look at")
     profile, robot = load_robot(options.profile)
     found = preview_recording(
-        options.file, profile, robot, mapping=options.map, progress=progress_line()
-    )
+        options.file, profile, robot, mapping=options.map, progress=progress_line(),
+        part=Part(options.topic, options.episode),
+    )  # fmt: skip
     head = ["column", "read as", "unit", "low", "high", "first values"]
     rows = [
         [c.name, c.field or "–", c.unit, f"{c.low:.4g}", f"{c.high:.4g}",
@@ -208,6 +244,21 @@ def _map_option(parser: argparse.ArgumentParser) -> None:
         help="read column COL as FIELD: time, q1, tau1, dq1, i1, temp1 …; {n} in COL stands for "
         "the joint's number: 't[ms]=time' 'joint_{n}_position[deg]=q'",
     )  # fmt: skip
+
+
+def _part_options(parser: argparse.ArgumentParser, episodes: str) -> None:
+    parser.add_argument("--topic", metavar="NAME", help="of a bag that has joint states on several")
+    parser.add_argument(
+        "--episode", metavar="N", type=_episode, help=f"of a LeRobot data set: {episodes}"
+    )
+
+
+def _episode(text: str) -> int | str:
+    if text == EVERY:
+        return text
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number from 0 or {EVERY!r}")
+    return int(text)
 
 
 def _one_run(parser: argparse.ArgumentParser) -> None:

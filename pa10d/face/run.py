@@ -15,7 +15,7 @@ from pa10d.common.errors import UserError
 from pa10d.face.robot import Robot
 from pa10d.face.values import Array, ByContent, bits, frozen
 from pa10d.measurement.recording import Recording
-from pa10d.readers import read_recording
+from pa10d.readers import Part, read_recording
 from pa10d.services.soundness import unsound
 from pa10d.store.channels import Samples
 from pa10d.store.equal_steps import equal_steps
@@ -93,15 +93,18 @@ def load_run(
     map: Mapping[str, str] | None = None,
     name: str | None = None,
     force: bool = False,
+    topic: str | None = None,
+    episode: int | None = None,
 ) -> Run:
     """A recording of ``robot`` from a file that ``pa10d run import`` reads.
 
     map: column or topic, with its unit, -> field: ``{"t[ms]": "time", "joint_{n}_pos[deg]": "q"}``
     force: also where a fit to it would be wrong (degrees, another arm …), which else is refused
+    topic: of a bag, and episode: of a LeRobot data set, where not the one that is taken else
     """
     file = Path(path)
     mapping = [f"{column}={field}" for column, field in (map or {}).items()]
-    found = read_recording(file, robot.profile, robot.tree, mapping)
+    found = read_recording(file, robot.profile, robot.tree, mapping, part=Part(topic, episode))
     samples = found.samples
     run = Run(
         found.timing.grid, samples.q, samples.tau, samples.dq, samples.temperature,

@@ -1,7 +1,18 @@
 """Recordings from other programs: any file that people have, as samples of a robot."""
 
+from pa10d.readers.lerobot import episodes_of
+from pa10d.readers.part import WHOLE, Part
 from pa10d.readers.read import read_recording, read_table
 from pa10d.readers.table import Table, recording_of
 from pa10d.readers.value_guess import guessed_by_value
 
-__all__ = ["Table", "guessed_by_value", "read_recording", "read_table", "recording_of"]
+__all__ = [
+    "WHOLE",
+    "Part",
+    "Table",
+    "episodes_of",
+    "guessed_by_value",
+    "read_recording",
+    "read_table",
+    "recording_of",
+]

@@ -35,7 +35,7 @@ def read_npz(path: Path) -> Table:
             with found as file:
                 return Table(spread({name: file[name] for name in file.files}))
     except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
-        raise _damaged(path, "a NumPy .npz of plain arrays", error) from error
+        raise damaged(path, "a NumPy .npz of plain arrays", error) from error
 
 
 def _of_one(found: Array) -> Mapping[str, Any]:
@@ -55,7 +55,7 @@ def read_mat(path: Path) -> Table:
     try:
         content = loadmat(path, simplify_cells=True)
     except Exception as error:  # whatever a damaged file makes of SciPy
-        raise _damaged(path, "a MAT file", error) from error
+        raise damaged(path, "a MAT file", error) from error
     named = {k: v for k, v in content.items() if not k.startswith("__")}
     if any(type(value).__name__ == "MatlabOpaque" for value in content.values()):
         raise UserError(
@@ -80,8 +80,13 @@ def read_arrow(path: Path) -> Table:
         else:
             found = feather.read_table(path)
     except (pa.ArrowException, OSError) as error:
-        raise _damaged(path, "a Parquet or Arrow file", error) from error
-    return Table(spread({name: _of_arrow(found[name]) for name in found.column_names}))
+        raise damaged(path, "a Parquet or Arrow file", error) from error
+    return Table(spread_arrow(path, found))
+
+
+def spread_arrow(path: Path, found: Any) -> dict[str, Array]:
+    """An Arrow table's columns, as far as they are numbers."""
+    return spread({name: _of_arrow(found[name]) for name in found.column_names})
 
 
 def spread(content: Mapping[str, Any]) -> dict[str, Array]:
@@ -195,10 +200,10 @@ def _read_hdf5(path: Path) -> Table:
         with h5py.File(path) as file:
             file.visititems(visit)
     except OSError as error:
-        raise _damaged(path, "a MAT or HDF5 file", error) from error
+        raise damaged(path, "a MAT or HDF5 file", error) from error
     return Table(spread(found))
 
 
-def _damaged(path: Path, expected: str, error: Exception) -> UserError:
+def damaged(path: Path, expected: str, error: Exception) -> UserError:
     said = (str(error).strip() or type(error).__name__).splitlines()[0][:120]
     return UserError(f"{path}: cannot be read ({said}); expected {expected}")

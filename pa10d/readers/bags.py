@@ -13,6 +13,7 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
+from pa10d.store.column_guess import was_asked_for
 
 Progress = Callable[[float], None]
 EVERY = 100_000  # messages between two words of progress
@@ -41,11 +42,17 @@ class BagRows:
 Topic = dict[tuple[str, ...], BagRows]
 
 
-def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda share: None) -> Table:
+def read_bag(
+    path: Path,
+    joints: Sequence[str],
+    progress: Progress = lambda share: None,
+    topic: str | None = None,
+) -> Table:
     """The topic with the most samples of the robot's joints; each joint by its name.
 
     Where a message has only some of the joints (one topic, several senders) the others are taken
     at its stamps by straight lines. progress: called with the share of messages that is read.
+    topic: the one that is meant, whatever the others hold.
     """
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
@@ -58,6 +65,8 @@ def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda shar
             if not wanted:
                 there = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
                 raise UserError(f"{path}: no {STATES}; found {there}")
+            if topic is not None:
+                wanted = _of_topic(path, wanted, topic)
             count = max(sum(c.msgcount for c in wanted), 1)
             for k, (connection, stamp, raw) in enumerate(reader.messages(connections=wanted)):
                 message = reader.deserialize(raw, connection.msgtype)
@@ -69,16 +78,26 @@ def read_bag(path: Path, joints: Sequence[str], progress: Progress = lambda shar
     except Exception as error:  # whatever a damaged bag makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a ROS 2 bag") from error
-    topic = max(seen, key=lambda name: _worth(seen[name], joints), default=None)
-    if topic is None or not any(block.names for block in seen[topic].values()):
+    taken = max(seen, key=lambda name: _worth(name, seen[name], joints), default=None)
+    if taken is None or not any(block.names for block in seen[taken].values()):
         raise UserError(f"{path}: no message on its joint states; expected a recorded motion")
-    others = ", ".join(sorted(set(seen) - {topic}))
-    kept = seen.pop(topic)
+    others = ", ".join(sorted(set(seen) - {taken}))
+    kept = seen.pop(taken)
     seen.clear()
-    table = Table(_columns(path, topic, kept, joints))
-    if others:
-        table.remarks.append(f"taken from topic {topic}; left out: {others}")
-    return table
+    remark = f"taken from topic {taken}; left out: {others}; --topic NAME takes another"
+    try:
+        return Table(_columns(path, taken, kept, joints), [remark] if others else [])
+    except UserError as error:
+        raise UserError(f"{error}; {remark}" if others else str(error)) from error
+
+
+def _of_topic(path: Path, connections: Sequence[Any], topic: str) -> list[Any]:
+    """Those of one topic, with or without the stroke that its name begins with."""
+    there = sorted({connection.topic for connection in connections})
+    found = [c for c in connections if c.topic.lstrip("/") == topic.lstrip("/")]
+    if not found:
+        raise UserError(f"{path}: no joint states on topic {topic}; found {', '.join(there)}")
+    return found
 
 
 def _opened(path: Path) -> list[Path]:
@@ -168,10 +187,14 @@ TAKES: dict[str, Callable[[Any], Found]] = {
 }
 
 
-def _worth(topic: Topic, joints: Sequence[str]) -> tuple[int, int]:
-    there = {name for block in topic.values() for name in block.names}
+def _worth(name: str, topic: Topic, joints: Sequence[str]) -> tuple[bool, int, bool, int]:
+    """Measured before asked for, as far as names tell; then joints; then samples."""
+    there = {column for block in topic.values() for column in block.names}
     mine = sum(f"{joint}.effort" in there for joint in joints)
-    return mine, sum(len(block.numbers) for block in topic.values())
+    mine += sum(f"{joint}.position" in there for joint in joints)
+    measured = not was_asked_for(name)
+    count = sum(len(block.numbers) for block in topic.values())
+    return measured and mine > 0, mine, measured, count
 
 
 def _columns(

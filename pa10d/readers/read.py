@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
 from pa10d.readers import packed, text
+from pa10d.readers.part import WHOLE, Part
 from pa10d.readers.table import Table, recording_of
 from pa10d.store.column_mapping import read_mapping
 from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
@@ -23,6 +22,8 @@ CAN_LOGS = (".blf", ".asc", ".trc")
 BINARY = (b"\x89MCAP", b"SQLite format 3", b"#ROSBAG", b"PAR1", b"ARROW1", b"MATLAB", b"\x89HDF",
           b"\x93NUMPY", b"PK\x03\x04", b"LOGG", b"\xff\xff\xff\xff")  # fmt: skip
 """How files begin that are no text."""
+MCAP = b"\x89MCAP"
+BAGS = (MCAP, b"SQLite format 3", b"#ROSBAG")
 BY_NAME = (".mcap", ".db3", ".bag", ".mat", ".npz", ".npy", ".log", *CAN_LOGS)
 PLAIN = (".csv", ".gz", "")
 LOOK = 1 << 16  # bytes that are looked at to tell plain CSV from other text
@@ -34,67 +35,76 @@ def read_recording(
     robot: Robot,
     mapping: Sequence[str] = (),
     progress: Progress = lambda share: None,
+    part: Part = WHOLE,
 ) -> CsvRecording:
     """Samples at equal steps; UserError names file, place and what was expected.
 
     mapping: ``COLUMN=FIELD`` options, see ``pa10d.store.column_mapping``; the profile's own stand
     behind them, as far as the file has their columns. progress: told the share that is read, of
-    formats that take their time.
+    formats that take their time. part: of a file that holds several recordings.
     """
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
     kept, constants = profile.map or [], profile.torque_constants
     rules = read_mapping(mapping, kept)
     if _is_plain_csv(path):
+        part.only(path)
         return read_csv(path, robot.n, robot.name, constants, mapping, kept, robot.joint_names)
-    table = _table(path, profile, robot, progress)
+    table = _table(path, profile, robot, progress, part)
     return recording_of(path, table, robot.n, robot.name, constants, rules, robot.joint_names)
 
 
 def read_table(
-    path: Path, profile: Profile, robot: Robot, progress: Progress = lambda share: None
+    path: Path,
+    profile: Profile,
+    robot: Robot,
+    progress: Progress = lambda share: None,
+    part: Part = WHOLE,
 ) -> Table:
     """The columns as the file has them, before anybody says what they are."""
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
     if _is_plain_csv(path):
+        part.only(path)
         columns, remarks = read_columns(path)
         return Table(columns, remarks)
-    return _table(path, profile, robot, progress)
+    return _table(path, profile, robot, progress, part)
 
 
-def _table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
+def _table(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
     if not path.is_dir() and packed.is_packed(path):
         head, suffix = packed.inner_head(path, 16), Path(packed.inner_name(path)).suffix.lower()
         if head.startswith(BINARY) or suffix in BY_NAME:
-            return _unpacked_table(path, profile, robot, progress)
+            return _unpacked_table(path, profile, robot, progress, part)
         return _with_stamps(text.read_text(path))
-    return _table_of(path, profile, robot, progress)
+    return _table_of(path, profile, robot, progress, part)
 
 
-def _unpacked_table(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
+def _unpacked_table(
+    path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
+) -> Table:
     with packed.unpacked_file(path) as plain:
         try:
-            return _table_of(plain, profile, robot, progress)
+            return _table_of(plain, profile, robot, progress, part)
         except UserError as error:
             raise UserError(str(error).replace(str(plain), str(path))) from error
 
 
-def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress) -> Table:
-    from pa10d.readers import arrays, bags, can_logs
+def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
+    from pa10d.readers import arrays, bags, can_logs, lerobot
 
     kind = path.suffix.lower()
-    if path.is_dir():
-        if (path / "meta" / "info.json").is_file():
-            return _lerobot(path)
-        if (path / BAG).is_file():
-            return _own(path / BAG) or bags.read_bag(path, robot.joint_names, progress)
-        return bags.read_bag(path, robot.joint_names, progress)
-    head = packed.first_bytes(path, 16)
-    if kind == ".mcap" or head.startswith(b"\x89MCAP"):
-        return _own(path) or bags.read_bag(path, robot.joint_names, progress)
-    if kind == ".db3" or head.startswith((b"SQLite format 3", b"#ROSBAG")):
-        return bags.read_bag(path, robot.joint_names, progress)
+    head = b"" if path.is_dir() else packed.first_bytes(path, 16)
+    if lerobot.is_data_set(path) or (head.startswith(b"PAR1") and lerobot.has_episodes(path)):
+        part.only(path, episode=True)
+        return lerobot.read_data_set(path, part.episode)
+    if path.is_dir() or kind in (".mcap", ".db3") or head.startswith(BAGS):
+        part.only(path, topic=True)
+        run = path / BAG if path.is_dir() else path
+        mcap = run.is_file() and (kind == ".mcap" or packed.first_bytes(run, 5) == MCAP)
+        own = _own(run) if mcap and part.topic is None else None
+        return own or bags.read_bag(path, robot.joint_names, progress, part.topic)
+    part.only(path)
     if head.startswith((b"PAR1", b"ARROW1", arrays.STREAM)):
         return arrays.read_arrow(path)
     if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
@@ -122,45 +132,6 @@ def _own(path: Path) -> Table | None:
         "dq": samples.dq, "temperature": samples.temperature, "current": samples.current,
     }  # fmt: skip
     return Table({**spread(content), **samples.extra})
-
-
-def _lerobot(path: Path) -> Table:
-    """A LeRobot data set of version 3: its first episode."""
-    import numpy as np
-
-    from pa10d.readers.arrays import read_arrow
-
-    files = sorted((path / "data").glob("**/*.parquet"))
-    if not files:
-        raise UserError(f"{path}: no data/**/*.parquet; expected a LeRobot data set")
-    try:
-        info = json.loads((path / "meta" / "info.json").read_text())
-        version, features = info.get("codebase_version"), info.get("features")
-    except (ValueError, AttributeError) as error:
-        raise UserError(f"{path}/meta/info.json: {error}; expected JSON") from error
-    table = read_arrow(files[0])
-    columns = _named_features(table.columns, features)
-    remarks = [f"a LeRobot data set ({version})"]
-    if "episode_index" in columns:
-        first = columns["episode_index"] == columns["episode_index"][0]
-        count = len(np.unique(columns["episode_index"]))
-        columns = {name: values[first] for name, values in columns.items()}
-        remarks.append(f"the first of {count} episodes in {files[0].name}")
-    if "timestamp" in columns:
-        columns["time"] = columns.pop("timestamp")
-    return Table(columns, remarks)
-
-
-def _named_features(columns: Mapping[str, Any], features: object) -> dict[str, Any]:
-    """Each entry of a feature by the name that the data set has for it."""
-    called: dict[str, str] = {}
-    for feature, about in features.items() if isinstance(features, dict) else ():
-        names = about.get("names") if isinstance(about, dict) else None
-        while isinstance(names, dict) and len(names) == 1:  # {"motors": […]}
-            names = next(iter(names.values()))
-        if isinstance(names, list) and len(set(map(str, names))) == len(names):
-            called |= {f"{feature}{k}": f"{feature}.{name}" for k, name in enumerate(names, 1)}
-    return {called.get(name, name): values for name, values in columns.items()}
 
 
 def _with_stamps(table: Table) -> Table:

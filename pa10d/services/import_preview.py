@@ -20,7 +20,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import Table, guessed_by_value, read_table, recording_of
+from pa10d.readers import WHOLE, Part, Table, guessed_by_value, read_table, recording_of
 from pa10d.services.mending import mends
 from pa10d.services.runs import findings_of, in_own_words
 from pa10d.store.column_choices import Choice, field_of, rules_of
@@ -88,12 +88,13 @@ def preview_recording(
     mapping: Sequence[str] = (),
     thorough: bool = True,
     progress: Progress = lambda share, words: None,
+    part: Part = WHOLE,
 ) -> Preview:
     """choices: what somebody takes the columns for; None: guess, from names, units and ranges,
     whatever ``mapping`` (``COLUMN=FIELD`` options) does not say.
-    thorough: also what needs a fit (delay, signs, size of the torque). UserError where the file
-    cannot be read at all."""
-    columns, remarks = _columns(file, profile, robot, lambda s: progress(0.8 * s, "reading"))
+    thorough: also what needs a fit (delay, signs, size of the torque). part: of a file that holds
+    several recordings. UserError where the file cannot be read at all."""
+    columns, remarks = _columns(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
     look = _Look(file, columns, remarks, profile, robot)
     if choices is None:
         choices = look.guess(mapping)
@@ -236,18 +237,18 @@ def _without(file: Path, text: str) -> str:
 
 
 def _columns(
-    file: Path, profile: Profile, robot: Robot, progress: Callable[[float], None]
+    file: Path, profile: Profile, robot: Robot, progress: Callable[[float], None], part: Part
 ) -> tuple[Mapping[str, Array], list[str]]:
     """The file's columns and what its reader said; the last small one's are remembered, because a
     mapping is corrected step by step."""
     if not file.is_file():
-        table = read_table(file, profile, robot, progress)
+        table = read_table(file, profile, robot, progress, part)
         return table.columns, table.remarks
     known = file.stat()
-    version = (str(file), known.st_mtime_ns, known.st_size)
+    version = (str(file), known.st_mtime_ns, known.st_size, part)
     if version in _remembered:
         return _remembered[version]
-    table = read_table(file, profile, robot, progress)
+    table = read_table(file, profile, robot, progress, part)
     found = dict(table.columns), list(table.remarks)
     _remembered.clear()
     if sum(values.nbytes for values in found[0].values()) < REMEMBERED:
@@ -255,4 +256,4 @@ def _columns(
     return found
 
 
-_remembered: dict[tuple[str, int, int], tuple[dict[str, Array], list[str]]] = {}
+_remembered: dict[tuple[str, int, int, Part], tuple[dict[str, Array], list[str]]] = {}

@@ -20,7 +20,7 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
-from pa10d.readers import read_recording
+from pa10d.readers import WHOLE, Part, read_recording
 from pa10d.services.kept_mapping import keep_mapping
 from pa10d.services.mending import in_words_of
 from pa10d.services.soundness import unsound
@@ -59,12 +59,16 @@ def import_run(
     check: bool = False,
     force: bool = False,
     progress: Callable[[float, str], None] = lambda share, words: None,
+    part: Part = WHOLE,
 ) -> Imported:
     """Store a recording as a run; nothing is stored where the file is broken.
 
     check: look at all that can go wrong in a recording, and store none that a fit must not use
-    (Unsound), unless forced. What the checks say stays with the run."""
-    found = read_recording(file, profile, robot, mapping, lambda s: progress(0.8 * s, "reading"))
+    (Unsound), unless forced. What the checks say stays with the run. part: of a file that holds
+    several recordings; a run without a name is called by it, too."""
+    found = read_recording(
+        file, profile, robot, mapping, lambda s: progress(0.8 * s, "reading"), part
+    )
     recording = _recording(found, name or file.name)
     checked = findings_of(found, recording.name, robot, delay=check)
     findings = [in_own_words(finding, found, robot.n) for finding in checked]
@@ -75,7 +79,7 @@ def import_run(
     said = [*found.header_warnings, *found.timing_warnings, *limits]
     with store.building(
         name,
-        _stem(file),
+        _stem(file) if part.episode is None else f"{_stem(file)}-{part.episode}",
         _channels(found.samples, robot),
         profile,
         source=file.name,

@@ -1,0 +1,29 @@
+"""Which part of a file is meant, where it holds several recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pa10d.common.errors import UserError
+
+
+@dataclass(frozen=True)
+class Part:
+    """topic: of a bag; episode: of a data set, its own number. None: the reader takes one and says
+    so."""
+
+    topic: str | None = None
+    episode: int | None = None
+
+    def only(self, path: Path, *, topic: bool = False, episode: bool = False) -> None:
+        """UserError where something is asked for that this kind of file does not have."""
+        if self.topic is not None and not topic:
+            raise UserError(f"{path}: no topics; --topic {self.topic} expects a bag")
+        if self.episode is not None and not episode:
+            raise UserError(
+                f"{path}: no episodes; --episode {self.episode} expects a LeRobot data set"
+            )
+
+
+WHOLE = Part()
