@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from threadpoolctl import threadpool_limits
 
+from pa10d.checks.angles import Known, check_angles
 from pa10d.checks.channels import check_channels
 from pa10d.checks.commanded import check_commanded
-from pa10d.checks.counters import check_counters
+from pa10d.checks.counters import check_counters, wraps_in
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
 from pa10d.checks.finding import Finding, Mend
 from pa10d.checks.geometry import check_geometry
@@ -20,6 +21,7 @@ from pa10d.measurement.sampling import Timing
 __all__ = [
     "Delay",
     "Finding",
+    "Known",
     "Mend",
     "beyond_limits",
     "check_commanded",
@@ -38,19 +40,29 @@ def check_recording(
     robot: Robot | None = None,
     *,
     delay: bool = True,
+    known: Known | None = None,
 ) -> list[Finding]:
     """Everything worth saying, gravest first.
 
     timing: how the stamps were before they became equal steps; robot: for limits and the delay;
-    delay: whether to fit a model for it and for signs, which takes longer than all the rest.
+    delay: whether to fit a model for it and for signs, which takes longer than all the rest;
+    known: what a file and a profile tell beside the samples.
     """
     names = None if robot is None else robot.joint_names
+    known = known or Known()
+    wraps = wraps_in(recording) if known.wraps is None else known.wraps
     findings = [
         *check_timing(recording, timing),
-        *check_channels(recording, names),
-        *check_counters(recording, names),
+        *(
+            f
+            for f in check_channels(recording, names)
+            if not (f.code == "jump" and f"q{f.joint}" in wraps)
+        ),
+        *check_counters(wraps, names),
         *check_units(recording, robot),
     ]
+    with threadpool_limits(limits=1, user_api="blas"):
+        findings += check_angles(recording, robot, known)
     if robot is not None:
         findings += beyond_limits(recording, robot)
         if delay and not any(finding.severity == "error" for finding in findings):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label, percent
+from pa10d.checks.finding import Finding, Mend, joint_label, percent
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -59,13 +59,15 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Find
     usual = float(np.quantile(steps, 0.999))
     worst = int(steps.argmax())
     if steps[worst] > max(0.05, 10 * usual):
+        mend = Mend(f"q{j + 1}", "wrap2pi*rad")
         turn = abs(steps[worst] - 2 * np.pi) < 0.1
         yield Finding(
             "error",
             "jump",
             f"{label}: q jumps by {steps[worst]:.3g} rad at {recording.t[worst]:.3f} s",
-            "unwrap the angle: it starts anew every turn" if turn else "cut the file there",
+            f"it starts anew every turn: --map {mend.option}" if turn else "cut the file there",
             j + 1,
+            (mend,) if turn else (),
         )
 
 

@@ -1,49 +1,65 @@
-"""Counters that wrap round: what a drive sent with a sign, read without it."""
+"""Counters that wrap round: what a drive sent with a sign, read without it; angles that begin anew
+every turn."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Iterator, Mapping
 
 from pa10d.checks.finding import Finding, Mend, joint_label
+from pa10d.measurement.counters import WORDS, Wrap, wrap_of
 from pa10d.measurement.recording import Recording
 
-Array = NDArray[np.float64]
-
-WORDS = {8: 2.0**8, 16: 2.0**16, 32: 2.0**32}
-NEAR = 0.02  # share of a word by which a step may be off it: the signal itself moved on
+Wraps = Mapping[str, Wrap]
+"""Field, such as q1 -> how its numbers begin anew."""
 
 
-def wraps(values: Array) -> int | None:
-    """Bits of the word that numbers with a sign were read from without it; None: they were not."""
-    steps = np.abs(np.diff(values))
-    if values.min() < 0 or not len(steps):
-        return None
-    for bits, word in WORDS.items():
-        full = steps > (1 - NEAR) * word
-        if values.max() < word and full.sum() >= 2 and (values == np.round(values)).all():
-            return bits
-    return None
+def wraps_in(recording: Recording) -> dict[str, Wrap]:
+    """As far as equal steps still tell it."""
+    blocks = {"q": recording.q, "tau": recording.tau, "dq": recording.dq}
+    found = {
+        f"{field}{j + 1}": wrap_of(block[:, j])
+        for field, block in blocks.items()
+        if block is not None
+        for j in range(recording.joints)
+    }
+    return {field: wrap for field, wrap in found.items() if wrap is not None}
 
 
-def check_counters(recording: Recording, names: tuple[str, ...] | None) -> Iterator[Finding]:
-    """What integers of drives look like when their sign was lost."""
-    for field, block in (("q", recording.q), ("tau", recording.tau), ("dq", recording.dq)):
-        if block is None:
-            continue
-        for j in range(recording.joints):
-            bits = wraps(block[:, j])
-            if bits is None:
-                continue
-            signed = Mend(f"{field}{j + 1}", f"i{bits}")
-            yield Finding(
-                "error",
-                "wrapped",
-                f"{joint_label(j, names)}: {field} jumps between 0 and {WORDS[bits]:.0f}: numbers "
-                f"with a sign, read without it ({WORDS[bits] - 1:.0f} for −1)",
-                f"--map {signed.option}, with the unit's factor behind it, such as [i{bits}*0.001]",
-                j + 1,
-                (signed,),
-            )
+def check_counters(wraps: Wraps, names: tuple[str, ...] | None) -> Iterator[Finding]:
+    """What the numbers of drives and encoders look like when they wrap."""
+    for field, wrap in wraps.items():
+        kind = field.rstrip("0123456789")
+        j = int(field[len(kind) :]) - 1
+        label = joint_label(j, names)
+        if wrap.sign_bits:
+            yield _lost_sign(wrap.sign_bits, field, kind, label, j)
+        elif kind == "q":  # torques and speeds that jump do not run on behind it
+            yield _ran_over(wrap, field, label, j)
+
+
+def _lost_sign(bits: int, field: str, kind: str, label: str, j: int) -> Finding:
+    signed = Mend(field, f"i{bits}")
+    return Finding(
+        "error",
+        "wrapped",
+        f"{label}: {kind} jumps between 0 and {WORDS[bits]:.0f}: numbers with a sign, read without "
+        f"it ({WORDS[bits] - 1:.0f} for −1)",
+        f"--map {signed.option}, with the unit's factor behind it, such as [i{bits}*0.001]",
+        j + 1,
+        (signed,),
+    )
+
+
+def _ran_over(wrap: Wrap, field: str, label: str, j: int) -> Finding:
+    mend = Mend(field, wrap.written, complete=wrap.told)
+    about = "" if wrap.told else "about "
+    more = "" if wrap.told else " with the counts after which it begins anew"
+    factor = "" if "*" in wrap.written else f", and what it counts: [{wrap.written}*rev/COUNTS]"
+    return Finding(
+        "error",
+        "wrapped",
+        f"{label}: q begins anew after {about}{wrap.period:.6g} while the joint moves on",
+        f"--map {mend.option}{more or factor}",
+        j + 1,
+        (mend,),
+    )

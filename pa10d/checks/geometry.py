@@ -95,11 +95,23 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
 
 def surely_less(new: Array, old: Array) -> bool:
     """Sums of squares per block; their ratios, because blocks differ widely in size."""
+    if len(new) != len(old):
+        return False
     seen = (old > 0) & (new > 0)
     if seen.sum() < FEWEST or new.sum() > BETTER * old.sum():
         return False
     gain = np.log(old[seen] / new[seen])
     return bool(gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(len(gain)))
+
+
+def squares_left(part: Recording, robot: Robot) -> Array:
+    """Per block what the textbook model leaves of the torques, each joint by its torque's size;
+    empty where there is too little motion."""
+    view = _View.of(part, robot, base_parameters(robot).kept)
+    if view is None:
+        return np.empty(0)
+    left = view.left(np.maximum(view.tau.std(axis=0), 1e-9))
+    return left if len(left) >= FEWEST else np.empty(0)
 
 
 def _with_signs(part: Recording, joint: int, signs: tuple[int, int]) -> Recording:

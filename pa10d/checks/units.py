@@ -1,4 +1,4 @@
-"""Degrees for radians, wrong torque units, values beyond the robot's limits."""
+"""Speeds and torques in wrong units, values beyond the robot's limits."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.checks.angles import DEGREE, slope_of_speed
 from pa10d.checks.finding import Finding, Mend, joint_label, percent
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
-
-DEGREE = np.pi / 180
-WHOLE_TURNS = 4 * np.pi  # rad: hardly any arm turns further
 
 
 def beyond_limits(recording: Recording, robot: Robot) -> Iterator[Finding]:
@@ -44,59 +42,17 @@ def beyond_limits(recording: Recording, robot: Robot) -> Iterator[Finding]:
 
 def check_units(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
     """Findings from sizes alone."""
-    turning = np.ones(recording.joints, bool) if robot is None else ~robot.prismatic
-    largest = np.abs(recording.q).max(axis=0)
-    yield from _angles(largest, turning, robot, recording)
     if recording.dq is not None:
-        yield from _speeds(recording, recording.dq, robot)
+        yield from _speeds(recording, robot)
     if robot is not None:
         yield from _torques(np.abs(recording.tau).max(axis=0), robot)
 
 
-def _angles(
-    largest: Array, turning: NDArray[np.bool_], robot: Robot | None, recording: Recording
-) -> Iterator[Finding]:
-    if (largest[turning] > 1e4).any():
-        counts = Mend("q{n}", "rev/COUNTS", complete=False)
-        yield Finding(
-            "error",
-            "counts",
-            f"q reaches {largest.max():.3g}: these look like encoder counts",
-            f"q must be in rad: --map {counts.option} with the joint's counts per revolution",
-            mends=(counts,),
-        )
-        return
-    bounded = np.ones(recording.joints, bool)
-    far = turning & (largest > WHOLE_TURNS)
-    if robot is not None:
-        bounded = np.isfinite(robot.lower) & np.isfinite(robot.upper)
-        within = (recording.q * DEGREE >= robot.lower) & (recording.q * DEGREE <= robot.upper)
-        beyond = (recording.q < 1.5 * robot.lower) | (recording.q > 1.5 * robot.upper)
-        far |= turning & beyond.any(axis=0) & within.all(axis=0) & (largest > np.pi)
-    if far.any():
-        joints = ", ".join(str(j + 1) for j in np.flatnonzero(far))
-        sure = bool((far & bounded).any())  # a joint without limits may turn on and on
-        degrees, geared = Mend("q{n}", "deg"), Mend("q{n}", "1/RATIO", complete=False)
-        yield Finding(
-            "error" if sure else "warning",
-            "degrees",
-            f"q reaches {largest[far].max():.4g} on joint {joints}: these look like degrees"
-            + ("" if sure else f", or like {largest[far].max() / (2 * np.pi):.0f} turns"),
-            f"q must be in rad: --map {degrees.option}; motor-side angles: {geared.option} with "
-            "the gear ratio",
-            mends=(degrees, geared),
-        )
-
-
-def _speeds(recording: Recording, dq: Array, robot: Robot | None) -> Iterator[Finding]:
+def _speeds(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
     names = None if robot is None else robot.joint_names
-    own = np.gradient(recording.q, axis=0) * recording.rate
     for j in range(recording.joints):
-        power = float(own[:, j] @ own[:, j])
-        moving = np.ptp(recording.q[:, j]) > 0.05 and power > 0
-        slope = float(own[:, j] @ dq[:, j]) / power if moving else 1.0
-        explained = slope * float(own[:, j] @ dq[:, j]) / max(float(dq[:, j] @ dq[:, j]), 1e-300)
-        if not moving or explained < 0.5:
+        slope = slope_of_speed(recording, j)
+        if slope is None:
             continue
         label = joint_label(j, names)
         if abs(slope * DEGREE - 1) < 0.2:

@@ -10,12 +10,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pa10d.checks import check_recording
+from pa10d.checks import Known, check_recording
 from pa10d.common.errors import UserError
 from pa10d.face.robot import Robot
 from pa10d.face.values import Array, ByContent, bits, frozen
 from pa10d.measurement.recording import Recording
 from pa10d.readers import Part, read_recording
+from pa10d.services.runs import stated_in
 from pa10d.services.soundness import unsound
 from pa10d.store.channels import Samples
 from pa10d.store.equal_steps import equal_steps
@@ -110,7 +111,8 @@ def load_run(
         found.timing.grid, samples.q, samples.tau, samples.dq, samples.temperature,
         name or _stem(file), samples.extra,
     )  # fmt: skip
-    findings = check_recording(run.recording, found.timing, robot.tree, delay=False)
+    known = Known(found.wraps, stated_in(found, robot.tree.n))
+    findings = check_recording(run.recording, found.timing, robot.tree, delay=False, known=known)
     errors = [finding for finding in findings if finding.severity == "error"]
     if errors and not force:
         raise unsound(str(file), errors)

@@ -15,7 +15,7 @@ from pa10d.store.channels import Array, Samples
 from pa10d.store.column_choices import rules_of
 from pa10d.store.column_mapping import Rule, Unit, resolve
 from pa10d.store.csv_header import Columns, Header
-from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences
+from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences, wraps_of
 from pa10d.store.equal_steps import equal_steps
 
 
@@ -68,6 +68,7 @@ def recording_of(
     samples = _samples(cells, columns, constants)
     cells.forget()
     table.columns = {}  # an hour at 1 kHz is not to be held twice
+    wraps = wraps_of(samples)
     timing, samples = equal_steps(t, samples)
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
@@ -75,7 +76,7 @@ def recording_of(
     remarks = [f"{path}: {remark}" for remark in table.remarks]
     called = {field: column for column, field in resolved.fields.items()}
     return CsvRecording(
-        samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said
+        samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said, wraps
     )
 
 

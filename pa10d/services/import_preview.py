@@ -23,7 +23,7 @@ from pa10d.profile import Profile
 from pa10d.readers import WHOLE, Part, Table, guessed_by_value, read_table, recording_of
 from pa10d.services.mending import mends
 from pa10d.services.runs import findings_of, in_own_words
-from pa10d.store.column_choices import Choice, field_of, rules_of
+from pa10d.store.column_choices import Choice, composed, field_of, rules_of
 from pa10d.store.column_guess import guessed, unit_in
 from pa10d.store.column_mapping import Resolved, Unit, read_mapping, resolve
 
@@ -34,7 +34,7 @@ ROWS = 5  # of each column that are shown
 BUCKETS = 60  # of a small curve, two points each
 MOST = 200  # columns that are shown
 REMEMBERED = 300_000_000  # bytes of a file's columns that are kept for the next question
-BY_RANGE = ("degrees", "time_unit", "wrapped")  # what sizes alone tell
+BY_RANGE = ("degrees", "motor_side", "time_unit", "wrapped")  # what sizes alone tell
 ROUNDS = 3  # a guess by sizes may uncover another
 
 
@@ -128,17 +128,28 @@ class _Look:
         choices = [self._with_unit_of_time(choice) for choice in choices]
         for _ in range(ROUNDS):
             seen = self.preview(choices, thorough=False)
-            better = {
-                Choice(**one)
-                for finding in seen.findings
-                if finding["code"] in BY_RANGE
-                for one in finding["mends"]
-            }
-            if seen.problem or not better:
+            new: dict[str, Choice] = {}
+            for finding in seen.findings:
+                for one in finding["mends"] if finding["code"] in BY_RANGE else ():
+                    new.setdefault(one["column"], Choice(**one))
+                if finding["code"] == "angle_unit" and finding["severity"] == "error":
+                    new = self._as_degrees(choices, finding) | new
+            if seen.problem or not new:
                 break
-            new = {choice.column: choice for choice in better}
             choices = [new.pop(choice.column, choice) for choice in choices] + list(new.values())
         return choices
+
+    def _as_degrees(
+        self, choices: Sequence[Choice], finding: Mapping[str, Any]
+    ) -> dict[str, Choice]:
+        """What nothing tells is taken for what is most usual, and that is said; behind gears that
+        a profile knows it is not."""
+        if self._profile.drives:
+            return {}
+        self._remarks.append(f"{finding['sentence']}; taken for degrees here; {finding['advice']}")
+        turning = {f"q{j + 1}" for j in np.flatnonzero(~self._robot.prismatic)}
+        positions = [choice for choice in choices if choice.field in turning]
+        return {c.column: replace(c, unit=composed(c.unit, "deg")) for c in positions}
 
     def _with_unit_of_time(self, choice: Choice) -> Choice:
         """Stamps that are no seconds are refused before anything can be checked."""
@@ -167,7 +178,7 @@ class _Look:
             )
         except UserError as error:
             return self._made(resolved, rules, str(error))
-        findings = findings_of(found, path.name, robot, delay=thorough)
+        findings = findings_of(found, path.name, robot, self._profile, delay=thorough)
         shown = [
             in_own_words(finding, found, robot.n).document()
             | {"mends": [vars(c) for c in mends(finding, found.called, found.said, robot.n)]}

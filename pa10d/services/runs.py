@@ -11,6 +11,7 @@ import numpy as np
 
 from pa10d.checks import (
     Finding,
+    Known,
     beyond_limits,
     check_commanded,
     check_recording,
@@ -27,6 +28,7 @@ from pa10d.services.soundness import unsound
 from pa10d.store import Channels, RunInfo, RunStore, Samples
 from pa10d.store.channels import Array
 from pa10d.store.column_guess import guessed, was_asked_for
+from pa10d.store.column_mapping import names_an_angle
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
@@ -70,7 +72,7 @@ def import_run(
         file, profile, robot, mapping, lambda s: progress(0.8 * s, "reading"), part
     )
     recording = _recording(found, name or file.name)
-    checked = findings_of(found, recording.name, robot, delay=check)
+    checked = findings_of(found, recording.name, robot, profile, delay=check)
     findings = [in_own_words(finding, found, robot.n) for finding in checked]
     errors = [finding for finding in findings if finding.severity == "error"]
     if check and errors and not force:
@@ -114,14 +116,26 @@ def _key(finding: Finding) -> tuple[str, str]:
     return finding.code, finding.sentence
 
 
-def findings_of(found: CsvRecording, name: str, robot: Robot, *, delay: bool) -> list[Finding]:
+def findings_of(
+    found: CsvRecording, name: str, robot: Robot, profile: Profile, *, delay: bool
+) -> list[Finding]:
     """What to know of a recording that was read, gravest first, with fields for columns."""
     recording = _recording(found, name)
+    drives = profile.drives
+    ratios = [drive.gear_ratio for drive in drives] if drives else None
     by_name = _demanded(found.called)
     wanted = _wanted(found.samples, robot)
     by_law = [] if wanted is None else check_commanded(recording, wanted, robot.joint_names)
     told = by_name or list(by_law)
-    return in_order([*told, *check_recording(recording, found.timing, robot, delay=delay)])
+    known = Known(found.wraps, stated_in(found, robot.n), ratios)
+    checked = check_recording(recording, found.timing, robot, delay=delay, known=known)
+    return in_order([*told, *checked])
+
+
+def stated_in(found: CsvRecording, n: int) -> frozenset[int]:
+    """Joints, from 0, whose positions a mapping gives the unit of an angle."""
+    units = {j: found.said.get(found.called.get(f"q{j + 1}", ""), "") for j in range(n)}
+    return frozenset(j for j, unit in units.items() if names_an_angle(unit))
 
 
 def in_own_words(finding: Finding, found: CsvRecording, n: int) -> Finding:

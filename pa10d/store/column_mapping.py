@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.measurement.counters import unwrapped
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,9 @@ UNITS = {
     "A": 1.0, "mA": 1e-3, "°C": 1.0, "degC": 1.0, "C": 1.0,
 }  # fmt: skip
 """Unit -> what one of it is in SI."""
+ANGLES = ("rad", "mrad", "deg", "°", "rev")
+PERIOD = re.compile(r"wrap(2pi|\d+(?:\.\d+)?(?:e\d+)?)")
+"""Numbers that begin anew after so many: angles after a turn, counters after a word."""
 WORDS = {"i8": 2.0**8, "i16": 2.0**16, "i32": 2.0**32}
 """Numbers with a sign that were read without it: 65535 for -1."""
 _WITH_UNIT = re.compile(r"(.+?)\s*[\[(]([^\[\]()]+)[\])]")
@@ -57,15 +61,19 @@ class Rule:
 
 @dataclass(frozen=True)
 class Unit:
-    """factor: SI units per unit; word: how many values a counter has whose sign was lost."""
+    """factor: SI units per unit; word: how many values a counter has whose sign was lost; period:
+    after how many the numbers begin anew."""
 
     factor: float = 1.0
     word: float | None = None
+    period: float | None = None
 
     def __call__(self, values: Array) -> Array:
         """(N,) in SI units."""
         if self.word is not None:
             values = np.mod(values + 0.5 * self.word, self.word) - 0.5 * self.word
+        if self.period is not None:
+            values = unwrapped(values, self.period)
         return values if self.factor == 1.0 else values * self.factor
 
 
@@ -85,23 +93,33 @@ def own_unit(name: str) -> str:
     return match[2].strip() if match and match[2].strip() in UNITS else ""
 
 
+def names_an_angle(unit: str) -> bool:
+    """Whether a unit says what a position is in, not only a factor of it."""
+    return any(part in ANGLES for part in re.split(r"[*/-]", unit))
+
+
 def read_unit(text: str) -> Unit:
-    """``deg``, ``-1``, ``0.01``, ``1/100``, ``-deg``, ``i16*0.001``; ValueError for others."""
+    """``deg``, ``-1``, ``1/100``, ``-deg``, ``i16*0.001``, ``wrap360*deg``; ValueError for others.
+    A period is in what stands before it: ``deg*wrap2pi`` is the same."""
     sign, bare = (-1.0, text[1:].strip()) if text.startswith("-") else (1.0, text)
     if bare in UNITS:
         return Unit(sign * UNITS[bare])
-    factor, word = sign, None
+    factor, word, period = sign, None, None
     operators = ["*", *_OPERATOR.findall(bare)]
     for operator, part in zip(operators, _OPERATOR.split(bare), strict=True):
         name = part.strip()
         if name in WORDS and operator == "*" and word is None:
             word = WORDS[name]
             continue
+        if (match := PERIOD.fullmatch(name)) and operator == "*" and period is None:
+            once = 2 * math.pi if match[1] == "2pi" else float(match[1])
+            period = once / abs(factor)
+            continue
         value = UNITS.get(name) or float(name)
         factor = factor * value if operator == "*" else factor / value
-    if not math.isfinite(factor) or factor == 0:
+    if not math.isfinite(factor) or factor == 0 or period == 0:
         raise ValueError(text)
-    return Unit(factor, word)
+    return Unit(factor, word, period)
 
 
 def read_mapping(pairs: Sequence[str], kept: Sequence[str] = ()) -> list[Rule]:
@@ -173,5 +191,6 @@ def _column(written: str, names: Sequence[str], text: str) -> tuple[str | None, 
     except (ValueError, ZeroDivisionError):
         raise UserError(
             f"--map {text}: unit {unit!r}, expected a factor such as -1, 0.01 or 1/100, "
-            f"i16 for numbers that lost their sign, or one of {', '.join(UNITS)}"
+            "i16 for numbers that lost their sign, wrap360 for those that begin anew, "
+            f"or one of {', '.join(UNITS)}"
         ) from None

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_mapping import read_mapping, resolve
@@ -34,6 +35,7 @@ class CsvRecording:
     timing_warnings: list[str]
     called: Mapping[str, str] = field(default_factory=dict)  # field -> its column, if mapped
     said: Mapping[str, str] = field(default_factory=dict)  # column -> its unit, where not SI
+    wraps: Mapping[str, Wrap] = field(default_factory=dict)  # field -> how it began anew, as logged
 
 
 def read_csv(
@@ -70,12 +72,13 @@ def read_csv(
     if table.left_out:
         warnings.append(f"{path}: no numbers in {', '.join(table.left_out)}: left out")
     del table
+    wraps = wraps_of(samples)
     timing, samples = _equal_steps(path, t, samples)
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     called = {name: column for column, name in given.fields.items()}
-    return CsvRecording(samples, zero, timing, warnings, said, called, given.said)
+    return CsvRecording(samples, zero, timing, warnings, said, called, given.said, wraps)
 
 
 def read_columns(path: Path) -> tuple[dict[str, Array], list[str]]:
@@ -89,6 +92,18 @@ def read_columns(path: Path) -> tuple[dict[str, Array], list[str]]:
     if table.left_out:
         return columns, [f"no numbers in {', '.join(table.left_out)}: left out"]
     return columns, []
+
+
+def wraps_of(samples: Samples) -> dict[str, Wrap]:
+    """Field -> how its numbers begin anew, where they do."""
+    blocks = {"q": samples.q, "tau": samples.tau, "dq": samples.dq}
+    return {
+        f"{kind}{j}": wrap
+        for kind, block in blocks.items()
+        if block is not None
+        for j, values in enumerate(block.T, 1)
+        if (wrap := wrap_of(values)) is not None
+    }
 
 
 def _equal_steps(path: Path, t: Array, samples: Samples) -> tuple[Timing, Samples]:

@@ -17,12 +17,15 @@ def strange(csv_file):
     with csv_file.open(newline="") as file:
         rows = list(csv.reader(file))
     names = ["stamp", *(f"pos_{j}" for j in range(7)), *(f"trq_{j}" for j in range(7)), "mode"]
+    names += [f"dq{j}" for j in range(1, 8)]
+    table = np.array([row[:15] for row in rows[1:]], dtype=float)
+    table[:, 1:8] *= 2  # a swing that this arm cannot do in rad
+    speeds = np.gradient(table[:, 1:8], table[:, 0], axis=0)
+    table[:, 1:8] = np.degrees(table[:, 1:8])
+    table[:, 0] *= 1e3
     lines = [";".join(names)]
-    for row in rows[1:]:
-        values = np.array(row, dtype=float)
-        values[0] *= 1e3
-        values[1:8] *= 2 * 180 / np.pi  # of a swing that this arm cannot do in rad
-        lines.append(";".join([*(f"{v:.9g}" for v in values), "1"]))
+    for values, fast in zip(table, speeds, strict=True):
+        lines.append(";".join([*(f"{v:.9g}" for v in values), "1", *(f"{v:.9g}" for v in fast)]))
     return "\n".join(lines).encode()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 
+import numpy as np
 import pytest
 
 from pa10d.client import ApiError
@@ -11,13 +12,17 @@ from pa10d.client import ApiError
 
 @pytest.fixture(scope="module")
 def degrees(csv_file, tmp_path_factory):
-    """The recording with positions in degrees, of a swing that this arm cannot do in rad."""
+    """The recording with positions in degrees, of a swing that this arm cannot do in rad, and
+    with speeds in rad/s that tell it."""
     path = tmp_path_factory.mktemp("degrees") / "degrees.csv"
-    with csv_file.open(newline="") as there, path.open("w", newline="") as here:
-        rows, out = csv.reader(there), csv.writer(here)
-        out.writerow(next(rows))
-        for row in rows:
-            out.writerow([row[0], *(f"{57.3 * 2 * float(q):.9f}" for q in row[1:8]), *row[8:]])
+    with csv_file.open(newline="") as file:
+        head, *rows = csv.reader(file)
+    table = np.array(rows, dtype=float)
+    speeds = np.gradient(2 * table[:, 1:8], table[:, 0], axis=0)
+    table[:, 1:8] = np.degrees(2 * table[:, 1:8])
+    header = ",".join([*head, *(f"dq{j}" for j in range(1, 8))])
+    together = np.hstack([table, speeds])
+    np.savetxt(path, together, delimiter=",", header=header, comments="", fmt="%.9g")
     return path
 
 

@@ -154,13 +154,15 @@ def test_a_motor_that_turns_on_and_on_is_not_in_degrees(shared_data):
     found = read_csv(shared_data / "laas_motor/on.csv", motor.n, motor.name)
     s = found.samples
     findings = check_recording(Recording("on", found.timing.grid, s.q, s.tau, s.dq), None, motor)
-    assert [f.severity for f in findings if f.code == "degrees"] == ["warning"]
+    assert [f.severity for f in findings if f.code == "angle_unit"] == ["warning"]
 
 
 def test_an_angle_that_starts_anew_every_turn(robot):
     recording = _but(_sound(robot), q=_joint(6, _wrap))
-    (jump,) = [f for f in check_recording(recording, None, None) if f.code == "jump"]
-    assert "unwrap" in jump.advice
+    found = check_recording(recording, None, None)
+    assert not [f for f in found if f.code == "jump"]
+    (jump,) = [f for f in found if f.code == "wrapped"]
+    assert jump.advice == "--map 'q7[wrap2pi*rad]=q7'"
     assert jump.joint == 7
 
 

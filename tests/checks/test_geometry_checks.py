@@ -10,8 +10,8 @@ import pytest
 
 from backends.virtual.datasets import make_runs
 from pa10d.checks import check_recording
-from pa10d.checks.counters import wraps
 from pa10d.checks.geometry import check_geometry
+from pa10d.measurement.counters import lost_sign
 from pa10d.measurement.recording import Recording
 from pa10d.profile import load_profile
 from pa10d.readers import read_recording
@@ -87,9 +87,9 @@ def test_a_counter_without_its_sign_is_named_and_mended(tmp_path, robot, clean):
 
 def test_signals_that_are_no_counters_do_not_wrap():
     t = np.linspace(0, 10, 1000)
-    assert wraps(np.abs(50 * np.sin(t))) is None
-    assert wraps(np.round(100 + 90 * np.sin(t))) is None
-    assert wraps(np.where(t > 5, 300.0, 0.0)) is None
+    assert lost_sign(np.abs(50 * np.sin(t))) is None
+    assert lost_sign(np.round(100 + 90 * np.sin(t))) is None
+    assert lost_sign(np.where(t > 5, 300.0, 0.0)) is None
 
 
 REAL = ["bam_xl330", "double_pendulum", "kr300", "kuka_lwr4", "laas_motor", "panda", "ur10"]

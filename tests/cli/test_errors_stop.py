@@ -29,8 +29,9 @@ def place(tmp_path, monkeypatch):
     ddq = -np.stack([0.8 * np.sin(T), 1.7**2 * np.cos(1.7 * T)], axis=1)
     tau = 0.3 * ddq + 2 * np.cos(Q) * [0, 1] + rng.normal(0, 0.01, (4000, 2))
     for name, q in (("sound", Q), ("degrees", np.degrees(Q))):
-        table = np.column_stack([T, q, tau])
-        np.savetxt(f"{name}.csv", table, delimiter=",", header="time,q1,q2,tau1,tau2", comments="")
+        table = np.column_stack([T, q, tau, np.gradient(Q, T, axis=0)])
+        header = "time,q1,q2,tau1,tau2,dq1,dq2"
+        np.savetxt(f"{name}.csv", table, delimiter=",", header=header, comments="")
     return tmp_path
 
 

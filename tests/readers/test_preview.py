@@ -173,8 +173,9 @@ def test_the_profile_s_mapping_comes_first(tmp_path, motion, robot):
 
 
 def test_what_mends_a_finding_is_a_choice(tmp_path, motion, robot):
-    t, q, _, tau = motion
+    t, q, dq, tau = motion
     table = {"time": t, "pos1": np.degrees(q[:, 0]), "pos2": np.degrees(q[:, 1])}
+    table |= {"dq1": dq[:, 0], "dq2": dq[:, 1]}
     table |= {"tau1": np.mod(np.rint(5e3 * np.sin(9 * t)), 65536), "tau2": tau[:, 1]}
     path = written(tmp_path, table)
     chosen = [Choice("pos1", "q1", "-1"), Choice("pos2", "q2", "-1")]
@@ -188,8 +189,8 @@ def test_what_mends_a_finding_is_a_choice(tmp_path, motion, robot):
 
 
 def test_what_mends_does_not_hang_on_the_words_of_an_advice(motion):
-    t, q, _, tau = motion
-    finding = next(f for f in check_recording(Recording("r", t, np.degrees(q), tau))
+    t, q, dq, tau = motion
+    finding = next(f for f in check_recording(Recording("r", t, np.degrees(q), tau, dq))
                    if f.code == "degrees")  # fmt: skip
     for said in (finding, replace(finding, advice="bitte in Radiant")):
         assert mends(said, {"q1": "a", "q2": "b"}, {"a": "-1"}, 2) == [

@@ -33,7 +33,9 @@ def strange() -> str:
     names = ["stamp", *(f"axis_{j}_pos" for j in range(1, 8))]
     names += [*(f"axis_{j}_torque_cmd" for j in range(1, 8)), *(f"trq{j}" for j in range(1, 8))]
     tau = 5.0 * np.sin(phase) + 0.4 * np.cos(phase)
-    table = np.column_stack([1e3 * t, q, tau, 0.95 * tau + 0.02 * np.sin(40 * phase)])
+    speeds = np.radians(np.gradient(q, t, axis=0))  # in rad/s: they tell what q is in
+    names += [f"dq{j}" for j in range(1, 8)]
+    table = np.column_stack([1e3 * t, q, tau, 0.95 * tau + 0.02 * np.sin(40 * phase), speeds])
     rows = [";".join(f"{v:.6g}" for v in row) for row in table]
     return "\n".join([";".join(names), *rows])
 
@@ -61,7 +63,7 @@ def test_a_guess_is_corrected_and_imported(page, archive, strange):
     assert page.get_by_label("axis_1_pos: unit").input_value() == "deg"
     assert page.get_by_label("stamp: unit").input_value() == "ms"
     assert page.get_by_label("axis_7_torque_cmd: read as").input_value() == ""
-    assert box.locator("tbody svg polyline").count() == 22
+    assert box.locator("tbody svg polyline").count() == 29
     row = box.locator("tbody tr", has_text="axis_1_pos")
     assert "-1.047 … 1.047 rad" in row.inner_text()
     assert "--map 'stamp[ms]=time' 'axis_{n}_pos[deg]=q'" in box.locator("code").text_content()

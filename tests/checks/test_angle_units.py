@@ -1,0 +1,143 @@
+"""Degrees or angles at the motor: told by speeds, limits, gears or weight, or both are said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backends.virtual.datasets import make_runs
+from pa10d.checks import Known, check_recording
+from pa10d.profile import load_profile
+from pa10d.services.import_preview import preview_recording
+from pa10d.services.robots import load_robot
+
+CODES = {"degrees", "motor_side", "angle_unit"}
+RATIOS = (101.0, 101.0, 101.0, 50.0, 50.0, 50.0)
+GEARED = " ".join(f"'q{j}[1/{ratio:g}]=q{j}'" for j, ratio in enumerate(RATIOS, 1))
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("ur5e")[1]
+
+
+@pytest.fixture(scope="module")
+def clean():
+    runs, _ = make_runs(
+        5, [], "white", ("train_a",), load_profile("ur5e"), seconds=30.0, rate=200.0
+    )
+    return replace(runs["train_a"], dq=None)
+
+
+@pytest.fixture(scope="module")
+def speeds(clean):
+    return np.gradient(clean.q, axis=0) * clean.rate
+
+
+def _said(run, robot, **known):
+    found = check_recording(run, None, robot, delay=False, known=Known(**known))
+    return [f for f in found if f.code in CODES]
+
+
+def _shown(run, **changes):
+    """So that weight tells nothing: torques of something else."""
+    noise = np.random.default_rng(2).normal(0, 1, run.tau.shape)
+    return replace(run, tau=noise, **changes)
+
+
+def test_a_clean_recording_is_silent(clean, robot):
+    assert _said(clean, robot) == []
+
+
+def test_speeds_in_radians_tell_degrees(clean, robot, speeds):
+    (said,) = _said(_shown(clean, q=np.degrees(clean.q), dq=speeds), robot)
+    assert said.code == "degrees"
+    assert said.severity == "error"
+    assert "by dq" in said.sentence
+    assert said.mends[0].option == "'q{n}[deg]=q'"
+
+
+def test_speeds_tell_the_gear(clean, robot, speeds):
+    (said,) = _said(_shown(clean, q=80 * clean.q, dq=speeds), robot)
+    assert said.code == "motor_side"
+    assert "by dq with a ratio of 80" in said.sentence
+    assert [mend.option for mend in said.mends] == ["'q{n}[1/80]=q'"]
+
+
+def test_a_profile_s_gears_stand_in_the_line(clean, robot, speeds):
+    (said,) = _said(_shown(clean, q=clean.q * RATIOS, dq=speeds), robot, ratios=RATIOS)
+    assert said.code == "motor_side"
+    assert said.advice == f"q must be at the joint: --map {GEARED}"
+    assert all(mend.complete for mend in said.mends)
+
+
+def test_limits_tell_what_cannot_be_degrees(clean, robot):
+    (said,) = _said(_shown(clean, q=1000 * clean.q), robot)
+    assert said.code == "motor_side"
+    assert "too far for degrees" in said.sentence
+    assert "RATIO" in said.advice
+
+
+def test_a_zero_that_lies_elsewhere_tells_no_unit(clean, robot):
+    (said,) = _said(_shown(clean, q=np.degrees(clean.q) + 900), robot)
+    assert said.code == "angle_unit"
+
+
+@pytest.mark.parametrize("ratios", [None, RATIOS])
+def test_weight_tells_degrees(clean, robot, ratios):
+    (said,) = _said(replace(clean, q=np.degrees(clean.q)), robot, ratios=ratios)
+    assert said.code == "degrees"
+    assert "by the arm's weight" in said.sentence
+
+
+def test_weight_tells_the_motor_s_side(clean, robot):
+    (said,) = _said(replace(clean, q=clean.q * RATIOS), robot, ratios=RATIOS)
+    assert said.code == "motor_side"
+    assert "by the arm's weight" in said.sentence
+
+
+@pytest.mark.parametrize("ratios", [None, RATIOS])
+def test_where_nothing_tells_both_are_said(clean, robot, ratios):
+    (said,) = _said(_shown(clean, q=clean.q * RATIOS), robot, ratios=ratios)
+    assert said.code == "angle_unit"
+    assert said.severity == "error"
+    assert "degrees: --map 'q{n}[deg]=q'; at the motor: --map" in said.advice
+    assert (GEARED in said.advice) is (ratios is not None)
+    assert not any(mend.complete for mend in said.mends)
+
+
+def test_angles_at_the_motor_are_not_called_degrees_by_their_weight(clean, robot):
+    (said,) = _said(replace(clean, q=clean.q * RATIOS), robot)
+    assert said.code == "angle_unit"
+
+
+def test_who_states_degrees_is_not_told_that_they_are(clean, robot):
+    stated = frozenset(range(6))
+    (said,) = _said(replace(clean, q=80 * clean.q), robot, stated=stated)
+    assert said.code == "motor_side"
+    assert "[deg]" not in said.advice
+
+
+@pytest.mark.parametrize("gears", [False, True])
+def test_a_preview_takes_degrees_with_a_word_and_never_behind_known_gears(
+    tmp_path, clean, robot, gears
+):
+    run = _shown(clean, q=np.degrees(clean.q))
+    profile = load_robot("ur5e")[0]
+    if not gears:
+        profile = profile.model_copy(update={"drives": None})
+    names = ["time", *(f"q{j}" for j in range(1, 7)), *(f"tau{j}" for j in range(1, 7))]
+    rows = np.column_stack([run.t, run.q, run.tau]).tolist()
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows)]))
+    found = preview_recording(path, profile, robot, thorough=False)
+    units = {c.unit for c in found.columns if c.field.startswith("q")}
+    codes = {f["code"] for f in found.findings}
+    if profile.drives:
+        assert units == {""}
+        assert "angle_unit" in codes
+    else:
+        assert units == {"deg"}
+        assert any("taken for degrees here" in remark for remark in found.remarks)
