@@ -62,6 +62,7 @@ PER_JOINT = 4  # candidates of one step and joint that are judged on the held-ou
 SEARCH_THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
 CLOSER_LOOKS = 2  # starts of an effect whose gain is rough in its shape, looked around once more
+CLOSER_STEPS = (1.0, 0.25)  # parts of a step of those looks, each time they are settled again
 START_THIN = 10  # samples of which one is looked at for where a shape may start
 ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
 MORE_ROUNDS = 4  # of settling, beyond the usual

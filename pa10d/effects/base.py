@@ -39,13 +39,16 @@ Shape = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A linear parameter with its physical bounds; a nuisance is fitted but not reported."""
+    """A linear parameter with its physical bounds; a nuisance is fitted but not reported. Of one
+    that is whole at 1 (a share of what the shape alone says), what it is off by puts the shape
+    in doubt, by as much of its value."""
 
     name: str
     unit: str
     lower: float = -np.inf
     upper: float = np.inf
     nuisance: bool = False
+    whole_at_one: bool = False
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hidden_arms import arm, drawn
-from two_links import recordings, textbook, textbook_torque
+from two_links import V0, recordings, state_of, textbook, textbook_torque
 
+from pa10d.diagnose.evidence.errors_of import off_by
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.shapes import around
+from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
+from pa10d.model import Term
 
 NOISE = 0.05  # N·m
 
@@ -52,6 +57,31 @@ def test_looking_around_stays_within_bounds_and_changes_no_choice():
     assert min(s["b"] for s in around(kind, {"b": lower})) == lower
     coupled = around(effect("coupling_friction"), {"ratio": -1.0, "viscous": 1.0})
     assert coupled == [{"ratio": -1.0, "viscous": 1.0}]
+
+
+def test_how_sharply_a_joint_turns_round_is_looked_at_again_behind_anothers_gap():
+    """A sign that was smoothed wrongly beside a gap was patched with Stribeck friction."""
+    runs = recordings(5)
+    clean = textbook(runs)
+    blunt = [
+        replace(t, shape={"v0": 10 * V0}) if (t.effect_id, t.joints) == ("coulomb", (1,)) else t
+        for t in clean.terms
+    ]
+    state = state_of(runs, replace(clean, terms=tuple(blunt)))
+    fixed = len(state.terms)
+    state.push(Term("backlash", (0,), np.ones(1), {"b": 1e-3, "rotor": 0.2}))
+    search = Search(state, [], fixed)
+    search.settle()
+    (found,) = [t for t in search.state.terms if (t.effect_id, t.joints) == ("coulomb", (1,))]
+    assert found.shape["v0"] < 4 * V0  # what passes it slowly is masked: no better than that
+
+
+@pytest.mark.parametrize(("share", "short"), [(1.0, 0.0), (0.4, 0.6), (1.2, 0.2)])
+def test_a_gap_that_shows_in_part_is_as_wide_as_said_in_part(share, short):
+    """0.40 of the torque of a gap with half its width's rotor was told as ± 6 %."""
+    gap = Term("backlash", (0,), np.array([share]), {"b": 0.01, "rotor": 0.2})
+    assert off_by(gap) == pytest.approx(short)
+    assert off_by(Term("spring", (0,), np.array([share, 0.0]))) == 0.0
 
 
 @pytest.mark.long

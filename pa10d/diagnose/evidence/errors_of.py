@@ -19,6 +19,7 @@ from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import Value
+from pa10d.model import Term
 from pa10d.regression.covariance import Seen, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.scores import Memory, Scores, covariance_of
@@ -163,12 +164,20 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
     systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
     covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    # values that the columns blur together no noise could tell apart, however small it is; nor is
+    # a shape known better than the share of its torque that the data show
+    short = off_by(term)
     shape_errors = {
-        # values that the columns blur together no noise could tell apart, however small it is
-        s.name: float(np.hypot(e, s.blur * term.shape[s.name]))
+        s.name: float(np.hypot(e, np.hypot(s.blur, short) * term.shape[s.name]))
         for s, e in zip(free, errors[k:], strict=True)
     }
     return covariance[:k, :k], shape_errors
+
+
+def off_by(term: Term) -> float:
+    """By what share a torque that its shape alone would settle is more or less than it says."""
+    kinds = zip(term.effect.coefficients, term.coefficients, strict=True)
+    return max((abs(1.0 - float(c)) for kind, c in kinds if kind.whole_at_one), default=0.0)
 
 
 def told(

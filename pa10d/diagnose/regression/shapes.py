@@ -26,14 +26,15 @@ def free_shapes(effect: Effect, shape: Shape) -> list[ShapeParameter]:
     return [s for s in effect.shapes if s.scale != "choice" and s.name in shape]
 
 
-def around(effect: Effect, shape: Shape) -> list[dict[str, float]]:
-    """Shapes up to a step of the search away in every parameter that is free, five of each."""
+def around(effect: Effect, shape: Shape, part: float = 1.0) -> list[dict[str, float]]:
+    """Shapes up to such a part of a step of the search away in every parameter that is free, five
+    of each."""
     free = free_shapes(effect, shape)
     out = []
     for shares in product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=len(free)):
         trial = dict(shape)
         for s, share in zip(free, shares, strict=True):
-            far = share * s.step_at(shape)
+            far = share * part * s.step_at(shape)
             value = shape[s.name] * np.exp(far) if s.scale == "log" else shape[s.name] + far
             trial[s.name] = float(np.clip(value, s.lower, s.upper))
         out.append(trial)

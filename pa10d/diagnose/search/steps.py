@@ -10,6 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
+    CLOSER_STEPS,
     HELD_OUT_LEVEL,
     LEAST_GAIN,
     MATERIAL_GAIN,
@@ -29,7 +30,7 @@ from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of, term_covariance
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
 from pa10d.diagnose.regression.least_squares import LeastSquares, predict
 from pa10d.diagnose.regression.partial import Partial, partials
-from pa10d.diagnose.regression.shapes import approach, free_shapes, refine
+from pa10d.diagnose.regression.shapes import approach, around, free_shapes, refine
 from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
@@ -428,10 +429,11 @@ class Search:
                 self.state.problem = self.state.problem.with_term(index, replace(term, shape=shape))
 
     def _worth_refining(self, index: int) -> bool:
-        if index >= self.fixed:
+        """Findings; and of the given terms those on joints that a finding can have changed."""
+        found = self.state.terms[self.fixed :]
+        if index >= self.fixed or any(t.effect.reaches_other_joints for t in found):
             return True
-        touched = {j for t in self.state.terms[self.fixed :] for j in t.joints}
-        return self.state.terms[index].joints[0] in touched
+        return self.state.terms[index].joints[0] in {j for t in found for j in t.joints}
 
     def _refine(self, index: int) -> None:
         term = self.state.terms[index]
@@ -452,7 +454,9 @@ class Search:
             there = replace(term, shape=shape, coefficients=fitted(shape).theta)
             return newton_move(train, rest, there)
 
-        if term.effect.reaches_other_joints:  # links thrown about: rough, and dear to compute
+        if any(s.blur for s in free_shapes(term.effect, term.shape)):  # knocks: rough everywhere
+            shape = self._closer(index, rest, falls)
+        elif term.effect.reaches_other_joints:  # links thrown about, and dear to compute
             shape = refine(term.effect, term.shape, gain, evaluations=10)
         else:
             shape = approach(term.effect, term.shape, gain, move)
@@ -462,6 +466,20 @@ class Search:
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
             self.state.refit()
+
+    def _closer(self, index: int, rest: LeastSquares, falls: bool) -> dict[str, float]:
+        """The best of the shapes around a rough one, then of those closer around that."""
+        term, train = self.state.terms[index], self.state.train
+        best, most = dict(term.shape), -np.inf
+        for part in CLOSER_STEPS:
+            shapes = around(term.effect, best, part)
+            columns = train.columns(term.effect, term.joints, shapes)
+            width = len(term.effect.coefficients)
+            found = partials(rest, columns, term.effect, width, falls=falls)
+            gains = [p.gain for p in found]
+            if max(gains) > most:
+                best, most = shapes[int(np.argmax(gains))], max(gains)
+        return best
 
 
 def taken_by(before: SearchState, after: SearchState) -> float:

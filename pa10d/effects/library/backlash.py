@@ -33,7 +33,7 @@ class Backlash(Effect):
     starts_by_own_equation = True  # many starts, and a knock is felt at home first
     uses_model = True
     escapes_demo = "the knocks behind a gap drown its own torque"
-    coefficients = (Coefficient("share", "1", 0.5, 1.25),)
+    coefficients = (Coefficient("share", "1", 0.5, 1.25, whole_at_one=True),)
     shapes = (
         ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR)), step=0.12),
         replace(ROTOR, blur=float(np.std(BLUR))),  # what moves the knocks as a wider gap does

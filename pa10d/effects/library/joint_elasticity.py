@@ -26,7 +26,7 @@ class JointElasticity(Effect):
     series_spring = True
     uses_model = True
     # with a free share a spring that is too stiff or too soft would do as well
-    coefficients = (Coefficient("share", "1", 0.97, 1.03),)
+    coefficients = (Coefficient("share", "1", 0.97, 1.03, whole_at_one=True),)
     shapes = (
         ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
