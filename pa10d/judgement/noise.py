@@ -4,13 +4,14 @@ Three ways to see it. Where a motion comes again, the difference of the passes i
 nothing else. Where a joint stands still, its torque's wavering is. And above the cut-off, where
 little motion reaches, the spectrum of torque or error (whichever is smaller there: one still has
 motion in it, the other the noise of twice differentiated angles) is: white noise of that
-strength would leave so much below. The last two are lower bounds (noise may be stronger in
-motion, or at low frequencies), so the larger is taken where no motion comes again; but not a
-standstill whose torque wavers more than the error in motion, because then it is creep or braking.
-And never more than the error itself: friction that jumps at a reversal reaches above any cut-off.
+strength, behind such smoothing as it shows, would leave so much below (``extrapolated``). The
+last two are lower bounds (noise may be stronger in motion, or at low frequencies), so the larger
+is taken where no motion comes again; but not a standstill whose torque wavers more than the error
+in motion, because then it is creep or braking. And never more than the error itself: friction
+that jumps at a reversal reaches above any cut-off.
 
-A spectrum that falls on and on above the cut-off shows no noise: a smoothed channel has none left
-there, and neither does one whose steps are coarser than what wavers. Then the floor is not known.
+A spectrum whose smoothing cannot be told shows no noise of the band: one that falls on and on, or
+one whose steps are coarser than what wavers. Then the floor is not known.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import plain
+from pa10d.judgement.extrapolated import extrapolated
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving, scores
@@ -39,9 +41,8 @@ SECONDS = 1.0  # of one segment of the spectrum
 ENOUGH = 4  # segments that speak for a run
 BAND = (1.5, 4.0)  # cut-offs between which the error's spectrum is taken as the noise's
 NEARLY_WHITE = 0.5  # half-way from the flat spectrum of white noise to a random walk's 1/f²
-TOP = (0.25, 0.4)  # of the sampling rate: where white noise is as strong as just above the cut-off
-FALLS = 16.0  # times the power there from which on the spectrum is no white noise's: a drive's own
-# filter of first or second order costs a factor of four, smoothing by software hundreds
+TOP = 0.45  # of the sampling rate: up to where the spectrum is looked at
+WIDEST = 1.0  # relative standard error of a variance, from which on it may as well be nothing
 COARSE = 4.0  # times the power of rounding below which a spectrum is that of the rounding
 
 
@@ -76,6 +77,11 @@ class _Seen:
     scatter: float
     fall: float = float("nan")
 
+    @property
+    def error(self) -> float:
+        """Relative, of the variance."""
+        return self.scatter / float(np.sqrt(max(self.looks, 1)))
+
 
 NOTHING = _Seen(0.0, 0, 0.0)
 
@@ -104,8 +110,9 @@ def _floor(
     best = rest if rest.variance > above.variance else above
     if not best.looks:
         return float("nan"), None, float("nan"), False
-    value = min(float(np.sqrt(best.variance)), left)
-    error = 0.5 * value * best.scatter / np.sqrt(best.looks)
+    found = float(np.sqrt(best.variance))
+    value = min(found, left)
+    error = max(0.5 * value * best.error, found - value)
     white = bool(above.looks) and above.fall < NEARLY_WHITE
     return value, STANDSTILL if best is rest else ABOVE, error, white
 
@@ -122,29 +129,33 @@ def _independent(passes: list[Array]) -> float:
 
 
 def _above(run: RunResidual, joint: int) -> _Seen:
-    """Variance behind the low-pass of white noise as strong as error or torque are just above it,
-    the median over segments, so that a knock does not count."""
-    lowpass = run.equation.lowpass
+    """Variance behind the low-pass of the noise whose spectrum error or torque have above it."""
+    lowpass, torque = run.equation.lowpass, run.equation.raw_tau[:, joint]
     segments = _segments(run, joint)
+    f, power = scipy.signal.periodogram(
+        np.array([[x[s] for s in segments] for x in (run.raw_error[:, joint], torque)]),
+        lowpass.rate,
+        window="hann",
+        detrend="linear",
+    )
     top = min(BAND[1] * lowpass.cutoff, 0.4 * lowpass.rate)
-    seen = []
-    for signal in (run.raw_error[:, joint], run.equation.raw_tau[:, joint]):
-        f, power = scipy.signal.periodogram(
-            np.array([signal[s] for s in segments]), lowpass.rate, window="hann", detrend="linear"
-        )
-        band = (f >= min(BAND[0] * lowpass.cutoff, 0.5 * top)) & (f <= top)
-        beyond = (f >= TOP[0] * lowpass.rate) & (f <= TOP[1] * lowpass.rate)
-        each = power[:, band].mean(axis=1)
-        least = float(np.median(power[:, beyond].mean(axis=1)))
-        seen.append((float(np.median(each)), least, each, _fall(f[band], power[:, band])))
-    level, least, each, fall = min(seen, key=lambda s: s[0])
-    if level > FALLS * least:
+    low = min(BAND[0] * lowpass.cutoff, 0.5 * top)
+    above, near = (f >= low) & (f <= TOP * lowpass.rate), (f >= low) & (f <= top)
+    weaker = min(power, key=lambda p: float(np.median(p[:, near].mean(axis=1))))
+    wavering = float(np.median(weaker[:, above].mean(axis=1))) * 0.5 * lowpass.rate
+    if wavering < COARSE * _step(torque) ** 2 / 12.0:
         return NOTHING
-    if level * 0.5 * lowpass.rate < COARSE * _step(run.equation.raw_tau[:, joint]) ** 2 / 12.0:
+    length = segments[0].stop - segments[0].start
+    found = extrapolated(power, length, above, lowpass, _repeated(torque))
+    if found is None or found.error > WIDEST:
         return NOTHING
-    fine = np.linspace(0.0, 0.5 * lowpass.rate, 4000)
-    gain = float(np.sum(lowpass.gain(fine) ** 2) * (fine[1] - fine[0]))
-    return _Seen(level * gain, len(segments), float(np.std(each) / max(level, 1e-300)), fall)
+    scatter = found.error * float(np.sqrt(len(segments)))
+    return _Seen(found.variance, len(segments), scatter, _fall(f[near], weaker[:, near]))
+
+
+def _repeated(torque: Array) -> float:
+    """How often each value comes, one after the other, on average."""
+    return len(torque) / (1.0 + np.count_nonzero(np.diff(torque)))
 
 
 def _fall(f: Array, power: Array) -> float:
