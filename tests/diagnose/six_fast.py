@@ -12,6 +12,7 @@ from pa10d.effects.base import smooth_sign
 from pa10d.measurement.recording import Recording
 
 RATE = 500.0
+NOISE = 0.005  # of the limits, standard deviation
 LIMITS = np.array([60.0, 60.0, 40.0, 10.0, 10.0, 6.0])  # N·m
 ROTOR = np.array([0.5, 0.5, 0.3, 0.08, 0.08, 0.05])
 COULOMB = np.array([4.0, 5.0, 3.0, 0.8, 0.7, 0.5])
@@ -73,7 +74,7 @@ def recording(
     tau = rigid + ROTOR * ddq + COULOMB * sign + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq, rigid)
-    tau = tau + 0.005 * LIMITS * rng.standard_normal(q.shape)
+    tau = tau + NOISE * LIMITS * rng.standard_normal(q.shape)
     return Recording(name, t, q + 1e-5 * rng.standard_normal(q.shape), tau)
 
 

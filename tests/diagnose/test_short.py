@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from six_fast import Extra, recording, robot, two_runs
+from six_fast import LIMITS, NOISE, Extra, recording, robot, two_runs
 from small_machines import machine, servo
 
 from pa10d.common.errors import UserError
@@ -13,6 +13,7 @@ from pa10d.dynamics import robot_from_urdf
 from pa10d.identify import identify
 from pa10d.judgement.band import HIGHEST_HZ, SHORT_MOTION, band
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import Lowpass
 
 WRIST, ELBOW = np.eye(6)[4], np.eye(6)[3]
 
@@ -23,6 +24,12 @@ def spring(q, dq, ddq, rigid):
 
 def bump(q, dq, ddq, rigid):
     return 1.2 * np.exp(-((np.abs(dq) / 0.4) ** 2)) * np.tanh(dq / 0.005) * ELBOW
+
+
+def noise_in_band(run: Recording, cutoff: float) -> np.ndarray:
+    """(6,) N·m RMS behind the low-pass of the noise that was put into the torque."""
+    white = np.random.default_rng(5).standard_normal((100_000, 1))
+    return NOISE * LIMITS * np.std(Lowpass(len(white), run.rate, cutoff)(white))
 
 
 @pytest.mark.parametrize(
@@ -36,7 +43,9 @@ def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
     assert [(f.term.effect_id, f.term.joints) for f in found.findings] == named
     assert not found.unexplained
     after = found.findings[-1].rms_after if named else found.rms
-    assert np.all(after < 1.5 * found.noise_floor)
+    torque_noise = noise_in_band(judge, found.cutoff)
+    assert np.all(after < 2.0 * torque_noise), "angles, twice differentiated, add as much"
+    assert not np.any(after > 1.5 * found.noise_floor), "where these three seconds tell it"
     if extra is spring:
         k = found.findings[0].parameters["k"]
         assert abs(k.value - 1.5) < 3.0 * k.std_error
