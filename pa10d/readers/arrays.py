@@ -12,14 +12,13 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.readers.packed import first_bytes
+from pa10d.readers.signatures import STREAM
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
 CLOCKS = ("time", "t", "timestamp", "stamp")
-STREAM = b"\xff\xff\xff\xff"
-"""How Arrow's stream begins, which has no name of its own at its head."""
 PREFIXES = {"extra": "", "command": "cmd_"}
 """Structs of our own files whose fields are called by more, or less, than their own names."""
 Place = tuple[str, ...]

@@ -1,8 +1,10 @@
-"""CAN logs (.blf, .asc, .log, .trc): the drives' TPDOs of a profile, one sample per SYNC."""
+"""CAN logs of any kind that python-can reads: the drives' TPDOs of a profile, one sample per
+SYNC."""
 
 from __future__ import annotations
 
 import struct
+from importlib.util import find_spec
 from pathlib import Path
 
 import can
@@ -17,19 +19,23 @@ from pa10d.store.channels import Array
 SYNC, ANSWER = 0x80, 0x180
 TPDO = struct.Struct("<ihH")  # 0x6064 position, 0x6077 torque, 0x6041 statusword
 FEWEST, SMALLEST = 10, 200  # frames of a joint, bytes
+READERS = {".csv": can.CSVReader, ".db": can.SqliteReader}  # told by what is in them
 
 
-def read_can_log(path: Path, profile: Profile) -> Table:
-    """Position and torque of every drive, as this program's own TPDO 1 has them."""
+def read_can_log(path: Path, profile: Profile, kind: str = "") -> Table:
+    """Position and torque of every drive, as this program's own TPDO 1 has them. kind: .csv or .db,
+    whatever the file is called."""
     if not profile.drives:
         raise UserError(f"{path}: a CAN log needs a profile with 'drives', expected one per joint")
     nodes = {ANSWER + drive.node: j for j, drive in enumerate(profile.drives)}
     syncs: list[float] = []
     seen: list[list[tuple[float, int, int]]] = [[] for _ in profile.drives]
+    if path.suffix.lower() == ".mf4":
+        _refuse_without_mdf(path)
     try:
         if path.stat().st_size < SMALLEST:
             raise ValueError("it ends before its first frame")
-        with can.LogReader(path) as log:
+        with READERS.get(kind, can.LogReader)(path) as log:
             for message in log:
                 if message.is_extended_id or message.is_error_frame or message.is_remote_frame:
                     continue  # CANopen's own have 11 bits; others may share the wire
@@ -50,6 +56,14 @@ def read_can_log(path: Path, profile: Profile) -> Table:
                 f"of {TPDO.size} bytes; expected TPDO 1 with 0x6064, 0x6077 and 0x6041"
             )
     return Table(_columns(np.array(syncs), [np.array(found) for found in seen], profile))
+
+
+def _refuse_without_mdf(path: Path) -> None:
+    if find_spec("asammdf") is None:
+        raise UserError(
+            f"{path}: a CAN log in MDF 4, which needs asammdf; expected pip install 'pa10d[mf4]', "
+            "or the log as .blf, .asc or .log"
+        )
 
 
 def _columns(syncs: Array, seen: list[Array], profile: Profile) -> dict[str, Array]:

@@ -8,8 +8,17 @@ from pathlib import Path
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import packed, text
+from pa10d.readers import archives, packed, text
 from pa10d.readers.part import WHOLE, Part
+from pa10d.readers.signatures import (
+    BAGS,
+    BINARY,
+    MCAP,
+    SQLITE,
+    STREAM,
+    is_can_csv,
+    is_can_database,
+)  # fmt: skip
 from pa10d.readers.table import Table, recording_of
 from pa10d.store.column_mapping import read_mapping
 from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
@@ -18,13 +27,8 @@ from pa10d.store.run_info import BAG
 from pa10d.store.run_reader import read_run
 
 Progress = Callable[[float], None]
-CAN_LOGS = (".blf", ".asc", ".trc")
-BINARY = (b"\x89MCAP", b"SQLite format 3", b"#ROSBAG", b"PAR1", b"ARROW1", b"MATLAB", b"\x89HDF",
-          b"\x93NUMPY", b"PK\x03\x04", b"LOGG", b"\xff\xff\xff\xff")  # fmt: skip
-"""How files begin that are no text."""
-MCAP = b"\x89MCAP"
-BAGS = (MCAP, b"SQLite format 3", b"#ROSBAG")
-BY_NAME = (".mcap", ".db3", ".bag", ".mat", ".npz", ".npy", ".log", *CAN_LOGS)
+CAN_LOGS = (".blf", ".asc", ".trc", ".mf4")
+BY_NAME = (".mcap", ".db3", ".db", ".bag", ".mat", ".npz", ".npy", ".log", *CAN_LOGS)
 PLAIN = (".csv", ".gz", "")
 LOOK = 1 << 16  # bytes that are looked at to tell plain CSV from other text
 
@@ -72,9 +76,12 @@ def read_table(
 
 
 def _table(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
+    if not path.is_dir() and archives.is_archive(path):
+        with archives.unpacked_recording(path) as inner:
+            return _said_of(path, inner, lambda: _table(inner, profile, robot, progress, part))
     if not path.is_dir() and packed.is_packed(path):
-        head, suffix = packed.inner_head(path, 16), Path(packed.inner_name(path)).suffix.lower()
-        if head.startswith(BINARY) or suffix in BY_NAME:
+        head, suffix = packed.inner_head(path, LOOK), Path(packed.inner_name(path)).suffix.lower()
+        if head.startswith(BINARY) or suffix in BY_NAME or is_can_csv(head):
             return _unpacked_table(path, profile, robot, progress, part)
         return _with_stamps(text.read_text(path))
     return _table_of(path, profile, robot, progress, part)
@@ -84,10 +91,15 @@ def _unpacked_table(
     path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
 ) -> Table:
     with packed.unpacked_file(path) as plain:
-        try:
-            return _table_of(plain, profile, robot, progress, part)
-        except UserError as error:
-            raise UserError(str(error).replace(str(plain), str(path))) from error
+        return _said_of(path, plain, lambda: _table_of(plain, profile, robot, progress, part))
+
+
+def _said_of(path: Path, inner: Path, read: Callable[[], Table]) -> Table:
+    """What is said of what was unpacked names the file that somebody has."""
+    try:
+        return read()
+    except UserError as error:
+        raise UserError(str(error).replace(str(inner), str(path))) from error
 
 
 def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
@@ -98,6 +110,9 @@ def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, pa
     if lerobot.is_data_set(path) or (head.startswith(b"PAR1") and lerobot.has_episodes(path)):
         part.only(path, episode=True)
         return lerobot.read_data_set(path, part.episode)
+    if head.startswith(SQLITE) and is_can_database(path):
+        part.only(path)
+        return can_logs.read_can_log(path, profile, ".db")
     if path.is_dir() or kind in (".mcap", ".db3") or head.startswith(BAGS):
         part.only(path, topic=True)
         run = path / BAG if path.is_dir() else path
@@ -105,12 +120,14 @@ def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, pa
         own = _own(run) if mcap and part.topic is None else None
         return own or bags.read_bag(path, robot.joint_names, progress, part.topic)
     part.only(path)
-    if head.startswith((b"PAR1", b"ARROW1", arrays.STREAM)):
+    if head.startswith((b"PAR1", b"ARROW1", STREAM)):
         return arrays.read_arrow(path)
     if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
         return arrays.read_mat(path)
     if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
         return arrays.read_npz(path)
+    if is_can_csv(packed.first_bytes(path, LOOK)):
+        return can_logs.read_can_log(path, profile, ".csv")
     if kind in CAN_LOGS or (kind == ".log" and head.startswith(b"(")):
         return can_logs.read_can_log(path, profile)
     return _with_stamps(text.read_text(path))
@@ -156,7 +173,7 @@ def _is_plain_csv(path: Path) -> bool:
         head = packed.inner_head(path, LOOK)
     except UserError:
         return gzipped  # said with the line at which it ends
-    if head.startswith(BINARY):
+    if head.startswith(BINARY) or is_can_csv(head):
         return False
     first, _, rest = head.partition(b"\n")
     try:

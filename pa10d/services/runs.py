@@ -32,10 +32,11 @@ from pa10d.store.column_mapping import names_an_angle
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
-PACKED = (".gz", ".bz2", ".zst", ".xz", ".zip")
+PACKED = (".tgz", ".gz", ".bz2", ".zst", ".xz", ".zip", ".tar")
 KNOWN = (
     ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".bag", ".parquet", ".feather", ".arrow",
-    ".arrows", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".blf", ".asc", ".log", ".trc",
+    ".arrows", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".blf", ".asc", ".log", ".trc", ".db",
+    ".mf4",
 )  # fmt: skip
 
 

@@ -435,7 +435,7 @@ def can_log(ending):
         path = folder / f"bus{ending}"
         with can.Logger(path) as log:
             for k in range(SAMPLES):
-                at = 1000.0 + t[k]
+                at = 1000.0 + float(t[k])
                 log(can.Message(timestamp=at, arbitration_id=0x80, is_extended_id=False))
                 for j in range(2):
                     counts = round(q[k, j] * 819200 / (2 * np.pi))

@@ -1,0 +1,195 @@
+"""CAN logs of every kind that python-can writes, and folders that somebody packed."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import sqlite3
+import tarfile
+import zipfile
+
+import can
+import numpy as np
+import pytest
+from test_formats import DRIVES, FILES, URDF, can_log
+
+from pa10d.common.errors import UserError
+from pa10d.profile import Can, Drive
+from pa10d.readers import read_recording
+from pa10d.services.robots import load_robot
+from pa10d.services.runs import import_run
+from pa10d.store import RunStore
+
+T = np.arange(400) / 200.0
+
+
+@pytest.fixture
+def motion():
+    q = np.stack([0.4 * np.sin(3 * T), 0.3 * np.cos(2 * T)], axis=1)
+    return T, q, np.gradient(q, T, axis=0), 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4]
+
+
+@pytest.fixture
+def robot(tmp_path):
+    (tmp_path / "robot.urdf").write_text(URDF)
+    profile, tree = load_robot(tmp_path / "robot.urdf")
+    return profile.model_copy(update={"drives": [Drive(**d) for d in DRIVES], "can": Can()}), tree
+
+
+def frames(ending):
+    """python-can's own writer of databases loses what it holds when it is stopped at once."""
+    if ending != ".db":
+        return can_log(ending)
+
+    def write(folder, motion):
+        path, _ = can_log(".blf")(folder, motion)
+        with can.LogReader(path) as log, sqlite3.connect(folder / "bus.db") as base:
+            kinds = "ts REAL, arbitration_id INTEGER, extended INTEGER, remote INTEGER"
+            base.execute(f"CREATE TABLE messages ({kinds}, error INTEGER, dlc INTEGER, data BLOB)")
+            rows = [(m.timestamp, m.arbitration_id, 0, 0, 0, m.dlc, bytes(m.data)) for m in log]
+            base.executemany("INSERT INTO messages VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+        return folder / "bus.db", ()
+
+    return write
+
+
+@pytest.mark.parametrize("ending", [".csv", ".db", ".blf", ".asc", ".log", ".trc"])
+@pytest.mark.parametrize("packed", [False, True])
+def test_every_log_of_python_can(tmp_path, motion, robot, ending, packed):
+    path, _ = frames(ending)(tmp_path, motion)
+    if packed:
+        out = tmp_path / "log.zip"
+        with zipfile.ZipFile(out, "w") as archive:
+            archive.write(path, path.name)
+        path = out
+    found = read_recording(path, *robot)
+    count = min(len(found.samples), 400)
+    assert count > 390
+    assert np.abs(found.samples.q[:count] - motion[1][:count]).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("ending", "other"), [(".csv", ".txt"), (".db", ".db3"), (".db", ".sqlite")]
+)
+def test_whatever_a_log_is_called(tmp_path, motion, robot, ending, other):
+    path, _ = frames(ending)(tmp_path, motion)
+    found = read_recording(path.rename(path.with_suffix(other)), *robot)
+    assert len(found.samples) > 390
+
+
+def test_mf4_names_what_it_needs(tmp_path, robot):
+    if importlib.util.find_spec("asammdf"):
+        pytest.skip("asammdf is installed")
+    path = tmp_path / "bus.mf4"
+    path.write_bytes(b"MDF     4.10    " + bytes(500))
+    with pytest.raises(UserError, match=r"needs asammdf; expected pip install 'pa10d\[mf4\]'"):
+        read_recording(path, *robot)
+
+
+@pytest.mark.parametrize("head", [b"timestamp,arbitration_id,extended,remote,error,dlc,data\n"])
+def test_a_log_without_frames_of_the_drives(tmp_path, robot, head):
+    path = tmp_path / "bus.csv"
+    path.write_bytes(head + b"1.0,0x7ff,0,0,0,1,AA==\n" * 40)
+    with pytest.raises(UserError, match=r"joint 1: 0 frames 0x181"):
+        read_recording(path, *robot)
+
+
+def packed(path, out, beside=()):
+    """A folder or file as .zip or tar, with what desktops leave beside it."""
+    files = [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path]
+    if out.suffix == ".zip":
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in files:
+                archive.write(file, file.relative_to(path.parent))
+            for name in beside:
+                archive.writestr(name, "x")
+        return out
+    mode = {".gz": "w:gz", ".tgz": "w:gz", ".bz2": "w:bz2", ".xz": "w:xz", ".tar": "w"}[out.suffix]
+    with tarfile.open(out, mode) as archive:
+        archive.add(path, path.name)
+        for name in beside:
+            info = tarfile.TarInfo(name)
+            info.size = 1
+            archive.addfile(info, io.BytesIO(b"x"))
+    return out
+
+
+@pytest.mark.parametrize("ending", ["bag.zip", "bag.tar.gz", "bag.tgz", "bag.tar.bz2", "bag.tar"])
+@pytest.mark.parametrize("kind", ["bag folder, sqlite", "a LeRobot data set"])
+def test_a_packed_folder(tmp_path, motion, robot, ending, kind):
+    kind = kind if kind in FILES else next(k for k in FILES if "lerobot" in k.lower())
+    path, mapping = FILES[kind](tmp_path, motion)
+    out = packed(path, tmp_path / ending, ("__MACOSX/._x", ".DS_Store"))
+    found = read_recording(out, *robot, mapping)
+    expected = read_recording(path, *robot, mapping)
+    np.testing.assert_array_equal(found.samples.q, expected.samples.q)
+    info = import_run(RunStore(tmp_path / "data"), out, *robot, mapping=mapping).info
+    assert info.name == "bag"
+
+
+def test_a_bag_without_metadata_in_an_archive(tmp_path, motion, robot):
+    path, _ = FILES["bag folder, sqlite"](tmp_path, motion)
+    (path / "metadata.yaml").unlink()
+    found = read_recording(packed(path, tmp_path / "a.zip", ("notes.txt",)), *robot)
+    np.testing.assert_array_equal(found.samples.q, motion[1])
+
+
+def test_a_file_beside_notes(tmp_path, motion, robot):
+    path, _ = FILES["csv"](tmp_path, motion)
+    found = read_recording(packed(path, tmp_path / "a.zip", ("README.txt", "setup.png")), *robot)
+    np.testing.assert_array_equal(found.samples.q, motion[1])
+
+
+def evil_tar(path):
+    with tarfile.open(path, "w") as archive:
+        for name in ("../../out.csv", "a.csv"):
+            info = tarfile.TarInfo(name)
+            info.size = 1
+            archive.addfile(info, io.BytesIO(b"x"))
+
+
+def two_files(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.csv", "x")
+        archive.writestr("b.csv", "x")
+
+
+def nothing_in_it(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.txt", "x")
+        archive.writestr("b.png", "x")
+
+
+def cut_off(path):
+    whole = io.BytesIO()
+    with tarfile.open(fileobj=whole, mode="w:gz") as archive:
+        info = tarfile.TarInfo("a.csv")
+        info.size = 300_000
+        archive.addfile(info, io.BytesIO(np.random.default_rng(0).bytes(300_000)))
+    path.write_bytes(whole.getvalue()[:200_000])
+
+
+def bomb(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in ("a.csv", "b.txt"):
+            archive.writestr(name, bytes(300_000_000))
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "says"),
+    [
+        (evil_tar, "e.tar", "cannot be unpacked"),
+        (two_files, "t.zip", "an archive of 2 files with 2 recordings; expected one recording"),
+        (nothing_in_it, "n.zip", "an archive of 2 files with no recording"),
+        (cut_off, "c.tar.gz", "cannot be unpacked|damaged"),
+        (bomb, "b.zip", "becomes more than"),
+    ],
+)
+def test_an_archive_that_is_refused_in_one_line(tmp_path, robot, make, name, says):
+    path = tmp_path / name
+    make(path)
+    with pytest.raises(UserError, match=says) as caught:
+        read_recording(path, *robot)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path.parent / "out.csv").exists()
