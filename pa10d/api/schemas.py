@@ -10,6 +10,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import Law
 from pa10d.investigation.motions import Shown
 from pa10d.services.documents import NextWeight, Step, TorqueGain, WeightAtHand
+from pa10d.services.tuning.keys import TuningKey
 
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 StateName = Literal[
@@ -844,49 +845,7 @@ class Sheet(BaseModel):
     )
 
 
-TuningKey = Literal[
-    "control.bandwidth_hz", "control.gains.kp", "control.gains.ki", "control.gains.kd",
-    "limits.position", "limits.velocity", "limits.acceleration", "limits.torque",
-    "safety.following_error", "safety.torque_rate",
-    "environment.floor", "environment.boxes",
-]  # fmt: skip
-"""Where a value stands in the profile."""
-UndoneKey = TuningKey | Literal["drives.torque_gain", "map"]
-TuningGroup = Literal["gains", "limits", "safety", "environment"]
 StatedValue = Annotated[float, Field(strict=True)] | str | list[Any] | JsonObject | None
-
-
-class TuningBound(BaseModel):
-    """By what a value is bounded."""
-
-    says: str = Field(examples=["the URDF's"])
-    most: list[Any] = Field(description="Per joint; [lower, upper] of positions; null: not known")
-
-
-class TuningValue(BaseModel):
-    """One value, or one per joint, as it is in force."""
-
-    key: TuningKey
-    group: TuningGroup
-    title: str
-    per_joint: bool
-    units: list[str] = Field(description="Per joint, else one")
-    none: str = Field(description="What holds where the profile says nothing")
-    written: Any = Field(description="In the profile; null: nothing")
-    in_force: Any = Field(description="A number, text or list; null within it: not known")
-    source: Literal["profile", "measured", "rule", "URDF", "nobody"]
-    bounds: list[TuningBound]
-
-
-class ProfileTuning(BaseModel):
-    """Gains, limits and surroundings of the arm."""
-
-    file: str = Field(description="On the daemon's machine")
-    name: str
-    joints: list[str]
-    refusal: str | None = Field(description="Why it cannot be changed")
-    version: int = Field(description="1 before any change")
-    values: list[TuningValue]
 
 
 class ProfileUndo(Strict):
@@ -902,46 +861,6 @@ class ProfileChanges(Strict):
         min_length=1, examples=[{"control.bandwidth_hz": 3.0, "limits.velocity": {"2": 0.8}}]
     )
     confirmed: bool = Field(False, description="What 'confirm' says was read")
-
-
-class TuningDifference(BaseModel):
-    """One value, before and after."""
-
-    key: UndoneKey = Field(description="Undo also takes back what a weighing or an import wrote")
-    title: str
-    unit: str
-    joint: int | None
-    asked: bool = Field(description="Else it follows from what was asked")
-    old: Any
-    new: Any
-    sentence: str = Field(examples=["velocity of joint 2: 1 rad/s → 0.8 rad/s"])
-
-
-class ProfileDifference(BaseModel):
-    """What a change does, or did."""
-
-    file: str
-    version: int = Field(description="That it makes")
-    diff: list[TuningDifference]
-    confirm: list[str] = Field(description="What lets the arm do more, and is to be confirmed")
-    effect: list[str] = Field(description="What holds from when on")
-    restart: bool = Field(description="Control is started anew; the arm must be unpowered")
-    written: bool
-
-
-class ProfileVersion(BaseModel):
-    """One change."""
-
-    version: int = Field(description="That it made")
-    when: str
-    changes: list[str]
-    undone: bool
-
-
-class ProfileVersions(BaseModel):
-    """Newest first."""
-
-    items: list[ProfileVersion]
 
 
 class StepFigures(BaseModel):

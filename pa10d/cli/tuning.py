@@ -7,11 +7,17 @@ import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, profile_option
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed
+
+if TYPE_CHECKING:
+    from pa10d.services.tuning import ProfileDifference, ProfileTuning, ProfileVersion
+
+T = TypeVar("T")
 
 
 def add_to(profiles: Commands) -> None:
@@ -61,15 +67,15 @@ def show(options: argparse.Namespace) -> Answer:
     """``profile show``."""
     with _tuning(options) as about:
         found = about.show()
-    joints = [f"{k}" for k in range(1, len(found["joints"]) + 1)]
+    joints = [f"{k}" for k in range(1, len(found.joints) + 1)]
     rows = [
-        [one["key"], one["units"][0], one["source"],
-         *(map(_short, one["in_force"]) if one["per_joint"] else [_short(one["in_force"])])]
-        for one in found["values"]
+        [one.key, one.units[0], one.source,
+         *(map(_short, one.in_force) if one.per_joint else [_short(one.in_force)])]
+        for one in found.values
     ]  # fmt: skip
     width = 3 + len(joints)
     rows = [row + [""] * (width - len(row)) for row in rows]
-    head = f"{found['file']}, version {found['version']}"
+    head = f"{found.file}, version {found.version}"
     return Answer(found, "\n".join([head, table(["key", "unit", "from", *joints], rows)]))
 
 
@@ -97,8 +103,7 @@ def versions(options: argparse.Namespace) -> Answer:
     with _tuning(options) as about:
         found = about.versions()
     lines = [
-        f"{one['version']}  {one['when']}{'  undone' if one['undone'] else ''}  "
-        + "; ".join(one["changes"])
+        f"{one.version}  {one.when}{'  undone' if one.undone else ''}  " + "; ".join(one.changes)
         for one in found
     ]
     return Answer(found, "\n".join(lines))
@@ -108,11 +113,11 @@ def versions(options: argparse.Namespace) -> Answer:
 class _Tuner:
     """Who answers: the daemon that serves the profile, and goes on with it, else this process."""
 
-    show: Callable[..., Any]
-    check: Callable[..., Any]
-    tune: Callable[..., Any]
-    undo: Callable[..., Any]
-    versions: Callable[..., Any]
+    show: Callable[[], ProfileTuning]
+    check: Callable[..., ProfileDifference]
+    tune: Callable[..., ProfileDifference]
+    undo: Callable[..., ProfileDifference]
+    versions: Callable[[], list[ProfileVersion]]
 
 
 @contextlib.contextmanager
@@ -124,12 +129,26 @@ def _tuning(options: argparse.Namespace) -> Iterator[_Tuner]:
     with daemon_serving(options.data, own) as client:
         if client is not None:
             yield _Tuner(
-                client.tuning, client.check_tuning, client.tune, client.undo_tuning,
-                client.tuning_versions,
-            )  # fmt: skip
+                _typed(here.ProfileTuning, client.tuning),
+                _typed(here.ProfileDifference, client.check_tuning),
+                _typed(here.ProfileDifference, client.tune),
+                _typed(here.ProfileDifference, client.undo_tuning),
+                _typed(list[here.ProfileVersion], client.tuning_versions),
+            )
             return
-        calls = (here.show, here.propose, here.write, here.undo, here.versions)
-        yield _Tuner(*(partial(call, options.data, options.profile) for call in calls))
+        of = (options.data, options.profile)
+        yield _Tuner(
+            partial(here.show, *of),
+            partial(here.propose, *of),
+            partial(here.write, *of),
+            partial(here.undo, *of),
+            partial(here.versions, *of),
+        )
+
+
+def _typed(kind: type[T], ask: Callable[..., Any]) -> Callable[..., T]:
+    """The daemon's document as what the service returns."""
+    return lambda *given, **named: parsed(kind, ask(*given, **named))
 
 
 def _changes(settings: list[str]) -> dict[str, Any]:
@@ -156,22 +175,22 @@ def _changes(settings: list[str]) -> dict[str, Any]:
     return changes
 
 
-def _agreed(found: dict[str, Any], options: argparse.Namespace) -> bool:
-    return options.confirm or not found["confirm"]
+def _agreed(found: ProfileDifference, options: argparse.Namespace) -> bool:
+    return options.confirm or not found.confirm
 
 
-def _difference(found: dict[str, Any], fine: bool) -> Answer:
+def _difference(found: ProfileDifference, fine: bool) -> Answer:
     """fine: it was not refused for want of a confirmation."""
-    lines = [one["sentence"] + ("" if one["asked"] else "  (follows)") for one in found["diff"]]
-    for sentence in found["confirm"]:
+    lines = [one.sentence + ("" if one.asked else "  (follows)") for one in found.diff]
+    for sentence in found.confirm:
         note(f"to be confirmed: {sentence}")
     if not fine:
         note("nothing is written; --confirm writes it")
-    for sentence in found["effect"]:
+    for sentence in found.effect:
         note(sentence)
-    done = "written" if found["written"] else "would be"
+    done = "written" if found.written else "would be"
     return Answer(
-        found, "\n".join([*lines, f"{done} version {found['version']} of {found['file']}"]),
+        found, "\n".join([*lines, f"{done} version {found.version} of {found.file}"]),
         status=0 if fine else 1,
     )  # fmt: skip
 

@@ -4,12 +4,32 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import lru_cache
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+
+T = TypeVar("T")
 
 JsonObject = dict[str, Any]
 """A document at a border: it goes into a file, to a client or to another process as it stands. Who
 needs to know what is in it parses it into a type of its own, once."""
+
+
+def parsed(kind: type[T], document: Any) -> T:
+    """The value of a dataclass that ``plain`` made a document of, in whatever process; further
+    fields are passed over."""
+    made: T = _adapter(cast(Any, kind)).validate_python(document)
+    return made
+
+
+@lru_cache(None)
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(kind)
 
 
 def plain(value: Any) -> Any:

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pa10d.api.schemas import TuningKey
 from pa10d.cli import main
 from pa10d.client import ApiError
-from pa10d.services.tuning.keys import KEYS
+from pa10d.services.tuning.keys import KEYS, TuningKey
 
 SLOW = {"limits.velocity": {"1": 0.4}}
 SINES = {"amplitude": 0.3, "period": 4.0, "joints": [1]}  # needs 0.47 rad/s

@@ -15,6 +15,7 @@ from pa10d.services.joints import keep_learnt, kept_joints, learnt
 from pa10d.services.profile_file import rewritten
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning import own_profile, propose, show, undo, versions, write
+from pa10d.services.tuning.told import TuningBound
 from pa10d.services.tuning.versions import folder_of, write_version
 
 LINK = '<link name="l{0}"><inertial><origin xyz="0 0 -0.2"/><mass value="3"/><inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.01"/></inertial></link>'  # noqa: E501
@@ -52,21 +53,21 @@ def data(tmp_path):
 
 
 def sentences(found):
-    return [one["sentence"] for one in found["diff"] if one["asked"]]
+    return [one.sentence for one in found.diff if one.asked]
 
 
 def in_force(data, arm, name):
-    return next(one for one in show(data, arm)["values"] if one["key"] == name)
+    return next(one for one in show(data, arm).values if one.key == name)
 
 
 def test_what_is_in_force_says_where_it_comes_from(arm, data):
     speed = in_force(data, arm, "limits.velocity")
-    assert (speed["in_force"], speed["source"]) == ([1, 1.2], "profile")
-    assert speed["bounds"] == [{"says": "the URDF's", "most": [1.5, 1.5]}]
+    assert (speed.in_force, speed.source) == ([1, 1.2], "profile")
+    assert speed.bounds == [TuningBound("the URDF's", [1.5, 1.5])]
     torque = in_force(data, arm, "limits.torque")
-    assert (torque["in_force"], torque["source"], torque["written"]) == ([40, 40], "URDF", None)
-    assert in_force(data, arm, "control.bandwidth_hz")["in_force"] == 4
-    assert in_force(data, arm, "control.gains.kp")["units"] == ["N·m/rad"] * 2
+    assert (torque.in_force, torque.source, torque.written) == ([40, 40], "URDF", None)
+    assert in_force(data, arm, "control.bandwidth_hz").in_force == 4
+    assert in_force(data, arm, "control.gains.kp").units == ["N·m/rad"] * 2
 
 
 def test_a_change_is_shown_before_it_is_written(arm, data):
@@ -76,9 +77,9 @@ def test_a_change_is_shown_before_it_is_written(arm, data):
         "bandwidth: 4 Hz → 3 Hz",
         "velocity of joint 2: 1.2 rad/s → 0.8 rad/s",
     ]
-    followed = {one["key"] for one in found["diff"] if not one["asked"]}
+    followed = {one.key for one in found.diff if not one.asked}
     assert followed == {"control.gains.kp", "control.gains.ki", "control.gains.kd"}
-    assert (found["version"], found["confirm"], found["restart"]) == (2, [], True)
+    assert (found.version, found.confirm, found.restart) == (2, [], True)
     assert arm.read_text() == PROFILE
     assert sorted(p.name for p in arm.parent.iterdir() if p.name.startswith(".")) == []
 
@@ -90,7 +91,7 @@ def test_the_file_keeps_its_comments_and_undo_every_byte(arm, data):
         "control.gains.kp": [10, 5],
         "environment.boxes": [{"name": "table", "size": [1, 1, 0.5], "xyz": [1, 0, 0.25]}],
     }
-    assert write(data, arm, changes, confirmed=True)["written"]
+    assert write(data, arm, changes, confirmed=True).written
     text = arm.read_text()
     new = {"    - 0.8", "  torque: [30, 20]", "  gains:", "    kp: [10, 5]"}
     lines = set(text.splitlines())
@@ -105,18 +106,18 @@ def test_the_file_keeps_its_comments_and_undo_every_byte(arm, data):
     assert profile.environment.boxes[0].name == "table"
 
     write(data, arm, {"limits.velocity": {"1": 0.5}})
-    assert [(v["version"], v["undone"]) for v in versions(data, arm)] == [(3, False), (2, False)]
-    assert show(data, arm)["version"] == 3
+    assert [(v.version, v.undone) for v in versions(data, arm)] == [(3, False), (2, False)]
+    assert show(data, arm).version == 3
     assert sentences(undo(data, arm, check=True)) == ["velocity of joint 1: 0.5 rad/s → 1 rad/s"]
-    assert undo(data, arm)["version"] == 2
+    assert undo(data, arm).version == 2
     assert arm.read_text() == text
     undo(data, arm, confirmed=True)
     assert arm.read_text() == PROFILE
     with pytest.raises(UserError, match="nothing to undo"):
         undo(data, arm)
-    assert [v["undone"] for v in versions(data, arm)] == [True, True]
-    assert write(data, arm, {"control.bandwidth_hz": 3})["version"] == 4  # none is given twice
-    assert undo(data, arm)["version"] == 1
+    assert [v.undone for v in versions(data, arm)] == [True, True]
+    assert write(data, arm, {"control.bandwidth_hz": 3}).version == 4  # none is given twice
+    assert undo(data, arm).version == 1
 
 
 def test_undo_does_not_lose_what_was_edited_by_hand(arm, data):
@@ -183,25 +184,25 @@ def test_a_bad_value_is_one_line_and_writes_nothing(arm, data, changes, wrong):
     ],
 )
 def test_what_lets_the_arm_do_more_is_to_be_confirmed(arm, data, changes, asked):
-    (said,) = propose(data, arm, changes)["confirm"]
+    (said,) = propose(data, arm, changes).confirm
     assert asked in said
     with pytest.raises(UserError, match="to be confirmed"):
         write(data, arm, changes)
     assert arm.read_text() == PROFILE
-    assert write(data, arm, changes, confirmed=True)["written"]
+    assert write(data, arm, changes, confirmed=True).written
 
 
 def test_a_limit_beyond_the_urdfs_keeps_its_sign(arm, data):
     urdf = arm.with_name("robot.urdf")
     urdf.write_text(urdf.read_text().replace('upper="2"', 'upper="-0.0698"'))
-    (said,) = propose(data, arm, {"limits.position": {"1": [-2, -0.02]}})["confirm"]
+    (said,) = propose(data, arm, {"limits.position": {"1": [-2, -0.02]}}).confirm
     assert said == "joint 1: upper position of -0.02 rad goes beyond the URDF's -0.0698"
 
 
 def test_a_limit_that_the_urdf_writes_with_fewer_digits_is_not_beyond_it(arm, data):
     urdf = arm.with_name("robot.urdf")
     urdf.write_text(urdf.read_text().replace('velocity="1.5"', 'velocity="3.14159265"'))
-    assert propose(data, arm, {"limits.velocity": {"1": 3.141592654}})["confirm"] == []
+    assert propose(data, arm, {"limits.velocity": {"1": 3.141592654}}).confirm == []
 
 
 def test_a_limit_that_goes_is_said_in_words(arm, data):
@@ -210,8 +211,8 @@ def test_a_limit_that_goes_is_said_in_words(arm, data):
     urdf.write_text(free.replace('lower="-2" upper="2" ', "", 1))
     write(data, arm, {"limits.position": {"1": [-1, 1]}})
     found = undo(data, arm, check=True)
-    assert "position of joint 1: -1 to 1 rad → none" in [one["sentence"] for one in found["diff"]]
-    assert found["confirm"][0].startswith("joint 1: no lower position instead of -1: neither")
+    assert "position of joint 1: -1 to 1 rad → none" in [one.sentence for one in found.diff]
+    assert found.confirm[0].startswith("joint 1: no lower position instead of -1: neither")
 
 
 TABLE = {"name": "table", "size": [1, 1, 0.5], "xyz": [1, 0, 0.25]}
@@ -234,12 +235,12 @@ TABLE = {"name": "table", "size": [1, 1, 0.5], "xyz": [1, 0, 0.25]}
 )
 def test_only_a_box_that_leaves_room_is_to_be_confirmed(arm, data, boxes, confirm):
     write(data, arm, {"environment.boxes": [TABLE]})
-    assert propose(data, arm, {"environment.boxes": boxes})["confirm"] == confirm
+    assert propose(data, arm, {"environment.boxes": boxes}).confirm == confirm
 
 
 def test_raising_within_what_the_urdf_allows_and_lowering_ask_nothing(arm, data):
     found = propose(data, arm, {"limits.velocity": [1.5, 1.0], "environment.floor": -1})
-    assert found["confirm"] == []
+    assert found.confirm == []
 
 
 def test_undo_asks_as_any_change_does(arm, data):
@@ -247,12 +248,12 @@ def test_undo_asks_as_any_change_does(arm, data):
     write(data, arm, {"limits.velocity": {"2": 1.0}})
     with pytest.raises(UserError, match=r"goes beyond the URDF's 1\.5"):
         undo(data, arm)
-    assert undo(data, arm, confirmed=True)["written"]
+    assert undo(data, arm, confirmed=True).written
 
 
 def test_a_shipped_profile_is_tuned_in_a_copy(data):
     before = own_profile(data, "pa10-sim")
-    assert propose(data, "pa10-sim", {"control.bandwidth_hz": 3})["file"].startswith(str(data))
+    assert propose(data, "pa10-sim", {"control.bandwidth_hz": 3}).file.startswith(str(data))
     assert own_profile(data, "pa10-sim") == before
     text = before.read_text()
     write(data, "pa10-sim", {"control.bandwidth_hz": 3})
@@ -267,7 +268,7 @@ def test_a_shipped_profile_is_tuned_in_a_copy(data):
 
 def test_a_urdf_alone_is_shown_but_not_tuned(arm, data):
     urdf = arm.with_name("robot.urdf")
-    assert "cannot be tuned" in show(data, urdf)["refusal"]
+    assert "cannot be tuned" in show(data, urdf).refusal
     with pytest.raises(UserError, match="pa10d profile new"):
         write(data, urdf, {"control.bandwidth_hz": 3})
 
@@ -276,15 +277,15 @@ def test_measured_joints_hold_for_the_arm_tuned_otherwise(arm, data):
     profile, robot = load_robot(arm)
     figures = presumed_figures(robot).but(coulomb=np.array([2.0, 1.0]), doubt=np.full(2, MEASURED))
     kept = keep_learnt(data, profile, ["r"], learnt(profile, robot, figures))
-    assert in_force(data, arm, "control.gains.kp")["source"] == "measured"
+    assert in_force(data, arm, "control.gains.kp").source == "measured"
     found = write(data, arm, {"control.bandwidth_hz": 2, "safety.following_error": [0.1, 0.1]})
     now = kept_joints(data, load_profile(arm))
     assert now.measured == kept.measured
     assert now.known.figures.document() == kept.known.figures.document()
-    shown = in_force(data, arm, "control.gains.kp")["in_force"]
+    shown = in_force(data, arm, "control.gains.kp").in_force
     assert shown == pytest.approx(now.known.gains.kp)
     assert shown[0] < kept.known.gains.kp[0]
-    new = [one["new"] for one in found["diff"] if one["key"] == "control.gains.kp"]
+    new = [one.new for one in found.diff if one.key == "control.gains.kp"]
     assert new == pytest.approx(shown)
 
 
@@ -307,7 +308,7 @@ def test_figures_measured_in_another_scale_of_torques_are_not_taken_along(arm, d
     scaled = load_profile(arm)
     keep_learnt(data, scaled, ["scaled"], learnt(scaled, robot, heavier))
     found = undo(data, arm)
-    assert (found["restart"], found["confirm"]) == (True, [])
+    assert (found.restart, found.confirm) == (True, [])
     assert sentences(found) == ["torque gain of joint 2: 1.25 → 1"]
     assert kept_joints(data, load_profile(arm)).runs == ("plain",)
 
@@ -315,7 +316,7 @@ def test_figures_measured_in_another_scale_of_torques_are_not_taken_along(arm, d
 def test_a_joint_without_limits_is_told_and_asked_for(arm, data):
     urdf = arm.with_name("robot.urdf")
     urdf.write_text(urdf.read_text().replace('"revolute"', '"continuous"'))
-    assert in_force(data, arm, "limits.position")["in_force"] == [[None, None]] * 2
+    assert in_force(data, arm, "limits.position").in_force == [[None, None]] * 2
     with pytest.raises(UserError, match=r"limits.position: found no joint 2, .* expected one, too"):
         propose(data, arm, {"limits.position": {"1": [-1, 1]}})
     found = propose(data, arm, {"limits.position": {"1": [-1, 1], "2": [-2, 2]}})
@@ -350,13 +351,13 @@ def test_a_damaged_version_is_named_and_everything_else_goes_on(arm, data, damag
     [first, second] = sorted(folder_of(data, arm).glob("0*.json"))
     whole = second.read_bytes()
     second.write_bytes(damage)
-    assert show(data, arm)["values"]
+    assert show(data, arm).values
     [lost, known] = versions(data, arm)
-    assert (lost["version"], lost["undone"], known["version"]) == (3, True, 2)
-    assert lost["changes"][0].startswith(f"cannot be read: {second}: ")
+    assert (lost.version, lost.undone, known.version) == (3, True, 2)
+    assert lost.changes[0].startswith(f"cannot be read: {second}: ")
     with pytest.raises(UserError, match=r"version 3 cannot be read: .*expected an edit"):
         undo(data, arm)
-    assert write(data, arm, {"limits.velocity": [0.3, 0.3]})["version"] == 4
+    assert write(data, arm, {"limits.velocity": [0.3, 0.3]}).version == 4
     undo(data, arm)
     second.write_bytes(whole)
     undo(data, arm)
@@ -382,25 +383,25 @@ def cut_short(monkeypatch):
 def test_a_change_that_never_reached_the_file_is_none(arm, data, cut_short, profile):
     name = arm if profile == "arm" else profile
     cut_short("put_profile", write, data, name, SLOWER)
-    assert show(data, name)["version"] == 1
-    assert [one["undone"] for one in versions(data, name)] == [True]
+    assert show(data, name).version == 1
+    assert [one.undone for one in versions(data, name)] == [True]
     with pytest.raises(UserError, match="nothing to undo"):
         undo(data, name)
-    assert write(data, name, FASTER)["version"] == 3
-    assert [(one["version"], one["undone"]) for one in versions(data, name)] == [
+    assert write(data, name, FASTER).version == 3
+    assert [(one.version, one.undone) for one in versions(data, name)] == [
         (3, False), (2, True),
     ]  # fmt: skip
     undo(data, name)
-    assert show(data, name)["version"] == 1
+    assert show(data, name).version == 1
 
 
 def test_changes_before_one_that_was_cut_short_can_be_undone(arm, data, cut_short):
     write(data, arm, FASTER)
     cut_short("put_profile", write, data, arm, SLOWER)
-    assert show(data, arm)["version"] == 2
+    assert show(data, arm).version == 2
     undo(data, arm)
     assert arm.read_text() == PROFILE
-    assert (show(data, arm)["version"], {one["undone"] for one in versions(data, arm)}) == (
+    assert (show(data, arm).version, {one.undone for one in versions(data, arm)}) == (
         1,
         {True},
     )
@@ -410,7 +411,7 @@ def test_an_undo_that_was_cut_short_is_one(arm, data, cut_short):
     write(data, arm, FASTER)
     write(data, arm, SLOWER)
     cut_short("_store", undo, data, arm)
-    assert show(data, arm)["version"] == 2
+    assert show(data, arm).version == 2
     undo(data, arm)
     assert arm.read_text() == PROFILE
 

@@ -67,10 +67,10 @@ def test_a_kept_mapping_is_a_version_that_can_be_undone(arm):
     tuned = path.read_text()
     assert _import(arm, "--name", "a", "--map", *MAP) == 0
     [newest, _] = versions(data, path)
-    assert newest["changes"] == [f"mapping: {' '.join(map(repr, MAP))}"]
+    assert newest.changes == [f"mapping: {' '.join(map(repr, MAP))}"]
     found = undo(data, path)
-    assert [one["sentence"] for one in found["diff"]] == [f"mapping: {' '.join(MAP)} → none"]
-    assert (found["restart"], found["version"]) == (False, 2)
+    assert [one.sentence for one in found.diff] == [f"mapping: {' '.join(MAP)} → none"]
+    assert (found.restart, found.version) == (False, 2)
     assert path.read_text() == tuned
     undo(data, path)
     assert path.read_text() == PROFILE

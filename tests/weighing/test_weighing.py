@@ -12,17 +12,17 @@ import pytest
 from backends.scaling import nameplate, scaling_of
 from backends.virtual.datasets.runs import run_motion
 from backends.virtual.plant import build
-from pa10d.api.schemas import ProfileDifference
 from pa10d.cli import main
 from pa10d.client import local_daemon
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed, plain
 from pa10d.daemon.hanging import with_weight
 from pa10d.dynamics.robot import robot_from_profile
 from pa10d.identify.scale import Body
 from pa10d.profile import load_profile
 from pa10d.profile.load import find_profile
 from pa10d.services.documents import SCHEMAS
-from pa10d.services.tuning import own_profile, show, undo, versions, write
+from pa10d.services.tuning import ProfileDifference, own_profile, show, undo, versions, write
 from pa10d.services.weighing import work
 from pa10d.services.weighing.apply import apply_gains, undo_gains
 from pa10d.services.weighing.archive import Weighings
@@ -171,7 +171,7 @@ def test_gains_go_into_the_profile_and_out_again(recorded, mine, tmp_path):
     assert drives[0].torque_gain == 1.0
     with pytest.raises(UserError, match="applied already"):
         apply_gains(str(data), "w")
-    assert "torque gain of joint 2" in versions(str(data), str(mine))[0]["changes"][0]
+    assert "torque gain of joint 2" in versions(str(data), str(mine))[0].changes[0]
     undo_gains(str(data), "w")
     assert mine.read_bytes() == before
     with pytest.raises(UserError, match="nothing was applied"):
@@ -208,11 +208,11 @@ def test_the_profiles_own_undo_takes_the_gains_out(recorded, tmp_path):
     apply_gains(data, "w", [4])
     gain = load_profile(own_profile(data, "ur5e")).drives[3].torque_gain
     looked = undo(data, "ur5e", check=True)
-    said = [one["sentence"] for one in looked["diff"] if one["asked"]]
+    said = [one.sentence for one in looked.diff if one.asked]
     assert said == [f"torque gain of joint 4: {gain:g} → 1"]
-    assert looked["restart"], "a powered arm is not to go on with the old gain"
-    assert "control has started anew" in looked["effect"][0]
-    ProfileDifference.model_validate(looked)
+    assert looked.restart, "a powered arm is not to go on with the old gain"
+    assert "control has started anew" in looked.effect[0]
+    assert parsed(ProfileDifference, plain(looked)) == looked
     assert Weighings(data).find("w").applied is not None
     undo(data, "ur5e", confirmed=True)
     assert load_profile(own_profile(data, "ur5e")).drives[3].torque_gain == 1.0
@@ -330,8 +330,8 @@ def test_the_version_told_is_the_one_that_stands_in_the_file(recorded, mine, tmp
     write(data, str(mine), {"limits.velocity": {"1": 1.0}})
     undo(data, str(mine))
     told = apply_gains(data, "w", [2])["version"]
-    assert told == versions(data, str(mine))[0]["version"] == show(data, str(mine))["version"]
-    assert undo_gains(data, "w")["version"] == show(data, str(mine))["version"] == 1
+    assert told == versions(data, str(mine))[0].version == show(data, str(mine)).version
+    assert undo_gains(data, "w")["version"] == show(data, str(mine)).version == 1
 
 
 @pytest.mark.parametrize(

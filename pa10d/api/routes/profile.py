@@ -8,13 +8,9 @@ from fastapi import APIRouter
 
 from pa10d.api.deps import Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
-from pa10d.api.schemas import (
-    ProfileChanges,
-    ProfileDifference,
-    ProfileTuning,
-    ProfileUndo,
-    ProfileVersions,
-)
+from pa10d.api.schemas import ProfileChanges, ProfileUndo
+from pa10d.common.jsonable import parsed
+from pa10d.services.tuning import ProfileDifference, ProfileTuning, ProfileVersions
 
 router = APIRouter(prefix="/profile", tags=["profile"])
 CHANGE = responses("refused", "unconfirmed", "state", "held", "not-ready")
@@ -44,10 +40,10 @@ async def check_profile(daemon: TheDaemon, request: ProfileChanges) -> Any:
 async def tune_profile(daemon: TheDaemon, _client: Commander, request: ProfileChanges) -> Any:
     """Write a change as a new version of the profile, and go on with it: control is started anew
     unless it is about the surroundings alone. The arm must be unpowered for that."""
-    found = await daemon.tuning("propose", changes=request.changes)
+    found = parsed(ProfileDifference, await daemon.tuning("propose", changes=request.changes))
     _require_confirmed(found, request.confirmed)
     more = {"changes": request.changes, "confirmed": request.confirmed}
-    return await daemon.tune(found["restart"], "write", **more)
+    return await daemon.tune(found.restart, "write", **more)
 
 
 @router.post("/undo/check", response_model=ProfileDifference, responses=responses("refused"))
@@ -59,12 +55,12 @@ async def check_undo(daemon: TheDaemon) -> Any:
 @router.post("/undo", response_model=ProfileDifference, responses=CHANGE)
 async def undo_profile(daemon: TheDaemon, _client: Commander, request: ProfileUndo) -> Any:
     """Take back the last change that was not; the file is what it was, byte by byte."""
-    found = await daemon.tuning("undo", check=True)
+    found = parsed(ProfileDifference, await daemon.tuning("undo", check=True))
     _require_confirmed(found, request.confirmed)
-    return await daemon.tune(found["restart"], "undo", confirmed=request.confirmed)
+    return await daemon.tune(found.restart, "undo", confirmed=request.confirmed)
 
 
-def _require_confirmed(found: dict[str, Any], confirmed: bool) -> None:
-    if found["confirm"] and not confirmed:
-        detail = "; ".join(found["confirm"])
-        raise Problem("unconfirmed", detail, confirm=found["confirm"], remedy=CONFIRM)
+def _require_confirmed(found: ProfileDifference, confirmed: bool) -> None:
+    if found.confirm and not confirmed:
+        detail = "; ".join(found.confirm)
+        raise Problem("unconfirmed", detail, confirm=found.confirm, remedy=CONFIRM)

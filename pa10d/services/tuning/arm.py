@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from pa10d.services.joints import kept_joints, learnt
 
 Array = NDArray[np.float64]
 GAINS = ("kp", "ki", "kd")
+Source = Literal["profile", "measured", "rule", "URDF", "nobody"]
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ class Tuned:
                 return [("the usual", usual_torque_rate(self.robot))]
         return []
 
-    def source(self, name: str, written: Any) -> str:
+    def source(self, name: str, written: Any) -> Source:
         """Who says the value that is in force."""
         if written is not None:
             return "profile"

@@ -1,4 +1,4 @@
-"""A profile's tuning as documents: what is in force, what a change would do, writing, undoing."""
+"""A profile's tuning: what is in force, what a change would do, writing, undoing."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 from pa10d.common.yamlfile import YamlFile, read_yaml
 from pa10d.profile.load import profile_folders
@@ -22,11 +23,21 @@ from pa10d.services.tuning.doubts import loosened
 from pa10d.services.tuning.keys import (
     KEYS,
     OTHERS,
-    Document,
     Key,
+    TuningGroup,
+    TuningKey,
+    UndoneKey,
     known_key,
     value_at,
     with_value,
+)
+from pa10d.services.tuning.told import (
+    ProfileDifference,
+    ProfileTuning,
+    ProfileVersion,
+    TuningBound,
+    TuningDifference,
+    TuningValue,
 )
 from pa10d.services.tuning.versions import (
     coming,
@@ -53,36 +64,36 @@ AT_REST = {  # what holds without control being started anew, by groups of keys
 }
 
 
-def show(data: Data, profile: str) -> Document:
+def show(data: Data, profile: str) -> ProfileTuning:
     """Every value in force, with what the file says of it, its source and its bounds."""
     path = own_profile(data, profile)
     found, robot = load_robot(path)
     tuned = Tuned.of(data, found, robot)
     written = {} if path.suffix == ".urdf" else read_yaml(path).data
-    return {
-        "file": str(path),
-        "name": found.name,
-        "joints": list(robot.joint_names),
-        "refusal": _refusal(path),
-        "version": standing(folder_of(data, path), where_written(data, path)),
-        "values": [_value(key, tuned, value_at(written, key)) for key in KEYS.values()],
-    }
+    return ProfileTuning(
+        file=str(path),
+        name=found.name,
+        joints=list(robot.joint_names),
+        refusal=_refusal(path),
+        version=standing(folder_of(data, path), where_written(data, path)),
+        values=[_value(key, tuned, value_at(written, key)) for key in KEYS.values()],
+    )
 
 
-def propose(data: Data, profile: str, changes: Mapping[str, Any]) -> Document:
-    """What a change would do: ``diff`` in old and new values, ``confirm`` (sentences), ``effect``.
+def propose(data: Data, profile: str, changes: Mapping[str, Any]) -> ProfileDifference:
+    """What a change would do.
 
     changes: by the names of keys; a value, null for none, or for some joints ``{joint: value}``.
     UserError with a line for each bad value. Nothing is written.
     """
     edit = _Edit(data, own_profile(data, profile))
     edit.change(changes)
-    return edit.document(coming(folder_of(data, edit.path)))
+    return edit.told(coming(folder_of(data, edit.path)))
 
 
 def write(
     data: Data, profile: str, changes: Mapping[str, Any], confirmed: bool = False
-) -> Document:
+) -> ProfileDifference:
     """Make the change; the version before is kept. A shipped profile is copied into the data
     folder first. UserError where something is to be confirmed and was not."""
     path = own_profile(data, profile)
@@ -90,14 +101,16 @@ def write(
     with locked(folder):
         edit = _Edit(data, path)
         edit.change(changes)
-        document = edit.document(coming(folder))
-        _refuse_unconfirmed(document["confirm"], confirmed)
+        found = edit.told(coming(folder))
+        _refuse_unconfirmed(found.confirm, confirmed)
         edit.carry_on()
         write_version(folder, edit.sentences(), edit.path, edit.before_text, edit.text, edit.data)
-        return {**document, "written": True}
+        return replace(found, written=True)
 
 
-def undo(data: Data, profile: str, confirmed: bool = False, check: bool = False) -> Document:
+def undo(
+    data: Data, profile: str, confirmed: bool = False, check: bool = False
+) -> ProfileDifference:
     """Take back the last change that was not; check: only say what that would do.
 
     UserError where there is none, where the file was edited by hand since, or where something is to
@@ -122,21 +135,21 @@ def undo(data: Data, profile: str, confirmed: bool = False, check: bool = False)
                 "that, expected an edit by hand"
             )
         edit.become(last.before)
-        document = edit.document(standing(folder, file, without=last.number))
+        found = edit.told(standing(folder, file, without=last.number))
         if check:
-            return document
-        _refuse_unconfirmed(document["confirm"], confirmed)
+            return found
+        _refuse_unconfirmed(found.confirm, confirmed)
         edit.carry_on()
         take_back(folder, last, path)
-        return {**document, "written": True}
+        return replace(found, written=True)
 
 
-def versions(data: Data, profile: str) -> list[Document]:
+def versions(data: Data, profile: str) -> list[ProfileVersion]:
     """Every edit, newest first: the version that it made, when, what, and whether it was
     undone."""
     path = own_profile(data, profile)
     return [
-        {"version": one.made, "when": one.when, "changes": one.changes, "undone": one.undone}
+        ProfileVersion(one.made, one.when, one.changes, one.undone)
         for one in reversed(versions_in(folder_of(data, path), where_written(data, path)))
     ]
 
@@ -151,7 +164,7 @@ class _Edit:
         self.data, self.text = file.data, file.text
         profile, robot = as_if_written(self.path, self.text)
         self.before = self.after = Tuned.of(data, profile, robot)
-        self.changed: set[str] = set()
+        self.changed: set[UndoneKey] = set()
         self.rescaled = False
 
     def change(self, changes: Mapping[str, Any]) -> None:
@@ -161,14 +174,14 @@ class _Edit:
             key = known_key(name)
             _refuse_no_number(name, value)
             data = with_value(data, key.place, self._whole(key, value))
-            self.changed.add(name)
+            self.changed.add(key.name)
         self._load(rewritten(self.file, data), data)
 
     def become(self, text: str) -> None:
         """Another text instead of the file's."""
         self._load(text, None)
 
-    def _load(self, text: str, data: Document | None) -> None:
+    def _load(self, text: str, data: JsonObject | None) -> None:
         profile, robot = as_if_written(self.path, text, data)
         self.text, self.data = text, data or self.data
         self.rescaled = profile.drives != self.before.profile.drives
@@ -207,28 +220,28 @@ class _Edit:
 
     def sentences(self) -> list[str]:
         """What was asked for, one line each, without what follows from it."""
-        told = [one for one in self._differences() if one["asked"]]
-        stated = self.changed - {one["key"] for one in told}
+        told = [one for one in self._differences() if one.asked]
+        stated = self.changed - {one.key for one in told}
         same = [f"{KEYS[name].title}: stated as it was in force" for name in sorted(stated)]
-        return [*(_said(one) for one in told), *same]
+        return [*(one.sentence for one in told), *same]
 
-    def document(self, version: int) -> Document:
+    def told(self, version: int) -> ProfileDifference:
         """What it does, as ``propose`` says it."""
         diff = self._differences()
         if not diff and self.text == self.before_text:
             raise UserError(f"{self.path}: nothing to change: these values are in force already")
-        groups = {(KEYS | OTHERS)[one["key"]].group for one in diff}
+        groups = {(KEYS | OTHERS)[one.key].group for one in diff}
         restart = self.rescaled or bool(groups - AT_REST.keys())
         at_rest = [says for group, says in AT_REST.items() if group in groups]
-        return {
-            "file": str(self.path),
-            "version": version,
-            "diff": [{**one, "sentence": _said(one)} for one in diff],
-            "confirm": loosened(self.before, self.after),
-            "effect": [CONTROL, *at_rest] if restart else at_rest,
-            "restart": restart,
-            "written": False,
-        }
+        return ProfileDifference(
+            file=str(self.path),
+            version=version,
+            diff=diff,
+            confirm=loosened(self.before, self.after),
+            effect=[CONTROL, *at_rest] if restart else at_rest,
+            restart=restart,
+            written=False,
+        )
 
     def carry_on(self) -> None:
         """What was measured of the joints holds for the same arm tuned otherwise. Written before
@@ -236,7 +249,7 @@ class _Edit:
         if self.after.measured is not None and not self.rescaled:
             keep_for(self._store, self.after.profile, self.after.measured)
 
-    def _differences(self) -> list[Document]:
+    def _differences(self) -> list[TuningDifference]:
         found = []
         for key in (KEYS | OTHERS).values():
             asked = key.name in self.changed or (not self.changed and self._edited(key))
@@ -244,13 +257,10 @@ class _Edit:
             units = key.units(self.after.robot)
             pairs = zip(old, new, strict=True) if key.per_joint else [(old, new)]
             found += [
-                {
-                    "key": key.name, "title": key.title, "unit": units[j], "asked": asked,
-                    "joint": j + 1 if key.per_joint else None, "old": was, "new": now,
-                }
+                _difference(key, units[j], asked, j + 1 if key.per_joint else None, was, now)
                 for j, (was, now) in enumerate(pairs)
                 if not _same(was, now)
-            ]  # fmt: skip
+            ]
         return found
 
     def _edited(self, key: Key) -> bool:
@@ -276,7 +286,7 @@ def editable(data: Data, path: Path) -> YamlFile:
 def _copied(file: YamlFile, path: Path) -> YamlFile:
     """A shipped profile as a copy elsewhere: what it names beside itself by its whole path."""
     home = file.path.parent
-    data: Document = {**file.data, "urdf": str((home / file.data["urdf"]).resolve())}
+    data: JsonObject = {**file.data, "urdf": str((home / file.data["urdf"]).resolve())}
     if data.get("drives"):
         data["drives"] = [
             {**one, "eds": str((home / one["eds"]).resolve())} if one.get("eds") else one
@@ -302,23 +312,22 @@ def _refuse_unconfirmed(sentences: list[str], confirmed: bool) -> None:
         raise UserError("to be confirmed: " + "; ".join(sentences))
 
 
-def _value(key: Key, tuned: Tuned, written: Any) -> Document:
+def _value(key: Key, tuned: Tuned, written: Any) -> TuningValue:
     force = _plain(tuned.in_force(key.name))
-    return {
-        "key": key.name,
-        "group": key.group,
-        "title": key.title,
-        "per_joint": key.per_joint,
-        "units": key.units(tuned.robot),
-        "none": key.none,
-        "written": written,
-        "in_force": force,
-        "source": tuned.source(key.name, written),
-        "bounds": [
-            {"says": words.rstrip(","), "most": _plain(most)}
-            for words, most in tuned.bounds(key.name)
+    return TuningValue(
+        key=cast(TuningKey, key.name),  # of KEYS
+        group=cast(TuningGroup, key.group),
+        title=key.title,
+        per_joint=key.per_joint,
+        units=key.units(tuned.robot),
+        none=key.none,
+        written=written,
+        in_force=force,
+        source=tuned.source(key.name, written),
+        bounds=[
+            TuningBound(words.rstrip(","), _plain(most)) for words, most in tuned.bounds(key.name)
         ],
-    }
+    )
 
 
 def _refuse_no_number(name: str, value: Any) -> None:
@@ -353,10 +362,12 @@ def _same(old: Any, new: Any) -> bool:
     return bool(old == new)
 
 
-def _said(one: Document) -> str:
-    where = "" if one["joint"] is None else f" of joint {one['joint']}"
-    old, new = (_shown(one[key], one["unit"]) for key in ("old", "new"))
-    return f"{one['title']}{where}: {old} → {new}"
+def _difference(
+    key: Key, unit: str, asked: bool, joint: int | None, old: Any, new: Any
+) -> TuningDifference:
+    where = "" if joint is None else f" of joint {joint}"
+    sentence = f"{key.title}{where}: {_shown(old, unit)} → {_shown(new, unit)}"
+    return TuningDifference(key.name, key.title, unit, joint, asked, old, new, sentence)
 
 
 def _shown(value: Any, unit: str) -> str:

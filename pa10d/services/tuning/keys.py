@@ -9,12 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import did_you_mean
 from pa10d.dynamics import Robot
 
 Array = NDArray[np.float64]
-Document = dict[str, Any]
-Group = Literal["gains", "limits", "safety", "environment", "drives", "imports"]
+TuningKey = Literal[
+    "control.bandwidth_hz", "control.gains.kp", "control.gains.ki", "control.gains.kd",
+    "limits.position", "limits.velocity", "limits.acceleration", "limits.torque",
+    "safety.following_error", "safety.torque_rate",
+    "environment.floor", "environment.boxes",
+]  # fmt: skip
+"""Where a value stands in the profile."""
+UndoneKey = TuningKey | Literal["drives.torque_gain", "map"]
+TuningGroup = Literal["gains", "limits", "safety", "environment"]
+UndoneGroup = TuningGroup | Literal["drives", "imports"]
 
 
 @dataclass(frozen=True)
@@ -22,8 +31,8 @@ class Key:
     """One value, or one per joint. unit: with τ for the joint's torque and q for its angle; none:
     what people read in a hint, where nothing stands in the profile."""
 
-    name: str
-    group: Group
+    name: UndoneKey
+    group: UndoneGroup
     title: str
     unit: str
     none: str
@@ -72,13 +81,14 @@ OTHERS = {
 
 def known_key(name: str) -> Key:
     """The key of this name, or UserError."""
-    if name not in KEYS:
+    key = next((key for key in KEYS.values() if key.name == name), None)
+    if key is None:
         hint = did_you_mean(name, list(KEYS))
         raise UserError(f"{name}: not tuned here; expected one of {', '.join(KEYS)}{hint}")
-    return KEYS[name]
+    return key
 
 
-def value_at(data: Document, key: Key) -> Any:
+def value_at(data: JsonObject, key: Key) -> Any:
     """What a file says there, None where it says nothing."""
     found: Any = data
     for part in key.place:
@@ -86,7 +96,7 @@ def value_at(data: Document, key: Key) -> Any:
     return found
 
 
-def with_value(data: Document, place: tuple[str, ...], value: Any) -> Document:
+def with_value(data: JsonObject, place: tuple[str, ...], value: Any) -> JsonObject:
     """The same data but for one value."""
     head, *rest = place
     if not rest:
