@@ -16,11 +16,14 @@ STAMPS = {
     "ms": (1e3, "milliseconds"),
     "us": (1e6, "microseconds"),
     "ns": (1e9, "nanoseconds"),
+    "day": (1 / 86_400, "days"),
 }  # of them in a second
 
 
 def unit_of_stamps(rate: float) -> str | None:
     """What stamps are in that give so few samples per "second"; None: seconds, or no guess."""
+    if rate > TOO_FAST and SLOW <= rate * STAMPS["day"][0] <= TOO_FAST:
+        return "day"
     for unit, (factor, _) in STAMPS.items():
         if rate < TOO_SLOW and SLOW <= rate * factor <= TOO_FAST:
             return unit

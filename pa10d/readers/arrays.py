@@ -18,6 +18,7 @@ from pa10d.store.channels import Array
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
+SECOND = 1_000_000_000  # ns
 CLOCKS = ("time", "t", "timestamp", "stamp")
 PREFIXES = {"extra": "", "command": "cmd_"}
 """Structs of our own files whose fields are called by more, or less, than their own names."""
@@ -61,7 +62,20 @@ def read_mat(path: Path) -> Table:
             f"{path}: a MATLAB object (table, timeseries …), which MATLAB alone can unpack; "
             "expected arrays or a struct: table2struct(T, 'ToScalar', true)"
         )
-    return Table(spread(named))
+    odd = [place for place, kind in _odd(named) if kind]
+    said = [f"no plain numbers in {', '.join(odd)}: left out"] if odd else []
+    return Table(spread(named), said)
+
+
+def _odd(content: Mapping[str, Any]) -> Iterator[tuple[str, bool]]:
+    """Names of what looks like numbers and cannot be read as such."""
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            yield from _odd(value)
+        elif isinstance(value, np.ndarray):
+            yield f"{name} (complex)", value.dtype.kind == "c"
+        else:
+            yield f"{name} (sparse)", hasattr(value, "tocsc")
 
 
 def read_arrow(path: Path) -> Table:
@@ -80,12 +94,39 @@ def read_arrow(path: Path) -> Table:
             found = feather.read_table(path)
     except (pa.ArrowException, OSError) as error:
         raise damaged(path, "a Parquet or Arrow file", error) from error
-    return Table(spread_arrow(path, found))
+    columns = spread_arrow(path, found)
+    moments = [name for name in found.column_names if _is_moment(found[name].type)]
+    if len(moments) == 1 and not any(name.lower() in CLOCKS for name in columns):
+        columns = {"time": columns.pop(moments[0]), **columns}  # the index of a data frame
+    return Table(columns, _without_numbers(found))
 
 
 def spread_arrow(path: Path, found: Any) -> dict[str, Array]:
     """An Arrow table's columns, as far as they are numbers."""
-    return spread({name: _of_arrow(found[name]) for name in found.column_names})
+    columns = {}
+    for name in found.column_names:
+        try:
+            columns[name] = _of_arrow(found[name])
+        except ValueError as error:
+            raise UserError(f"{path}: column {name}: {error}") from error
+    return spread(columns)
+
+
+def _is_moment(kind: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_timestamp(kind) or pa.types.is_duration(kind))
+
+
+def _without_numbers(found: Any) -> list[str]:
+    """Words may stand for numbers, and it is not for us to say which."""
+    import pyarrow as pa
+
+    words = (pa.types.is_string, pa.types.is_large_string, pa.types.is_binary, pa.types.is_struct,
+             pa.types.is_dictionary)  # fmt: skip
+    kinds = {name: found[name].type for name in found.column_names}
+    left = [f"{name} ({kind})" for name, kind in kinds.items() if any(a(kind) for a in words)]
+    return [f"no numbers in {', '.join(left)[:120]}: left out"] if left else []
 
 
 def spread(content: Mapping[str, Any]) -> dict[str, Array]:
@@ -160,13 +201,40 @@ def _of_arrow(column: Any) -> Any:
     import pyarrow as pa
 
     kind = column.type
-    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
-        return np.array(column.to_pylist(), dtype=np.float64)
-    if pa.types.is_timestamp(kind):
-        return column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy() * 1e-9
-    if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind):
+    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind):
+        return _of_lists(column)
+    if _is_moment(kind):
+        exact = pa.timestamp("ns") if pa.types.is_timestamp(kind) else pa.duration("ns")
+        stamps = column.cast(exact).cast(pa.int64())
+        if stamps.null_count or not len(stamps):
+            return stamps.cast(pa.float64(), safe=False).to_numpy() * 1e-9
+        whole = stamps.to_numpy()
+        return (whole - whole[0] // SECOND * SECOND) * 1e-9
+    numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, pa.types.is_decimal)
+    if any(is_one(kind) for is_one in numbers):
         return column.cast(pa.float64()).to_numpy()
     return None
+
+
+def _of_lists(column: Any) -> Array | None:
+    """(N, k) of rows with k values each; None where they are no numbers; ValueError where the rows
+    differ."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    inner = column.type.value_type
+    if not (pa.types.is_integer(inner) or pa.types.is_floating(inner)):
+        return None
+    if not len(column):
+        return np.empty((0, 1))
+    lengths = np.array([-1 if n is None else n for n in pc.list_value_length(column).to_pylist()])
+    other = np.flatnonzero((lengths != lengths[0]) | (lengths < 0))
+    if len(other):
+        row = int(other[0])
+        there = "none" if lengths[row] < 0 else f"{lengths[row]} values"
+        raise ValueError(f"row {row + 1} has {there}, expected as many in every row")
+    flat = pa.concat_arrays([part.flatten() for part in column.chunks]).cast(pa.float64())
+    return np.asarray(flat.to_numpy(zero_copy_only=False)).reshape(len(column), -1)
 
 
 def is_hdf5(path: Path) -> bool:
@@ -188,7 +256,10 @@ def _read_hdf5(path: Path) -> Table:
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
-        if item.dtype.kind in "fiub" and item.attrs.get("MATLAB_class") != b"char":
+        if item.dtype.names:
+            rows = np.asarray(item[()])
+            found.update({field: rows[field] for field in item.dtype.names})
+        elif item.dtype.kind in "fiub" and item.attrs.get("MATLAB_class") != b"char":
             *structs, own = name.split("/")
             inner = found
             for struct in structs:

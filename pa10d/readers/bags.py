@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
-from array import array
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pa10d.common.errors import UserError
+from pa10d.readers.bag_columns import FIELDS, columns_of
+from pa10d.readers.bag_rows import BagTopic, Found
 from pa10d.readers.table import Table
-from pa10d.store.channels import Array
 from pa10d.store.column_guess import was_asked_for
 
 Progress = Callable[[float], None]
 EVERY = 100_000  # messages between two words of progress
 STATES = "sensor_msgs/msg/JointState"
-FIELDS = {"position": "q", "velocity": "dq", "effort": "tau"}
 TRAJECTORY = "control_msgs/msg/JointTrajectoryControllerState"
 DYNAMIC = "control_msgs/msg/DynamicJointState"
 SINGLE = "control_msgs/msg/JointControllerState"
 DEGREES_OF_FREEDOM = "control_msgs/msg/MultiDOFStateStamped"
-Found = dict[str, tuple[Sequence[str], Sequence[float]]]
-"""position, velocity, effort -> names of joints and their values."""
-
-
-class BagRows:
-    """Messages that name the same quantities: one flat row of numbers each, stamps in ns."""
-
-    def __init__(self, names: tuple[str, ...]) -> None:
-        self.names = names
-        self.stamps, self.numbers = array("q"), array("d")
-
-    def table(self) -> Array:
-        """(N, k), without a copy."""
-        return np.frombuffer(self.numbers, dtype=np.float64).reshape(-1, len(self.names))
-
-
-Topic = dict[tuple[str, ...], BagRows]
 
 
 def read_bag(
@@ -57,7 +36,7 @@ def read_bag(
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
-    seen: dict[str, Topic] = {}
+    seen: dict[str, BagTopic] = {}
     try:
         store = get_typestore(Stores.ROS2_HUMBLE)
         with AnyReader(_opened(path), default_typestore=store) as reader:
@@ -70,25 +49,32 @@ def read_bag(
             count = max(sum(c.msgcount for c in wanted), 1)
             for k, (connection, stamp, raw) in enumerate(reader.messages(connections=wanted)):
                 message = reader.deserialize(raw, connection.msgtype)
-                _keep(seen.setdefault(connection.topic, {}), message, connection.msgtype, stamp)
+                _keep(
+                    seen.setdefault(connection.topic, BagTopic()),
+                    message,
+                    connection.msgtype,
+                    stamp,
+                )
                 if k % EVERY == EVERY - 1:
                     progress(k / count)
-    except UserError:
-        raise
+    except UserError as error:
+        raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
     except Exception as error:  # whatever a damaged bag makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a ROS 2 bag") from error
     taken = max(seen, key=lambda name: _worth(name, seen[name], joints), default=None)
-    if taken is None or not any(block.names for block in seen[taken].values()):
+    if taken is None or not seen[taken].blocks:
         raise UserError(f"{path}: no message on its joint states; expected a recorded motion")
     others = ", ".join(sorted(set(seen) - {taken}))
     kept = seen.pop(taken)
     seen.clear()
     remark = f"taken from topic {taken}; left out: {others}; --topic NAME takes another"
     try:
-        return Table(_columns(path, taken, kept, joints), [remark] if others else [])
+        table = columns_of(path, taken, kept, joints)
     except UserError as error:
         raise UserError(f"{error}; {remark}" if others else str(error)) from error
+    table.remarks += [remark] if others else []
+    return table
 
 
 def _of_topic(path: Path, connections: Sequence[Any], topic: str) -> list[Any]:
@@ -116,21 +102,9 @@ def _opened(path: Path) -> list[Path]:
     return there[0]
 
 
-def _keep(topic: Topic, message: Any, msgtype: str, stamp: int) -> None:
-    header = message.header.stamp
-    own = header.sec * 1_000_000_000 + header.nanosec
-    names: list[str] = []
-    numbers: list[float] = []
-    for kind, (joints, values) in TAKES[msgtype](message).items():
-        if len(values) == len(joints):
-            names += [f"{joint}.{kind}" for joint in joints]
-            numbers += map(float, values)
-    key = tuple(names)
-    block = topic.get(key)
-    if block is None:
-        block = topic[key] = BagRows(key)
-    block.stamps.append(own if own > 0 else stamp)
-    block.numbers.extend(numbers)
+def _keep(topic: BagTopic, message: Any, msgtype: str, received: int) -> None:
+    stamp = message.header.stamp
+    topic.keep(TAKES[msgtype](message), stamp.sec * 1_000_000_000 + stamp.nanosec, received)
 
 
 def _joint_state(message: Any) -> Found:
@@ -187,55 +161,11 @@ TAKES: dict[str, Callable[[Any], Found]] = {
 }
 
 
-def _worth(name: str, topic: Topic, joints: Sequence[str]) -> tuple[bool, int, bool, int]:
+def _worth(name: str, topic: BagTopic, joints: Sequence[str]) -> tuple[bool, int, bool, int]:
     """Measured before asked for, as far as names tell; then joints; then samples."""
-    there = {column for block in topic.values() for column in block.names}
+    there = {column for block in topic.blocks for column in block.names}
     mine = sum(f"{joint}.effort" in there for joint in joints)
     mine += sum(f"{joint}.position" in there for joint in joints)
     measured = not was_asked_for(name)
-    count = sum(len(block.numbers) for block in topic.values())
+    count = sum(len(block.numbers) for block in topic.blocks)
     return measured and mine > 0, mine, measured, count
-
-
-def _columns(
-    path: Path, topic: str, topic_blocks: Topic, joints: Sequence[str]
-) -> dict[str, Array]:
-    blocks = [block for block in topic_blocks.values() if block.names]
-    lead = max(blocks, key=lambda block: len(block.stamps))
-    stamps = np.frombuffer(lead.stamps, dtype=np.int64)
-    order = None if (np.diff(stamps) >= 0).all() else np.argsort(stamps, kind="stable")
-    stamps = stamps if order is None else stamps[order]
-    zero = stamps[0] // 1_000_000_000 * 1_000_000_000
-    t = (stamps - zero) * 1e-9
-    pieces: dict[str, list[tuple[BagRows, int]]] = defaultdict(list)
-    for block in blocks:
-        for k, name in enumerate(block.names):
-            pieces[name].append((block, k))
-    have = {name.rpartition(".")[0] for name in pieces}
-    known = [joint for joint in joints if joint in have]
-    if known and len(known) < len(joints):
-        missing = ", ".join(joint for joint in joints if joint not in have)
-        raise UserError(
-            f"{path}: {topic} has no joint {missing}; found {', '.join(sorted(have))}; expected "
-            "the names of the robot's URDF, or --map 'NAME.position=q1' …"
-        )
-    out: dict[str, Array] = {"time": t}
-    for name, found in pieces.items():
-        joint, _, kind = name.rpartition(".")
-        column = f"{FIELDS[kind]}{joints.index(joint) + 1}" if joint in known else name
-        if len(found) == 1 and found[0][0] is lead:
-            values = lead.table()[:, found[0][1]]
-            values = values if order is None else values[order]
-        else:
-            values = _at(t, found, zero)
-        if not np.isnan(values).all():
-            out[column] = values
-    return out
-
-
-def _at(t: Array, found: Sequence[tuple[BagRows, int]], zero: int) -> Array:
-    """Other senders' values at the stamps t (N,), s."""
-    stamps = np.concatenate([np.frombuffer(b.stamps, dtype=np.int64) for b, _ in found])
-    values = np.concatenate([b.table()[:, k] for b, k in found])
-    at = np.argsort(stamps, kind="stable")
-    return np.interp(t, (stamps[at] - zero) * 1e-9, values[at])

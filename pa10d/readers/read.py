@@ -180,7 +180,7 @@ def _is_plain_csv(path: Path) -> bool:
         line = first.decode("utf-8-sig")
     except UnicodeDecodeError:
         return False
-    if "\0" in line or line.lstrip().startswith(text.COMMENT):
+    if "\0" in line or "\r" in line.rstrip("\r") or line.lstrip().startswith(text.COMMENT):
         return False
     names = [cell.strip() for cell in line.split(",")]
     if len(names) < 3 or any(sign in line for sign in (";", "\t")) or text.numbers(names):

@@ -13,7 +13,7 @@ from pa10d.common.errors import UserError
 from pa10d.readers.value_guess import guessed_by_value
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_choices import rules_of
-from pa10d.store.column_mapping import Rule, Unit, resolve
+from pa10d.store.column_mapping import Rule, Unit, resolve, stamps_of
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences, wraps_of
 from pa10d.store.equal_steps import equal_steps
@@ -47,15 +47,18 @@ def recording_of(
         columns = header.columns(n, constants is not None, robot)
     except UserError as error:
         if "c1" not in names:
-            raise
+            raise UserError("; ".join([str(error), *table.remarks])) from error
         raise UserError(
             f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
             f"--map {_by_value(table, n)} ({len(names)} columns)"
         ) from error
     cells = _Cells(path, names, table.columns, resolved.units)
-    t = cells.take(columns.time)
+    t = stamps_of(cells.take(columns.time), resolved.units.get(names[columns.time], Unit()))
     if len(t) < FEWEST:
         raise UserError(f"{path}: found {len(t)} samples, expected at least {FEWEST}")
+    distinct = 1 + int((np.diff(t) > 0).sum())
+    if 1 < distinct < FEWEST:
+        raise UserError(f"{path}: found {distinct} different stamps, expected at least {FEWEST}")
     back = np.flatnonzero(np.diff(t) < 0)
     if len(back):
         row = int(back[0]) + 1
@@ -69,7 +72,10 @@ def recording_of(
     cells.forget()
     table.columns = {}  # an hour at 1 kHz is not to be held twice
     wraps = wraps_of(samples)
-    timing, samples = equal_steps(t, samples)
+    try:
+        timing, samples = equal_steps(t, samples)
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 FIELD = re.compile(r"(time)|(q|dq|tau|i|temp)([1-9]\d*)")
 PER_JOINT = ("q", "dq", "tau", "i", "temp")
 UNITS = {
-    "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0,
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "day": 86_400.0,
     "rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180, "°": math.pi / 180, "rev": 2 * math.pi,
     "m": 1.0, "mm": 1e-3,
     "rad/s": 1.0, "deg/s": math.pi / 180, "°/s": math.pi / 180, "rpm": math.pi / 30,
@@ -75,6 +75,13 @@ class Unit:
         if self.period is not None:
             values = unwrapped(values, self.period)
         return values if self.factor == 1.0 else values * self.factor
+
+
+def stamps_of(values: Array, unit: Unit) -> Array:
+    """(N,) s, rising or not, of a column that was read in ``unit`` already: days are counted from
+    the year 0, and begin at the first sample's day."""
+    day = UNITS["day"]
+    return values - values[0] // day * day if unit.factor == day and len(values) else values
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from pa10d.common.errors import UserError
 from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
-from pa10d.store.column_mapping import read_mapping, resolve
+from pa10d.store.column_mapping import Unit, read_mapping, resolve, stamps_of
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, refuse_bombs, rows
 from pa10d.store.equal_steps import equal_steps
@@ -61,7 +61,7 @@ def read_csv(
     columns = header.columns(n, torque_constants is not None, robot)
     columns.units = {names.index(name): unit for name, unit in given.units.items()}
     table, warnings = _Table(path, columns), list(columns.warnings)
-    t = table.take(columns.time)
+    t = stamps_of(table.take(columns.time), columns.units.get(columns.time, Unit()))
     if len(t) < FEWEST:
         raise UserError(_too_few(path, len(t), "samples"))
     _refuse_backwards(path, t)

@@ -1,0 +1,161 @@
+"""Tables as data frames, MATLAB and loggers really leave them: the right arrays, or one line."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+from scipy import sparse
+from scipy.io import savemat
+from test_formats import URDF, lines
+
+from pa10d.checks import unit_of_stamps
+from pa10d.common.errors import UserError
+from pa10d.readers import read_recording
+from pa10d.services.import_preview import preview_recording
+from pa10d.services.robots import load_robot
+
+N = 600
+T = np.arange(N) / 200.0
+Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
+TAU = 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 0.3 * Q
+FLAT = {"q1": Q[:, 0], "q2": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]}
+NS = np.rint(T * 1e9).astype(np.int64)
+
+
+@pytest.fixture
+def robot(tmp_path):
+    (tmp_path / "robot.urdf").write_text(URDF)
+    return load_robot(tmp_path / "robot.urdf")
+
+
+def table(**columns):
+    def write(folder):
+        parquet.write_table(pa.table(columns), folder / "run.parquet")
+        return folder / "run.parquet"
+
+    return write
+
+
+def matlab(**content):
+    def write(folder):
+        savemat(folder / "run.mat", content)
+        return folder / "run.mat"
+
+    return write
+
+
+def hdf5_records(folder):
+    h5py = pytest.importorskip("h5py", reason="no h5py for HDF5")
+    rows = np.zeros(N, [("time", "f8"), *((name, "f8") for name in FLAT)])
+    for name, values in {"time": T, **FLAT}.items():
+        rows[name] = values
+    with h5py.File(folder / "run.h5", "w") as file:
+        file["log"] = rows
+    return folder / "run.h5"
+
+
+def old_mac(folder):
+    (folder / "run.csv").write_bytes(lines({"time": T, **FLAT}).replace("\n", "\r").encode())
+    return folder / "run.csv"
+
+
+def numpy(**blocks):
+    def write(folder):
+        np.savez(folder / "run.npz", **blocks)
+        return folder / "run.npz"
+
+    return write
+
+
+def decimals(values):
+    return pa.array([Decimal(f"{v:.12f}") for v in values])
+
+
+def holed(k):
+    return pa.array([None if i == k else list(row) for i, row in enumerate(Q)])
+
+
+WHOLE = {
+    "stamps as the index": table(
+        **FLAT, __index_level_0__=pa.array(NS + 10**18).cast(pa.timestamp("ns"))
+    ),
+    "time since the start": table(time=pa.array(NS).cast(pa.duration("ns")), **FLAT),
+    "microseconds of a zone": table(
+        time=pa.array(NS // 1000 + 10**15).cast(pa.timestamp("us", tz="UTC")), **FLAT
+    ),
+    "decimals": table(time=T, **{name: decimals(values) for name, values in FLAT.items()}),
+    "large lists": table(
+        time=T, q=pa.array(Q.tolist(), pa.large_list(pa.float64())), tau=pa.array(TAU.tolist())
+    ),
+    "rows for columns": matlab(time=T[None], q=Q.T, tau=TAU.T),
+    "records in HDF5": hdf5_records,
+    "lines of an old Mac": old_mac,
+    "the other end first": numpy(time=T.astype(">f8"), q=Q.astype(">f8"), tau=TAU.astype(">f8")),
+}
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_the_right_arrays(tmp_path, robot, kind):
+    found = read_recording(WHOLE[kind](tmp_path), *robot)
+    np.testing.assert_allclose(found.samples.q, Q, atol=1e-11)
+    np.testing.assert_allclose(found.samples.tau, TAU, atol=1e-11)
+    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-9)
+
+
+def named(*names):
+    return {name: FLAT[name] for name in names}
+
+
+REFUSED = {
+    "numbers in words": (
+        table(time=T, **{name: [str(v) for v in values] for name, values in FLAT.items()}),
+        r"no column q1.*no numbers in q1 \(string\)",
+    ),
+    "a row with fewer": (
+        table(time=T, q=[list(r) if k != 7 else [1.0] for k, r in enumerate(Q)], tau=TAU.tolist()),
+        r"column q: row 8 has 1 values, expected as many in every row",
+    ),
+    "a row of nothing": (
+        table(time=T, q=holed(7), tau=TAU.tolist()), r"column q: row 8 has none, expected as many",
+    ),
+    "a first row of nothing": (
+        table(time=T, q=holed(0), tau=TAU.tolist()), r"column q: row 1 has none, expected as many",
+    ),
+    "a stamp of nothing": (
+        table(time=pa.array([None if k == 9 else int(v) for k, v in enumerate(NS)], pa.int64())
+              .cast(pa.timestamp("ns")), **FLAT),
+        r"column time: sample 10 is nan",
+    ),
+    "sparse": (matlab(time=T, q=sparse.csc_matrix(Q), tau=TAU), r"no plain numbers in q \(sparse"),
+    "complex": (matlab(time=T, q=Q + 0j, tau=TAU), r"no plain numbers in q \(complex"),
+    "stamps of three seconds": (
+        numpy(time=np.floor(T), q=Q, tau=TAU), r"found 3 different stamps, expected at least 100",
+    ),
+    "a pause of an age": (
+        numpy(time=np.append(T[:-1], 1e9), q=Q, tau=TAU), r"run.npz: .*expected one recording",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_one_clear_line(tmp_path, robot, kind):
+    write, told = REFUSED[kind]
+    path = write(tmp_path)
+    with pytest.raises(UserError, match=told) as caught:
+        read_recording(path, *robot)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_time_in_days_is_told(tmp_path, robot):
+    assert unit_of_stamps(200 * 86_400.0) == "day"
+    assert unit_of_stamps(30_000.0) is None
+    path = matlab(time=738_000 + T / 86_400, q=Q, tau=TAU)(tmp_path)
+    found = preview_recording(path, *robot, thorough=False)
+    assert found.problem == ""
+    assert found.rules == ["time[day]=time"]
+    assert found.rate == pytest.approx(200, rel=0.1)  # days of 2026 are kept to 10 µs
