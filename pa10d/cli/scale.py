@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Commands, profile_option
 from pa10d.common.errors import UserError
+
+if TYPE_CHECKING:
+    from pa10d.services.torque_scale import JointScale, WeightProspect
 
 
 def add_commands(commands: Commands) -> None:
@@ -43,7 +47,7 @@ def scale(options: argparse.Namespace) -> Answer:
     """``scale``."""
     from pa10d.identify.scale import Body
     from pa10d.services.robots import load_robot
-    from pa10d.services.scale import gains_document
+    from pa10d.services.scale import torque_scale
     from pa10d.store import RunStore
 
     _, robot = load_robot(options.profile)
@@ -57,22 +61,17 @@ def scale(options: argparse.Namespace) -> Answer:
         if not runs:
             raise UserError(f"--payload {body}: no run, expected BODY and the runs with it")
     at_hand = [Body.of(text) for text in options.at_hand]
-    document = gains_document(robot, RunStore(options.data), options.empty, loads, at_hand)
-    return Answer(document, in_words(document))
+    found = torque_scale(robot, RunStore(options.data), options.empty, loads, at_hand)
+    return Answer(found, in_words(found.joints, found.prospects, found.advice))
 
 
-def in_words(document: dict[str, Any]) -> str:
+def in_words(
+    gains: Sequence[JointScale], prospects: Sequence[WeightProspect], advice: str | None
+) -> str:
     """Gains, weights at hand and advice, for the terminal."""
-    from pa10d.services.scale import rows_in_words
-
     head = ["joint", "name", "measured / true torque", "friction leaves", "to mend it"]
-    parts = [table(head, rows_in_words(document))]
-    if document["prospects"]:
-        joints = [f"joint {line['joint']}" for line in document["joints"]]
-        rows = [
-            [f"{one['mass']:g} kg{' (next)' if one['next'] else ''}",
-             *("-" if e is None else f"{e:.2%}" for e in one["std_error"])]
-            for one in document["prospects"]
-        ]  # fmt: skip
-        parts.append(table(["would tell", *joints], rows))
-    return "\n".join([*parts, document["advice"]])
+    parts = [table(head, [one.row for one in gains])]
+    if prospects:
+        joints = [f"joint {one.joint}" for one in gains]
+        parts.append(table(["would tell", *joints], [one.row for one in prospects]))
+    return "\n".join([*parts, *([advice] if advice else [])])

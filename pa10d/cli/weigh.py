@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, current
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.scale import in_words as scale_in_words
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed
 
-Document = dict[str, Any]
+if TYPE_CHECKING:
+    from pa10d.services.weighing.told import WeighingStatus
 
 
 def add_commands(commands: Commands) -> None:
@@ -96,39 +98,41 @@ def _weights(parser: argparse.ArgumentParser) -> None:
 def begin(options: argparse.Namespace) -> Answer:
     """``weigh begin``."""
     from pa10d.services.weighing.work import begin as begun
-    from pa10d.services.weighing.work import document
+    from pa10d.services.weighing.work import status
 
-    found = document(begun(_data(options), options.profile, options.weight, options.name))
+    found = status(begun(_data(options), options.profile, options.weight, options.name))
     return Answer(found, in_words(found))
 
 
 def show(options: argparse.Namespace) -> Answer:
     """``weigh show``."""
     from pa10d.services.weighing.archive import Weighings
-    from pa10d.services.weighing.work import document
+    from pa10d.services.weighing.work import status
 
-    found = document(Weighings(options.data).find(options.name))
+    found = status(Weighings(options.data).find(options.name))
     return Answer(found, in_words(found))
 
 
 def record(options: argparse.Namespace) -> Answer:
     """``weigh record``."""
     from pa10d.services.weighing.archive import Weighings
+    from pa10d.services.weighing.told import WeighingStatus
     from pa10d.services.weighing.work import refuse_unknown
 
     state = Weighings(options.data).find(options.name)
     refuse_unknown(state, options.weight)
     current.patient = True  # it may have started a daemon
     with daemon_for(options) as client:
-        found = client.weigh(state.id, options.weight, progress_line())
+        found = parsed(WeighingStatus, client.weigh(state.id, options.weight, progress_line()))
     return Answer(found, in_words(found))
 
 
 def guide(options: argparse.Namespace) -> Answer:
     """``weigh guide``."""
     from pa10d.services.weighing.archive import Weighings
+    from pa10d.services.weighing.told import WeighingStatus
     from pa10d.services.weighing.work import begin as begun
-    from pa10d.services.weighing.work import document, judge
+    from pa10d.services.weighing.work import judge, status
 
     if options.resume is not None and options.weight:
         raise UserError("--resume: goes on with its own weights; expected no --weight")
@@ -137,16 +141,16 @@ def guide(options: argparse.Namespace) -> Answer:
         if options.resume is not None
         else begun(_data(options), options.profile, options.weight, options.name)
     )
-    found = judge(_data(options), state.id) if state.pending else document(state)
+    found = judge(_data(options), state.id) if state.pending else status(state)
     note(f"Ctrl-C stops it; 'pa10d weigh guide --resume {state.name}' goes on from there.")
     current.patient = True
     with daemon_for(options) as client:
-        while (weight := found["next"]["weight"]) is not None:
-            note(found["next"]["says"])
+        while (weight := found.next.weight) is not None:
+            note(found.next.says)
             if not options.yes:
                 _asked()
-            found = client.weigh(state.id, weight, progress_line())
-            note(found["advice"])
+            found = parsed(WeighingStatus, client.weigh(state.id, weight, progress_line()))
+            note(found.advice or "")
     return Answer(found, in_words(found))
 
 
@@ -154,16 +158,18 @@ def apply(options: argparse.Namespace) -> Answer:
     """``weigh apply``."""
     from pa10d.client import daemon_serving
     from pa10d.services.weighing.apply import apply_gains
+    from pa10d.services.weighing.told import ChangedProfile
 
     with daemon_serving(options.data, _file(options)) as client:
         if client is None:
             found = apply_gains(_data(options), options.name, options.joints)
         else:
-            found = client.apply_weighing(options.name, options.joints)
-    gains = ", ".join(f"joint {j}: {g:g}" for j, g in found["applied"]["gains"].items())
+            found = parsed(ChangedProfile, client.apply_weighing(options.name, options.joints))
+    written = found.applied.gains if found.applied else {}
+    gains = ", ".join(f"joint {j}: {g:g}" for j, g in written.items())
     text = (
-        f"{found['file']} is version {found['version']} now, with torque_gain of {gains}\n"
-        f"back: pa10d weigh undo {found['name']}"
+        f"{found.file} is version {found.version} now, with torque_gain of {gains}\n"
+        f"back: pa10d weigh undo {found.name}"
     )
     return Answer(found, text)
 
@@ -172,13 +178,14 @@ def undo(options: argparse.Namespace) -> Answer:
     """``weigh undo``."""
     from pa10d.client import daemon_serving
     from pa10d.services.weighing.apply import undo_gains
+    from pa10d.services.weighing.told import ChangedProfile
 
     with daemon_serving(options.data, _file(options)) as client:
         if client is None:
             found = undo_gains(_data(options), options.name)
         else:
-            found = client.undo_weighing(options.name)
-    return Answer(found, f"{found['file']} is what it was before")
+            found = parsed(ChangedProfile, client.undo_weighing(options.name))
+    return Answer(found, f"{found.file} is what it was before")
 
 
 def _file(options: argparse.Namespace) -> str:
@@ -190,21 +197,20 @@ def _file(options: argparse.Namespace) -> str:
     return str(own_profile(options.data, Weighings(_data(options)).find(options.name).profile))
 
 
-def in_words(found: Document) -> str:
+def in_words(found: WeighingStatus) -> str:
     """How far it is, for the terminal."""
     rows = [
-        ["0", "nothing", str(len(found["empty"]))],
-        *([str(w["number"]), w["says"], str(len(w["runs"]))] for w in found["weights"]),
+        ["0", "nothing", str(len(found.empty))],
+        *([str(w.number), w.says, str(len(w.runs))] for w in found.weights),
     ]
-    motion = found["motion"]
     parts = [
-        f"{found['name']}: {motion['seconds']:.0f} s of motion for each recording",
-        *motion["notes"],
+        f"{found.name}: {found.motion.seconds:.0f} s of motion for each recording",
+        *found.motion.notes,
         table(["number", "weight", "runs"], rows),
     ]
-    if found["joints"]:
-        parts.append(scale_in_words(found))
-    return "\n".join([*parts, f"next: {found['next']['says']}"])
+    if found.joints:
+        parts.append(scale_in_words(found.joints, found.prospects, found.advice))
+    return "\n".join([*parts, f"next: {found.next.says}"])
 
 
 def _asked() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,54 +13,30 @@ from pa10d.dynamics import Robot
 from pa10d.identify.scale import Body, Gains, JointGain, Load, Prospect, prospects, torque_gains
 from pa10d.identify.scale.prediction import ASIDE, WANTED, best, heavier, limited_by_noise
 from pa10d.measurement.recording import Recording
+from pa10d.services.torque_scale import JointScale, TorqueScale, WeightProspect
 from pa10d.store import RunStore
 
-Document = dict[str, Any]
 
-
-def gains_document(
+def torque_scale(
     robot: Robot,
     store: RunStore,
     empty: Sequence[str],
     loads: Sequence[tuple[Body, Sequence[str]]],
     at_hand: Sequence[Body] = (),
-) -> Document:
-    """What ``pa10d scale --json`` says: ``joints``, ``prospects`` of the weights at hand,
-    ``next_mass`` and ``advice``."""
+) -> TorqueScale:
+    """Gains from runs without and with weights, and what each weight at hand would bring."""
     given = [Load(_read(store, runs, robot), body) for body, runs in loads]
     found = torque_gains(robot, _read(store, empty, robot), given)
     seen = prospects(robot, found, at_hand)
     chosen = best(found, seen)
     masses = [body.mass for body, _ in loads]
     heavy = heavier(robot, found, masses) if chosen is None else None
-    return {
-        "joints": [_line(robot, j, joint) for j, joint in enumerate(found.joints)],
-        "prospects": [_prospect(one, one is chosen) for one in seen],
-        "next_mass": heavy,
-        "advice": _advice(robot, found, chosen, seen, heavy, masses),
-    }
-
-
-def rows_in_words(document: Mapping[str, Any]) -> list[list[str]]:
-    """Joint, name, gain, bounds, what mends a recording: a row each."""
-    return [
-        [str(line["joint"]), line["name"], gain_in_words(line), bounds_in_words(line), line["map"]]
-        for line in document["joints"]
-    ]
-
-
-def gain_in_words(line: Mapping[str, Any]) -> str:
-    """``1.1203 ± 0.0041``, or why it is not determined."""
-    if line["gain"] is None:
-        return f"not determined: {line['why']}"
-    said = " (recordings disagree)" if line["disagree"] else ""
-    return f"{line['gain']:.4f} ± {line['std_error']:.4f}{said}"
-
-
-def bounds_in_words(line: Mapping[str, Any]) -> str:
-    """What friction with the load leaves open, or nothing."""
-    between = line["between"]
-    return "" if between is None else f"{between[0]:.3g} … {between[1]:.3g}"
+    return TorqueScale(
+        joints=tuple(_joint(robot, j, joint) for j, joint in enumerate(found.joints)),
+        prospects=tuple(_prospect(one, one is chosen) for one in seen),
+        next_mass=heavy,
+        advice=_advice(robot, found, chosen, seen, heavy, masses),
+    )
 
 
 def _read(store: RunStore, names: Sequence[str], robot: Robot) -> list[Recording]:
@@ -71,35 +47,39 @@ def _read(store: RunStore, names: Sequence[str], robot: Robot) -> list[Recording
     return runs
 
 
-def _line(robot: Robot, j: int, joint: JointGain) -> Document:
+def _joint(robot: Robot, j: int, joint: JointGain) -> JointScale:
     told = joint.told
-    return {
-        "joint": j + 1,
-        "name": robot.joint_names[j],
-        "gain": joint.gain if told else None,
-        "std_error": joint.std_error if told else None,
-        "of_noise": joint.of_noise if told else None,
-        "of_weight": joint.of_body if told else None,
-        "between": None if joint.between is None else list(joint.between),
-        "friction_with_load": joint.rubs if joint.between else None,
-        "disagree": joint.disagree,
-        "asked": joint.asked,
-        "why": joint.why or None,
-        "map": f"--map 'tau{j + 1}[{1 / joint.gain:.4g}]=tau{j + 1}'" if told else "",
-    }
+    return JointScale(
+        joint=j + 1,
+        name=robot.joint_names[j],
+        gain=_finite(joint.gain) if told else None,
+        std_error=_finite(joint.std_error) if told else None,
+        of_noise=_finite(joint.of_noise) if told else None,
+        of_weight=_finite(joint.of_body) if told else None,
+        between=joint.between,
+        friction_with_load=_finite(joint.rubs) if joint.between else None,
+        disagree=bool(joint.disagree),
+        asked=_finite(joint.asked),
+        why=joint.why or None,
+        map=f"--map 'tau{j + 1}[{1 / joint.gain:.4g}]=tau{j + 1}'" if told else "",
+    )
 
 
-def _prospect(one: Prospect, chosen: bool) -> Document:
-    return {
-        "weight": one.body.text,
-        "mass": one.body.mass,
-        "std_error": [float(v) if np.isfinite(v) else None for v in one.std_error],
-        "worst": one.worst if np.isfinite(one.worst) else None,
-        "too_much": None if one.too_much is None else one.too_much + 1,
-        "aside": [j + 1 for j in one.aside],
-        "axis": one.axis or None,
-        "next": chosen,
-    }
+def _prospect(one: Prospect, chosen: bool) -> WeightProspect:
+    return WeightProspect(
+        weight=one.body.text,
+        mass=one.body.mass,
+        std_error=tuple(_finite(v) for v in one.std_error),
+        worst=_finite(one.worst),
+        too_much=None if one.too_much is None else one.too_much + 1,
+        aside=tuple(j + 1 for j in one.aside),
+        axis=one.axis or None,
+        next=chosen,
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
 
 
 def _advice(

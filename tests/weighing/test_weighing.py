@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -29,9 +30,9 @@ from pa10d.services.weighing.archive import Weighings
 from pa10d.services.weighing.work import (
     add_weight,
     begin,
-    document,
     judge,
     refuse_other_gains,
+    status,
     weighed,
 )
 from pa10d.store import Channels, RunStore, Samples
@@ -89,38 +90,36 @@ def _record(data, state, weight) -> str:
 
 def test_the_way_is_told_step_by_step(tmp_path):
     state = begin(str(tmp_path), "ur5e", ["1,0.05,0,0.1", WEIGHT])
-    told = document(state)
-    assert told["next"]["weight"] == 0
-    assert "Take every load off" in told["next"]["says"]
-    assert told["motion"]["parameters"]["mass"] == 3.0, "planned for the heaviest"
-    assert any(
-        "joint 1: at rest the weight asks nothing" in note for note in told["motion"]["notes"]
-    )
+    told = status(state)
+    assert told.next.weight == 0
+    assert "Take every load off" in told.next.says
+    assert told.motion.parameters["mass"] == 3.0, "planned for the heaviest"
+    assert any("joint 1: at rest the weight asks nothing" in note for note in told.motion.notes)
     assert Weighings(tmp_path).find(state.name) == state, "what is kept is what was made"
 
 
 def test_after_the_empty_arm_the_best_weight_is_next_and_then_gains_are_there(recorded):
     state = Weighings(recorded).find("w")
-    told = document(state)
-    for line, true in list(zip(told["joints"], TRUE, strict=True))[1:]:
-        assert abs(line["gain"] - true) < 4 * line["std_error"]
-    assert told["joints"][1]["std_error"] < 0.02
-    [other] = told["prospects"]
-    assert other["mass"] == 0.2
-    assert told["next"]["weight"] == (2 if other["next"] else None)
+    told = status(state)
+    for line, true in list(zip(told.joints, TRUE, strict=True))[1:]:
+        assert abs(line.gain - true) < 4 * line.std_error
+    assert told.joints[1].std_error < 0.02
+    [other] = told.prospects
+    assert other.mass == 0.2
+    assert told.next.weight == (2 if other.next else None)
 
 
 def test_another_weight_is_judged_before_it_is_hung(recorded, tmp_path):
     data = shutil.copytree(recorded, tmp_path / "data")
-    told = document(add_weight(str(data), "w", "60,0.05,0,0.1"))
-    assert told["prospects"][-1]["too_much"] is not None
+    told = status(add_weight(str(data), "w", "60,0.05,0,0.1"))
+    assert told.prospects[-1].too_much is not None
 
 
 @pytest.mark.alone
 def test_an_analysis_that_was_interrupted_is_made_up_for(recorded, tmp_path, monkeypatch):
     data = str(shutil.copytree(recorded, tmp_path / "data"))
     state = Weighings(data).find("w")
-    told = document(state)
+    told = status(state)
     *state.recordings, last = state.recordings
     state.judged = 0
     Weighings(data).save(state)
@@ -129,20 +128,20 @@ def test_an_analysis_that_was_interrupted_is_made_up_for(recorded, tmp_path, mon
     def killed(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(work, "gains_document", killed)
+    monkeypatch.setattr(work, "torque_scale", killed)
     with pytest.raises(KeyboardInterrupt):
         weighed(data, "w", last.weight, last.runs)
     state = Weighings(data).find("w")
     assert state.recordings[-1].runs == last.runs, "what was recorded stays"
     assert state.pending
-    assert "not analysed yet" in document(state)["next"]["says"]
+    assert "not analysed yet" in status(state).next.says
     with local_daemon(data, "ur5e", clock="simulated") as arm:
         for event in arm.events(since=0):
             if event["kind"] == "job" and event["data"]["status"] == "succeeded":
                 break
         found = arm.weighing("w")
-    assert found["next"] == told["next"]
-    gains = [[line["gain"] for line in one["joints"]] for one in (found, told)]
+    assert found["next"] == plain(told.next)
+    gains = [[line["gain"] for line in one["joints"]] for one in (found, plain(told))]
     assert gains[0] == pytest.approx(gains[1])
 
 
@@ -161,7 +160,7 @@ def test_gains_go_into_the_profile_and_out_again(recorded, mine, tmp_path):
     Weighings(data).save(state)
     before = mine.read_bytes()
     told = apply_gains(str(data), "w", [2, 3])
-    assert told["applied"]["profile"] == str(mine)
+    assert told.applied.profile == str(mine)
     text = mine.read_text()
     assert text.endswith("# the end\n")
     assert text.count("torque_gain:") == 2
@@ -182,8 +181,8 @@ def test_gains_go_into_the_profile_and_out_again(recorded, mine, tmp_path):
 def test_gains_of_a_weight_that_was_another_one_are_not_applied(recorded, mine, tmp_path, gain):
     data = shutil.copytree(recorded, tmp_path / "data")
     state = Weighings(data).find("w")
-    lines = [{**line, "gain": gain} for line in state.result["joints"]]
-    state.profile, state.result = str(mine), {**state.result, "joints": lines}
+    lines = tuple(replace(line, gain=gain) for line in state.result.joints)
+    state.profile, state.result = str(mine), replace(state.result, joints=lines)
     Weighings(data).save(state)
     before = mine.read_bytes()
     for joints in ((), (2,)):
@@ -198,7 +197,7 @@ def test_a_shipped_profile_gets_a_copy_that_every_command_takes(recorded, tmp_pa
     told = apply_gains(str(data), "w")
     assert find_profile("ur5e").read_bytes() == shipped
     own = own_profile(str(data), "ur5e")
-    assert str(own) == told["applied"]["profile"]
+    assert str(own) == told.applied.profile
     drives = load_profile(own).drives
     assert drives[3].torque_gain == pytest.approx(1.08, abs=0.05)
 
@@ -216,10 +215,10 @@ def test_the_profiles_own_undo_takes_the_gains_out(recorded, tmp_path):
     assert Weighings(data).find("w").applied is not None
     undo(data, "ur5e", confirmed=True)
     assert load_profile(own_profile(data, "ur5e")).drives[3].torque_gain == 1.0
-    assert document(Weighings(data).find("w"))["applied"] is None
+    assert status(Weighings(data).find("w")).applied is None
     with pytest.raises(UserError, match="nothing was applied"):
         undo_gains(data, "w")
-    assert apply_gains(data, "w", [4])["applied"]["gains"] == {"4": gain}
+    assert apply_gains(data, "w", [4]).applied.gains == {"4": gain}
 
 
 class Daemon:
@@ -239,7 +238,7 @@ class Daemon:
 
     def apply_weighing(self, name, joints):
         self.asked.append(name)
-        return apply_gains(self.data, name, joints)
+        return plain(apply_gains(self.data, name, joints))
 
     def let_others_command(self):
         self.asked.append("given back")
@@ -329,9 +328,12 @@ def test_the_version_told_is_the_one_that_stands_in_the_file(recorded, mine, tmp
     Weighings(data).save(state)
     write(data, str(mine), {"limits.velocity": {"1": 1.0}})
     undo(data, str(mine))
-    told = apply_gains(data, "w", [2])["version"]
+    told = apply_gains(data, "w", [2]).version
     assert told == versions(data, str(mine))[0].version == show(data, str(mine)).version
-    assert undo_gains(data, "w")["version"] == show(data, str(mine)).version == 1
+    assert undo_gains(data, "w").version == show(data, str(mine)).version == 1
+
+
+NOTHING_TOLD = {"joints": [], "prospects": [], "next_mass": None, "advice": ""}
 
 
 @pytest.mark.parametrize(
@@ -341,7 +343,8 @@ def test_the_version_told_is_the_one_that_stands_in_the_file(recorded, mine, tmp
         ("recordings", [{"weight": 7, "runs": ["a"], "when": ""}], "a weight's number"),
         ("id", "another", "expected its folder's"),
         ("seconds", "long", "expected a weighing"),
-        ("result", {"prospects": []}, "found prospects of 0 weights, expected 1"),
+        ("result", {"prospects": []}, "result.joints: Field required; expected a weighing"),
+        ("result", NOTHING_TOLD, "found prospects of 0 weights, expected 1"),
     ],
 )
 def test_a_damaged_file_is_set_aside(recorded, tmp_path, place, value, said):

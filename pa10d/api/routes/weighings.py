@@ -21,11 +21,12 @@ from pa10d.api.schemas import (
     WeightRequest,
 )
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.weighings import weighing_job
 from pa10d.services.tuning import own_profile
 from pa10d.services.weighing.state import Weighing
-from pa10d.services.weighing.work import document, refuse_other_gains, refuse_unknown
+from pa10d.services.weighing.work import refuse_other_gains, refuse_unknown, status
 
 router = APIRouter(prefix="/weighings", tags=["weighings"])
 CHANGED = responses("not-found", "refused", "conflict", "state", "held", "not-ready")
@@ -45,17 +46,17 @@ async def list_weighings(
     daemon: TheDaemon,
     limit: Annotated[int, Query(ge=1, le=500)] = 50,
     cursor: Annotated[str | None, Query(max_length=100)] = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Weighings, newest first."""
     found, aside = await daemon.shelf(_look, daemon)
-    page = page_of([document(one) for one in reversed(found)], limit, cursor)
+    page = page_of([plain(status(one)) for one in reversed(found)], limit, cursor)
     return page | {"set_aside": [one.document() for one in aside]}
 
 
 @router.get("/{weighing}", response_model=WeighingDocument, responses=responses("not-found"))
 async def show_weighing(daemon: TheDaemon, weighing: str) -> Any:
     """How far it is, what is next, and what came of it."""
-    return document(await _find(daemon, weighing))
+    return plain(status(await _find(daemon, weighing)))
 
 
 @router.post("/{weighing}/weights", response_model=WeighingDocument, responses=ADDED)

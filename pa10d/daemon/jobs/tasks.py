@@ -17,6 +17,7 @@ Progress = Callable[[float, str], None]
 if TYPE_CHECKING:
     from pa10d.export.endings import Format
     from pa10d.model import Parameters
+    from pa10d.services.weighing.told import WeighingStatus
 
 
 def import_file(
@@ -291,24 +292,24 @@ def model_report(
     return {"model": library.models.find(model).name, "file": "report.html"}
 
 
-def begin_weighing(data: str, profile: str, weights: list[str], name: str | None) -> JsonObject:
+def begin_weighing(data: str, profile: str, weights: list[str], name: str | None) -> WeighingStatus:
     """A new weighing, its motion planned; nothing moves."""
-    from pa10d.services.weighing.work import begin, document
+    from pa10d.services.weighing.work import begin, status
 
-    return document(begin(data, profile, weights, name))
+    return status(begin(data, profile, weights, name))
 
 
-def add_weight(data: str, weighing: str, weight: str) -> JsonObject:
+def add_weight(data: str, weighing: str, weight: str) -> WeighingStatus:
     """Another weight at hand, and what it would bring."""
     from pa10d.services.weighing.work import add_weight as add
-    from pa10d.services.weighing.work import document
+    from pa10d.services.weighing.work import status
 
-    return document(add(data, weighing, weight))
+    return status(add(data, weighing, weight))
 
 
 def weighed(
     data: str, weighing: str, weight: int, runs: list[str], progress: Progress
-) -> JsonObject:
+) -> WeighingStatus:
     """What follows from a recording of a weighing."""
     from pa10d.services.weighing.work import weighed as take_in
 
@@ -316,7 +317,7 @@ def weighed(
     return take_in(data, weighing, weight, runs)
 
 
-def judge_weighing(data: str, weighing: str, progress: Progress) -> JsonObject:
+def judge_weighing(data: str, weighing: str, progress: Progress) -> WeighingStatus:
     """What follows from the recordings of a weighing, where saying so was interrupted."""
     from pa10d.services.weighing.work import judge
 

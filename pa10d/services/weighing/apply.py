@@ -6,10 +6,9 @@ every command takes from then on, and ``pa10d profile versions`` lists the chang
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.common.yamlfile import read_yaml
@@ -27,16 +26,16 @@ from pa10d.services.tuning.versions import (
 )
 from pa10d.services.weighing.archive import Weighings
 from pa10d.services.weighing.state import Applied, Weighing
-from pa10d.services.weighing.work import document
+from pa10d.services.weighing.told import ChangedProfile
+from pa10d.services.weighing.work import status
 from pa10d.store.folders import locked
 
-Document = dict[str, Any]
 KEY = "torque_gain"
 FAR = 2.0  # times, or part: no motor lies so far from its nameplate, a wrong weight does
 
 
-def apply_gains(data: str, weighing: str, joints: Sequence[int] = ()) -> Document:
-    """Write the gains into the weighing's profile → its document, with ``file`` and ``version``.
+def apply_gains(data: str, weighing: str, joints: Sequence[int] = ()) -> ChangedProfile:
+    """Write the gains into the weighing's profile.
 
     joints: from 1; without: all that are determined and not left open by friction with the load.
     """
@@ -48,8 +47,8 @@ def apply_gains(data: str, weighing: str, joints: Sequence[int] = ()) -> Documen
     path = own_profile(data, state.profile)
     found = load_profile(path)
     if found.drives is None or state.scale is None or len(found.drives) != len(state.scale):
-        lines = (state.result or {})["joints"]
-        maps = " ".join(line["map"] for line in lines if line["joint"] in gains)
+        lines = state.result.joints if state.result else ()
+        maps = " ".join(line.map for line in lines if line.joint in gains)
         raise UserError(f"{path}: drives: none to put right; expected {maps} with each import")
     wanted = {j: float(f"{state.scale[j - 1] * gain:.5g}") for j, gain in gains.items()}
     folder = folder_of(data, path)
@@ -71,7 +70,7 @@ def apply_gains(data: str, weighing: str, joints: Sequence[int] = ()) -> Documen
     return _told(state, file.path, version.made)
 
 
-def undo_gains(data: str, weighing: str) -> Document:
+def undo_gains(data: str, weighing: str) -> ChangedProfile:
     """The profile as it was before; refused where somebody has changed it since."""
     archive = Weighings(data)
     state = archive.find(weighing)
@@ -93,28 +92,29 @@ def undo_gains(data: str, weighing: str) -> Document:
     return _told(state, path, standing(folder, path))
 
 
-def _told(state: Weighing, path: Path, version: int) -> Document:
-    return {**document(state), "file": str(path), "version": version}
+def _told(state: Weighing, path: Path, version: int) -> ChangedProfile:
+    return ChangedProfile(**vars(status(state)), file=str(path), version=version)
 
 
 def _gains(state: Weighing, joints: Sequence[int]) -> dict[int, float]:
-    lines = (state.result or {}).get("joints", [])
-    told = {int(line["joint"]): line for line in lines if line["gain"] is not None}
+    lines = state.result.joints if state.result else ()
+    told = {line.joint: line.gain for line in lines if line.gain is not None}
     if not told:
         raise UserError(f"{state.name}: no gain is determined; expected a recording with a weight")
     for joint in joints:
         if joint not in told:
             known = ", ".join(map(str, told))
             raise UserError(f"joint {joint}: its gain is not determined; expected some of {known}")
-    firm = list(joints) or [j for j, line in told.items() if not left_open(line)]
+    open_ = {line.joint for line in lines if line.left_open}
+    firm = list(joints) or [j for j in told if j not in open_]
     if not firm:
         raise UserError(
             f"{state.name}: friction with the load leaves every gain open; expected the joints to "
             "apply all the same (--joints)"
         )
     for joint in firm:
-        _refuse_unlikely(joint, told[joint]["gain"])
-    return {joint: float(told[joint]["gain"]) for joint in firm}
+        _refuse_unlikely(joint, told[joint])
+    return {joint: told[joint] for joint in firm}
 
 
 def _refuse_unlikely(joint: int, gain: float) -> None:
@@ -130,10 +130,3 @@ def _refuse_unlikely(joint: int, gain: float) -> None:
             f"{found}: the weight was not what was said, or the profile is wrong about the drive; "
             f"expected {1.0 / FAR:g} to {FAR:g}, or rated_torque put right in the profile"
         )
-
-
-def left_open(line: Mapping[str, Any]) -> bool:
-    """Whether friction with the load leaves more open than the error says."""
-    if line["between"] is None:
-        return False
-    return bool(line["friction_with_load"] * abs(line["gain"]) > 2 * line["std_error"])

@@ -99,9 +99,9 @@ def _read(place: Path) -> Weighing:
         state.body(weight)  # UserError where it is none
     if any(one.weight > len(state.weights) for one in state.recordings):
         raise UserError(f"{path}: recordings: found a weight's number that there is not")
-    seen = (state.result or {}).get("prospects", [])
-    if state.result and not state.pending and len(seen) != len(state.waiting):
-        raise UserError(
-            f"{path}: result: found prospects of {len(seen)} weights, expected {len(state.waiting)}"
-        )
+    if state.result and not state.pending:
+        seen, expected = len(state.result.prospects), len(state.waiting)
+        if seen != expected:
+            told = f"{path}: result: found prospects of {seen} weights"
+            raise UserError(f"{told}, expected {expected}")
     return state

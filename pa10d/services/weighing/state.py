@@ -6,11 +6,14 @@ stays, and the next step is worked out anew from it.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.identify.scale import Body
+from pa10d.services.torque_scale import TorqueScale
 from pa10d.store.entries import Id, Name
 
 FORMAT: Literal["pa10d/weighing-state/1"] = "pa10d/weighing-state/1"
@@ -32,7 +35,8 @@ class Recorded(_Kept):
     when: Text
 
 
-class Applied(_Kept):
+@dataclass(frozen=True)
+class Applied:
     """profile: the file that has the gains; version: of its edits; gains: by joint, from 1."""
 
     profile: Text
@@ -53,13 +57,13 @@ class Weighing(_Kept):
     profile: Text
     robot: Text
     scale: list[float] | None
-    motion: dict[str, Any]
+    motion: JsonObject
     seconds: float
     notes: list[Text]
     weights: Annotated[list[Text], Field(max_length=100)]
     recordings: Annotated[list[Recorded], Field(max_length=1000)] = []
     judged: int = 0
-    result: dict[str, Any] | None = None
+    result: TorqueScale | None = None
     applied: Applied | None = None
 
     model_config = ConfigDict(

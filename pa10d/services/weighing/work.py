@@ -7,23 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from typing import Any
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
 from pa10d.identify.scale import Body
 from pa10d.profile import Profile
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot
-from pa10d.services.scale import gains_document
+from pa10d.services.scale import torque_scale
 from pa10d.services.tuning import own_profile
 from pa10d.services.weighing.archive import Weighings
 from pa10d.services.weighing.state import NOTHING, Recorded, Weighing
+from pa10d.services.weighing.told import (
+    HungWeight,
+    NextRecording,
+    PlannedMotion,
+    WeighingStatus,
+)
 from pa10d.store.names import new_id
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.poses import Surroundings
 
-Document = dict[str, Any]
 Progress = Callable[[float, str], None]
 
 
@@ -66,21 +69,21 @@ def add_weight(data: str, weighing: str, text: str) -> Weighing:
     return _judged(data, archive, state)
 
 
-def weighed(data: str, weighing: str, weight: int, runs: Sequence[str]) -> Document:
-    """Take in runs with a weight (its number, NOTHING without one) → the document."""
+def weighed(data: str, weighing: str, weight: int, runs: Sequence[str]) -> WeighingStatus:
+    """Take in runs with a weight (its number, NOTHING without one)."""
     archive = Weighings(data)
     state = archive.find(weighing)
     refuse_unknown(state, weight)
     new = Recorded(weight=weight, runs=list(runs), when=_now())
     state.recordings = [*state.recordings, new]
     archive.save(state)  # what was recorded stays, whatever the analysis makes of it
-    return document(_judged(data, archive, state))
+    return status(_judged(data, archive, state))
 
 
-def judge(data: str, weighing: str) -> Document:
-    """What follows from all that was recorded, where saying so was interrupted → the document."""
+def judge(data: str, weighing: str) -> WeighingStatus:
+    """What follows from all that was recorded, where saying so was interrupted."""
     archive = Weighings(data)
-    return document(_judged(data, archive, archive.find(weighing)))
+    return status(_judged(data, archive, archive.find(weighing)))
 
 
 def refuse_unknown(state: Weighing, weight: int) -> None:
@@ -112,51 +115,50 @@ def _listed(gains: Sequence[float] | None) -> str:
     return "of no drives" if gains is None else ", ".join(f"{gain:g}" for gain in gains)
 
 
-def document(state: Weighing) -> Document:
-    """How far it is: ``steps``, ``next``, and, once there is something, ``result``."""
-    result = state.result or {}
-    applied = state.applied
-    return {
-        "id": state.id,
-        "name": state.name,
-        "robot": state.robot,
-        "profile": state.profile,
-        "created": state.created,
-        "motion": {**state.motion, "seconds": state.seconds, "notes": state.notes},
-        "weights": [_weight(state, k) for k in range(1, len(state.weights) + 1)],
-        "empty": state.runs(NOTHING),
-        "next": next_step(state),
-        "joints": result.get("joints", []),
-        "prospects": result.get("prospects", []),
-        "advice": result.get("advice"),
-        "applied": None if applied is None else applied.model_dump(),
-    }
+def status(state: Weighing) -> WeighingStatus:
+    """How far it is, what is next, and, once there is something, what came of it."""
+    result = state.result
+    return WeighingStatus(
+        id=state.id,
+        name=state.name,
+        robot=state.robot,
+        profile=state.profile,
+        created=state.created,
+        motion=PlannedMotion(**state.motion, seconds=state.seconds, notes=state.notes),
+        weights=tuple(_weight(state, k) for k in range(1, len(state.weights) + 1)),
+        empty=state.runs(NOTHING),
+        next=next_step(state),
+        joints=result.joints if result else (),
+        prospects=result.prospects if result else (),
+        advice=result.advice if result else None,
+        applied=state.applied,
+    )
 
 
-def next_step(state: Weighing) -> Document:
-    """``weight`` to record with next (0: none, null: nothing is left to do), and ``says``."""
+def next_step(state: Weighing) -> NextRecording:
+    """What to record with next."""
     seconds = f"{state.seconds:.0f} s of slow motion"
     if not state.runs(NOTHING):
         says = f"Take every load off the last joint, and record the arm as it is ({seconds})."
-        return {"weight": NOTHING, "says": says}
+        return NextRecording(NOTHING, says)
     if state.pending:
         says = "What was recorded last is not analysed yet: a daemon does so as it starts."
-        return {"weight": None, "says": says}
+        return NextRecording(None, says)
     chosen = _chosen(state)
     if chosen is None:
         if not state.hung:
-            return {"weight": None, "says": "No weight at hand would tell anything: add another."}
-        return {"weight": None, "says": "Nothing at hand would tell more."}
+            return NextRecording(None, "No weight at hand would tell anything: add another.")
+        return NextRecording(None, "Nothing at hand would tell more.")
     body = state.body(chosen)
     assert body is not None
-    return {"weight": chosen, "says": f"Hang {body.words}, and record the same ({seconds})."}
+    return NextRecording(chosen, f"Hang {body.words}, and record the same ({seconds}).")
 
 
 def _chosen(state: Weighing) -> int | None:
     """The number of the weight that the result advises."""
-    seen = (state.result or {}).get("prospects", [])
+    seen = state.result.prospects if state.result else ()
     for number, one in zip(state.waiting, seen, strict=True):
-        if one["next"]:
+        if one.next:
             return number
     return None
 
@@ -167,22 +169,16 @@ def _judged(data: str, archive: Weighings, state: Weighing) -> Weighing:
         robot = load_robot(state.profile)[1]
         loads = [(body, state.runs(k)) for k in state.hung if (body := state.body(k))]
         left = [body for k in state.waiting if (body := state.body(k))]
-        found = gains_document(robot, open_library(data).runs, state.runs(NOTHING), loads, left)
-        state.result, state.judged = dict(plain(found)), len(state.recordings)
+        found = torque_scale(robot, open_library(data).runs, state.runs(NOTHING), loads, left)
+        state.result, state.judged = found, len(state.recordings)
     archive.save(state)
     return state
 
 
-def _weight(state: Weighing, number: int) -> Document:
+def _weight(state: Weighing, number: int) -> HungWeight:
     body = state.body(number)
     assert body is not None
-    return {
-        "number": number,
-        "weight": body.text,
-        "mass": body.mass,
-        "says": body.words,
-        "runs": state.runs(number),
-    }
+    return HungWeight(number, body.text, body.mass, body.words, state.runs(number))
 
 
 def _now() -> str:
