@@ -23,11 +23,12 @@ from pa10d.control.joint_figures import (
     ROUGH,
     Inertias,
     JointFigures,
-    drawn_poses,
     inertias,
+    poses_of,
     presumed_figures,
 )
 from pa10d.control.servo_design import (
+    SENSITIVITY,
     SLUGGISH,
     Case,
     JointGains,
@@ -46,8 +47,10 @@ PUSH = 0.12  # of the torque limit, in a second: by which a joint is pushed that
 NEAR = 0.3  # of the bound of the following error, that friction and gravity may push a joint away
 TURNING = 5.4  # kp·e/C: a joint whose friction turns round goes 2·0.27·C/(J·ω²) astray
 UPRIGHT = 2.5  # kp of what gravity pulls a joint by that stands on it
+HELD = 1.5  # … at least, of what it may be: a sensitivity of 2 asks for that
 WORN = 0.5  # of the measured viscous friction that is there in any case
 AGAIN = 0.6  # of the inertia that explained a swing, where it was not enough
+SMALL = 1e-3  # rad
 BUS_DELAY = 1.5  # periods from a measurement to the middle of the torque that answers it
 
 
@@ -114,17 +117,35 @@ def fitted_gains(
     following_error: (n,) rad, the bound. Where inertia is only presumed it may be three times as
     large or small, and friction may be missing: then the gains are soft.
     """
-    span = inertias(robot, figures)
+    span, pull = inertias(robot, figures), pulls(robot, figures)
     bandwidth = np.full(robot.n, 2.0 * np.pi * control.servo_bandwidth)
     if control.bandwidth_hz is None:
+        upright = np.maximum(UPRIGHT, HELD * figures.doubt) * pull
         bandwidth = np.maximum(bandwidth, _needed(robot, span, following_error, figures))
-    pull = UPRIGHT * _gravity_slope(robot)
+        bandwidth = np.maximum(bandwidth, np.sqrt(upright / (3.0 * span.usual)))
     made = []
     for j in range(robot.n):
         asked = asked_gains(float(span.usual[j]), float(figures.viscous[j]), float(bandwidth[j]))
-        timing = _timing(control, figures, j)
-        made.append(fitting_gains(asked, _cases(span, figures, j), timing, float(pull[j])))
+        made.append(_held(asked, span, figures, float(pull[j]), _timing(control, figures, j), j))
     return FittedGains(_together(made), np.array([one.sensitivity for one in made]))
+
+
+def _held(
+    asked: JointGains,
+    span: Inertias,
+    figures: JointFigures,
+    pull: float,
+    timing: LoopTiming,
+    j: int,
+) -> JointGains:
+    """With margins where gravity is as strong as it may be, else as strong as it is thought, and
+    friction calms what sways slowly; where there are none at all, at least stable, if anything is.
+    """
+    sure = fitting_gains(asked, _cases(span, figures, j, pull, sure=True), timing)
+    if sure.sensitivity <= SENSITIVITY or pull <= 0:
+        return sure
+    thought = fitting_gains(asked, _cases(span, figures, j, pull), timing)
+    return thought if thought.sensitivity <= SENSITIVITY or np.isinf(sure.sensitivity) else sure
 
 
 def loop_sensitivity(
@@ -134,9 +155,11 @@ def loop_sensitivity(
     there; by the inertias as they are known, whatever the doubt about them."""
     known = figures.but(doubt=np.ones(robot.n))
     span, worst = inertias(robot, known), np.zeros(robot.n)
+    pull = pulls(robot, known)
     for j in range(robot.n):
         used, timing = _of_joint(gains, j), _timing(control, figures, j)
-        worst[j] = max(sensitivity(used, case, timing) for case in _cases(span, known, j))
+        cases = _cases(span, known, j, float(pull[j]))
+        worst[j] = max(sensitivity(used, case, timing) for case in cases)
     return worst
 
 
@@ -157,25 +180,33 @@ def _needed(robot: Robot, span: Inertias, bound: Array, figures: JointFigures) -
     away = NEAR * bound
     turning = np.sqrt(TURNING * figures.coulomb / (3.0 * span.usual * away))
     damped = figures.viscous / (3.0 * span.usual)
-    load = np.abs(_gravity(robot, drawn_poses(robot))).max(axis=0)
+    load = np.abs(_gravity(robot, robot.parameters, poses_of(robot, figures))).max(axis=0)
     lifting = np.cbrt(load * robot.velocity / (span.usual * away))
     return np.asarray(np.maximum.reduce([turning, damped, lifting]))
 
 
-def _gravity_slope(robot: Robot) -> Array:
-    """(n,) N·m/rad by which gravity pulls a joint further away, at most."""
-    poses, step = drawn_poses(robot), 1e-3
-    worst = np.zeros(robot.n)
+def gravity_slope(robot: Robot, bodies: Array, poses: Array) -> Array:
+    """(P, n) N·m/rad by which gravity pulls each joint further away in poses (P, n), rad; negative
+    where it hangs. bodies: (n, 10) standard parameters."""
+    here, slope = _gravity(robot, bodies, poses), np.zeros_like(poses)
     for j in range(robot.n):
         moved = poses.copy()
-        moved[:, j] += step
-        worst[j] = ((_gravity(robot, poses) - _gravity(robot, moved))[:, j] / step).max()
-    return np.maximum(worst, 0.0)
+        moved[:, j] += SMALL
+        slope[:, j] = (here - _gravity(robot, bodies, moved))[:, j] / SMALL
+    return slope
 
 
-def _gravity(robot: Robot, q: Array) -> Array:
+def pulls(robot: Robot, figures: JointFigures) -> Array:
+    """(n,) N·m/rad by which gravity pulls each joint further away where that is worst, of all poses
+    that the arm may come to, by the bodies as they were felt; 0 where it hangs in all of them."""
+    felt = figures.bodies[0] if len(figures.bodies) else robot.parameters
+    slope = gravity_slope(robot, felt, poses_of(robot, figures))
+    return np.asarray(np.maximum(slope.max(axis=0), 0.0))
+
+
+def _gravity(robot: Robot, bodies: Array, q: Array) -> Array:
     still = np.zeros_like(q)
-    return inverse_dynamics(robot, robot.parameters, q, still, still)
+    return inverse_dynamics(robot, bodies, q, still, still)
 
 
 def after_swing(
@@ -195,6 +226,20 @@ def after_swing(
     return figures.but(swung=swung)
 
 
+def after_fall(
+    robot: Robot, figures: JointFigures, gains: PidGains, bound: float, axis: int
+) -> JointFigures | None:
+    """The same joints, but one that was ``bound`` rad behind and did not swing: half as light as it
+    was thought to be at most. None where it was pressed on strongly enough to move, or is taken for
+    as heavy as it may be."""
+    pressed, heaviest = float(gains.kp[axis]) * bound, 1.0 / float(figures.doubt[axis])
+    if pressed > PUSH * robot.effort[axis] or figures.least[axis] <= heaviest:
+        return None
+    lighter = figures.least.copy()
+    lighter[axis] *= 0.5
+    return figures.but(lighter=lighter)
+
+
 def _timing(control: Control, figures: JointFigures, j: int) -> LoopTiming:
     return LoopTiming(1.0 / control.rate, BUS_DELAY / control.rate + float(figures.delay[j]))
 
@@ -204,14 +249,21 @@ def _of_joint(gains: PidGains, j: int) -> JointGains:
     return JointGains(kp, ki, kd, np.nan)
 
 
-def _cases(span: Inertias, figures: JointFigures, j: int) -> list[Case]:
+def _cases(
+    span: Inertias, figures: JointFigures, j: int, pull: float, sure: bool = False
+) -> list[Case]:
+    """pull: N·m/rad of gravity in the pose where it is worst; sure: be it as wrong as inertias may
+    be, and nothing calms a heavy joint that sways slowly under it: dry friction does, where it is
+    known. A light joint is felt most where it is quick, and gravity is slow."""
     doubt, viscous = float(figures.doubt[j]), float(figures.viscous[j])
     spring = (float(figures.motor[j]), float(figures.stiffness[j]))
     light, usual, heavy = (float(values[j]) for values in span)
+    most, calm = (doubt * pull if sure else pull), not sure or figures.coulomb[j] > 0
+    upright = (most, 0.0) if calm else (pull, most)
     cases = [
-        Case(light / doubt, WORN * viscous, *spring),
-        Case(usual, viscous, *spring),
-        Case(heavy * doubt, WORN * viscous, *spring, allowed=SLUGGISH),
+        Case(light / float(figures.least[j]), WORN * viscous, *spring),
+        Case(usual, viscous, *spring, gravity=upright[0]),
+        Case(heavy * doubt, WORN * viscous, *spring, allowed=SLUGGISH, gravity=upright[1]),
     ]
     return cases + ([Case(float(figures.swung[j]))] if figures.swung[j] else [])
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from pa10d.dynamics.mass import mass_matrices
 Array = NDArray[np.float64]
 
 POSES = 256
+STROKE, ON_THE_WAY = 0.35, 8  # rad to either side, in a first motion; poses on a way
 ABOVE_LIGHTEST = 1.5  # leaves 4 dB until the loop's delay of 4 ms makes it unstable
 ROTOR = 0.75 / 232.0**1.75  # kg·m² per N·m^1.75: PA10's first axes, scaled by the torque limit
 DRAWS = 4  # of bodies as they may be as well, beside the likeliest
@@ -45,6 +47,9 @@ class JointFigures:
     swung      kg·m² of a free joint that would swing as this one did with too high gains, 0: never
     bodies     (1 + DRAWS, n, 10) standard parameters as they were felt, and as they may be as well;
                empty: the URDF's own
+    lighter    factor by which the inertia may be smaller; empty: as ``doubt`` says
+    about      (P, n) rad, poses that the arm may come to while this is all that is known; empty:
+               anywhere within its limits
     """
 
     rotor: Array
@@ -57,6 +62,13 @@ class JointFigures:
     doubt: Array
     swung: Array
     bodies: Array = field(default_factory=lambda: np.zeros((0, 0, 10)))
+    lighter: Array = field(default_factory=lambda: np.zeros(0))
+    about: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def least(self) -> Array:
+        """(n,) factor by which the inertia may be smaller."""
+        return self.lighter if len(self.lighter) else self.doubt
 
     def resonance(self, inertia: Array) -> Array:
         """(n,) Hz at which motor and link swing against each other, inf: never."""
@@ -72,7 +84,7 @@ class JointFigures:
             key: [float(v) if np.isfinite(v) else None for v in getattr(self, key)]
             for key in PER_JOINT
         }
-        return {**own, "bodies": self.bodies.tolist()}
+        return own | {key: getattr(self, key).tolist() for key in WHOLE}
 
     @staticmethod
     def from_document(document: Mapping[str, Any]) -> JointFigures:
@@ -81,12 +93,18 @@ class JointFigures:
             k: np.array([np.inf if v is None else float(v) for v in document[k]]) for k in PER_JOINT
         }
         bodies = np.array(document["bodies"], dtype=float).reshape(-1, len(arrays["link"]), 10)
-        sizes = {len(v) for v in arrays.values()}
+        about = np.array(document.get("about", []), dtype=float).reshape(-1, len(arrays["link"]))
+        lighter = np.array(document.get("lighter", []), dtype=float)
+        sizes = {len(v) for v in arrays.values()} | ({len(lighter)} if len(lighter) else set())
         sound = all((v >= 0).all() for k, v in arrays.items() if k != "delay")  # no number is not
         sound = sound and bool(np.isfinite(arrays["delay"]).all())
-        if len(sizes) != 1 or not sound or not np.isfinite(bodies).all():
+        if (
+            len(sizes) != 1
+            or not sound
+            or not all(np.isfinite(v).all() for v in (bodies, lighter, about))
+        ):
             raise ValueError("expected as many figures of 0 or more for each joint")
-        return JointFigures(**arrays, bodies=bodies)
+        return JointFigures(**arrays, bodies=bodies, lighter=lighter, about=about)
 
     def but(self, **values: Array) -> JointFigures:
         """With other values."""
@@ -94,11 +112,15 @@ class JointFigures:
 
     def after(self, before: JointFigures) -> JointFigures:
         """With the swings seen before these were measured; where a spring was found since, the
-        rotor in front of it is what swung, and no free joint as light as that."""
-        return self.but(swung=np.where(np.isfinite(self.stiffness), self.swung, before.swung))
+        rotor in front of it is what swung, and no free joint as light as that. What fell behind
+        stays as heavy as that showed it to be."""
+        swung = np.where(np.isfinite(self.stiffness), self.swung, before.swung)
+        lighter = np.minimum(self.doubt, before.lighter) if len(before.lighter) else self.lighter
+        return self.but(swung=swung, lighter=lighter)
 
 
-PER_JOINT = tuple(name for name in JointFigures.__dataclass_fields__ if name != "bodies")
+WHOLE = ("bodies", "lighter", "about")  # fields that may be empty
+PER_JOINT = tuple(name for name in JointFigures.__dataclass_fields__ if name not in WHOLE)
 
 
 def presumed_figures(robot: Robot) -> JointFigures:
@@ -109,20 +131,46 @@ def presumed_figures(robot: Robot) -> JointFigures:
     return JointFigures(rotor, one, zero, zero, zero, rigid, zero, ROUGH * one, zero, bodies)
 
 
+def first_figures(robot: Robot, places: Sequence[Any]) -> JointFigures:
+    """Presumed, of an arm that goes from one of these places (K, n) rad to the next, and about each
+    strokes one joint after the other."""
+    stops = np.array(places, dtype=float)
+    share = np.linspace(0.0, 1.0, ON_THE_WAY)[:, None]
+    ways = [a + share * (b - a) for a, b in itertools.pairwise(stops)]
+    apart = STROKE * np.concatenate([np.eye(robot.n), -np.eye(robot.n)])
+    strokes = (stops[:, None] + apart).reshape(-1, robot.n)
+    within = np.clip(strokes, robot.lower, robot.upper)
+    return presumed_figures(robot).but(about=np.concatenate([stops, *ways, within]))
+
+
 def inertias(robot: Robot, figures: JointFigures) -> Inertias:
-    """Over poses drawn within the limits.
+    """Over poses drawn within the limits. A joint that is ``ROUGH`` times heavier than usual counts
+    so only in poses that the arm may come to; it is as light as anywhere, and as heavy up to that:
+    firm gains shake springs that nobody has seen.
 
     What gains are made for is the median, but at most ``ABOVE_LIGHTEST`` times the lightest: on
     the PA10 the third joint of a stretched arm moves a quarter of its median, and swings up at
     47 Hz if its gains are made for that.
     """
     scale = np.sqrt(figures.link)
-    bodies = mass_matrices(robot, drawn_poses(robot))
+    poses = drawn_poses(robot)
+    if len(figures.about):
+        poses = np.concatenate([figures.about, poses])
+    bodies = mass_matrices(robot, poses)
     mass = bodies * scale[:, None] * scale + np.diag(figures.rotor)
     own = np.diagonal(mass, axis1=1, axis2=2)
     light = np.min(1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2), axis=0)
     usual = np.minimum(np.median(own, axis=0), ABOVE_LIGHTEST * light)
-    return Inertias(light, usual, own.max(axis=0))
+    heavy = own.max(axis=0)
+    if len(figures.about):
+        near = own[: len(figures.about)].max(axis=0)
+        heavy = np.maximum(near, np.minimum(heavy, ROUGH * usual))
+    return Inertias(light, usual, heavy)
+
+
+def poses_of(robot: Robot, figures: JointFigures) -> Array:
+    """(P, n) rad that the arm may come to."""
+    return figures.about if len(figures.about) else drawn_poses(robot)
 
 
 def drawn_poses(robot: Robot) -> Array:

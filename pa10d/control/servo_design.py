@@ -11,7 +11,7 @@ on non-convex optimization, Automatica 34 (1998), with a grid instead of their g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,8 @@ INTEGRAL = np.array(
 @dataclass(frozen=True)
 class Case:
     """One joint as the loop may meet it. inertia: kg·m², of rotor and link together; viscous:
-    N·m·s/rad; rotor: kg·m² and stiffness: N·m/rad where a spring is between the two."""
+    N·m·s/rad; rotor: kg·m² and stiffness: N·m/rad where a spring is between the two; gravity:
+    N·m/rad by which it pulls the link further away."""
 
     inertia: float
     viscous: float = 0.0
@@ -43,15 +44,30 @@ class Case:
     stiffness: float = np.inf
     damping: float = 0.02  # of the spring, of its critical damping
     allowed: float = SENSITIVITY
+    gravity: float = 0.0
+
+    @property
+    def sprung(self) -> bool:
+        """Whether a spring lies between rotor and link."""
+        return bool(np.isfinite(self.stiffness)) and 0 < self.rotor < self.inertia
+
+    @property
+    def falls(self) -> float:
+        """N·m/rad that a servo must give in any case: gravity's pull, seen through the spring; inf
+        where the spring itself gives way."""
+        if not self.sprung or self.gravity <= 0:
+            return self.gravity
+        left = self.stiffness - self.gravity
+        return self.gravity * self.stiffness / left if left > 0 else np.inf
 
     def response(self, s: Complex) -> Complex:
         """rad per N·m at s = jω."""
-        if not np.isfinite(self.stiffness) or not 0 < self.rotor < self.inertia:
-            return np.asarray(1.0 / (self.inertia * s**2 + self.viscous * s))
-        link = self.inertia - self.rotor
-        loss = 2.0 * self.damping * np.sqrt(self.stiffness * link)
+        if not self.sprung:
+            return np.asarray(1.0 / (self.inertia * s**2 + self.viscous * s - self.gravity))
+        link = (self.inertia - self.rotor) * s**2 - self.gravity
+        loss = 2.0 * self.damping * np.sqrt(self.stiffness * (self.inertia - self.rotor))
         spring = self.stiffness + loss * s
-        through = link * s**2 * spring / (link * s**2 + spring)  # what the link asks of the spring
+        through = link * spring / (link + spring)  # what the link asks of the spring
         return np.asarray(1.0 / (self.rotor * s**2 + self.viscous * s + through))
 
 
@@ -100,13 +116,11 @@ def swinging_inertia(gains: JointGains, timing: LoopTiming, hertz: float) -> flo
     return float(np.abs(asked[0]) / w[0] ** 2)
 
 
-def fitting_gains(
-    asked: JointGains, cases: list[Case], timing: LoopTiming, least: float = 0.0
-) -> JointGains:
+def fitting_gains(asked: JointGains, cases: list[Case], timing: LoopTiming) -> JointGains:
     """``asked``, or the stiffest below that keep the margins in every case.
 
-    least: N·m/rad that kp must have, as gravity pulls a joint away that it stands on. Where no
-    gains are both stable and as stiff as that, calm ones, with an infinite sensitivity.
+    Where no gains are stable in every case, calm ones as if there were no gravity, with an infinite
+    sensitivity.
     """
     w = timing.frequencies()
     whole = np.array([[asked.kp, asked.ki, asked.kd]])
@@ -119,15 +133,12 @@ def fitting_gains(
     tried = np.stack([kp.ravel(), ki.ravel(), kd.ravel()], axis=1)
     peaks = _peaks(tried, cases, timing, w)
     stiff = np.abs(tried[:, 0] - 1j * tried[:, 1] / SLOW)
-    strong = tried[:, 0] >= min(least, asked.kp)
-    fine = (peaks <= SENSITIVITY) & strong
-    rest = np.where(strong, peaks, np.inf)
-    holds = np.isfinite(rest).any()
-    best = int(
-        np.argmax(np.where(fine, stiff, -1.0))
-        if fine.any()
-        else np.argmin(rest if holds else peaks)
-    )
+    if holds := bool(np.isfinite(peaks).any()):
+        fine = peaks <= SENSITIVITY
+    else:
+        calm = _peaks(tried, [replace(case, gravity=0.0) for case in cases], timing, w)
+        fine, peaks = calm <= SENSITIVITY, calm
+    best = int(np.argmax(np.where(fine, stiff, -1.0)) if fine.any() else np.argmin(peaks))
     chosen = [float(k) for k in tried[best]]
     return JointGains(chosen[0], chosen[1], chosen[2], float(peaks[best]) if holds else np.inf)
 
@@ -146,13 +157,14 @@ def _peaks(gains: Array, cases: list[Case], timing: LoopTiming, w: Array) -> Arr
     for case in cases:
         around = 1.0 + controllers * case.response(np.asarray(1j * w, dtype=np.complex128))
         peak = SENSITIVITY / case.allowed / np.abs(around).min(axis=1)
-        worst = np.maximum(worst, np.where(_encircles(around), np.inf, peak))
+        swings = _encircles(around) | (gains[:, 0] <= case.falls)
+        worst = np.maximum(worst, np.where(swings, np.inf, peak))
     return worst
 
 
 def _encircles(around: Complex) -> NDArray[np.bool_]:
-    """Nyquist's criterion on 1+L (K, F), all open-loop poles in the origin: from where the
-    integrators leave it, -90° to -270°, it must come back to 0° without a turn."""
+    """Nyquist's criterion on 1+L (K, F): from where integrators leave it, -90° to -270° (-180° to
+    -270° where gravity pulls the joint away), it must come back to 0° without a turn."""
     angle = np.unwrap(np.angle(around), axis=1)
     start = np.angle(around[:, 0])
     turned = angle[:, -1] - angle[:, 0] + np.where(start > 0, start - 2 * np.pi, start)

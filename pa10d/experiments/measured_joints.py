@@ -37,8 +37,11 @@ HALF_KNOWN = 2.0  # doubt of inertias where friction is known to damp
 BLOCKED = 0.25  # of the way that a joint should have gone to either side
 
 
-def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> JointFigures:
-    """What is known after these parts, ``friction`` first. step: (n,) N·m, the torque's own."""
+def measured_figures(
+    robot: Robot, parts: Mapping[str, Seen], step: Array, before: JointFigures | None = None
+) -> JointFigures:
+    """What is known after these parts, ``friction`` first. step: (n,) N·m, the torque's own;
+    before: what was presumed, of an arm that stays about one place until ``response`` is known."""
     presumed = presumed_figures(robot)
     nudged = parts["friction"]
     usual = inertias(robot, presumed).usual
@@ -51,7 +54,8 @@ def measured_figures(robot: Robot, parts: Mapping[str, Seen], step: Array) -> Jo
     if "response" not in parts:
         surer = {j: replace(f, viscous=FEW * f.viscous) for j, f in friction.items()}
         half = with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
-        return half.but(bodies=felt_bodies(robot, half, seen))
+        about = presumed.about if before is None else before.about
+        return half.but(bodies=felt_bodies(robot, half, seen), about=about)
     friction |= {j: _stroke_friction(parts, robot, j) for j in range(robot.n)}
     responses = {j: found for j in range(robot.n) if (found := _responses(robot, parts, step, j))}
     fits: dict[int, Fitted] = {

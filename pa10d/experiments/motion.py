@@ -69,12 +69,12 @@ def measured_torque(
     plan: Plan, whole: Whole, robot: Robot, figures: JointFigures, rate: float
 ) -> Array:
     """(N, n) N·m that measured friction and inertia ask for along the motion, and the small torques
-    of a first motion on top."""
+    of a first motion on top; no more than a joint can give, be it on top of what holds it."""
     _, q, dq, ddq = whole.samples
     ahead = torque_ahead(robot, figures, q, dq, ddq)
     t = np.arange(1.0, whole.last - whole.first + 1.0) / rate
     ahead[whole.first : whole.last] += small_torques(plan, robot, figures, t, rate)
-    return ahead
+    return np.clip(ahead, -robot.effort, robot.effort)
 
 
 def _standing(q: Array, count: int) -> Rows:

@@ -1,9 +1,10 @@
 """How well a joint servo will follow a motion, before anything moves.
 
 The servo has to give what is not given ahead: gravity, coupling, and friction and inertia where
-they were not measured. With J·ë + (kd + B)·ė + kp·e + ki·∫e = that torque, each joint for itself,
-the error follows from the motion alone; a spring between motor and link is part of the joint. Delay
-is left out, margins (``servo_design``) allow for it.
+they were not measured. With J·ë + (kd + B)·ė + (kp - G)·e + ki·∫e = that torque, each joint for
+itself, the error follows from the motion alone: G is what gravity pulls a joint further away by, in
+the mean over the motion, a spring between motor and link is part of the joint. Delay is left out,
+margins (``servo_design``) allow for it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.control.gains import PidGains
+from pa10d.control.gains import PidGains, gravity_slope
 from pa10d.control.joint_figures import JointFigures, inertias
 from pa10d.control.limits import ArmLimits
 from pa10d.dynamics import Robot, inverse_dynamics
@@ -71,10 +72,11 @@ def predicted(
     return Predicted(*(np.max([getattr(one, k) for one in found], axis=0) for k in LOOKED_AT))
 
 
-def _spring(link: float, stiffness: float) -> tuple[Array, Array]:
-    """A link on its spring: how late it is, and what it asks of the motor, as polynomials in s."""
+def _spring(link: float, stiffness: float, pull: float) -> tuple[Array, Array]:
+    """A link on its spring: how late it is, and what it asks of the motor, as polynomials in s;
+    pull: N·m/rad of gravity."""
     loss = 2.0 * SPRING_LOSS * np.sqrt(stiffness * link)
-    return np.array([link, loss, stiffness]), np.array([loss, stiffness])
+    return np.array([link, loss, stiffness - pull]), np.array([loss, stiffness])
 
 
 def _filtered(above: Any, below: Any, rate: float, x: Array) -> Array:
@@ -100,18 +102,20 @@ def _of_one(
         own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2) * ddq
         needed = needed + inverse_dynamics(robot, bodies, q, dq, ddq) - own - held
     inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
-    own = np.diagonal(mass_matrices(robot, q[:: max(1, len(q) // POSES)]), axis1=1, axis2=2)
+    along = q[:: max(1, len(q) // POSES)]
+    pull = np.maximum(gravity_slope(robot, bodies, along).mean(axis=0), 0.0)
+    own = np.diagonal(mass_matrices(robot, along), axis1=1, axis2=2)
     link = figures.link * own.mean(axis=0)
     error, slip = np.zeros_like(q), np.zeros_like(q)
     for j in range(robot.n):
-        above, below = np.array([1.0]), np.array([inertia[j], figures.viscous[j], 0.0])
+        above, below = np.array([1.0]), np.array([inertia[j], figures.viscous[j], -pull[j]])
         if np.isfinite(figures.stiffness[j]):
-            late, spring = _spring(float(link[j]), float(figures.stiffness[j]))
+            late, spring = _spring(float(link[j]), float(figures.stiffness[j]), float(pull[j]))
             motor = figures.motor[j] * ddq[:, j] + figures.viscous[j] * dq[:, j]
             rest = needed[:, j] - motor
             needed[:, j] = motor + _filtered(spring, late, rate, rest)
             moved = np.polymul([figures.motor[j], figures.viscous[j], 0.0], late)
-            above, below = late, np.polyadd(moved, np.polymul([link[j], 0.0, 0.0], spring))
+            above, below = late, np.polyadd(moved, np.polymul([link[j], 0.0, -pull[j]], spring))
         servo = [gains.kd[j], gains.kp[j], gains.ki[j]]
         closed = np.polyadd(np.polymul(below, [1.0, 0.0]), np.polymul(above, servo))
         push = needed[:, j] - ahead[:, j]

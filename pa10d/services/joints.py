@@ -17,8 +17,8 @@ from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
-from pa10d.control.gains import PUSH, after_swing, fitted_gains, pid_gains
-from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
+from pa10d.control.gains import PUSH, after_fall, after_swing, fitted_gains, pid_gains, pulls
+from pa10d.control.joint_figures import ROUGH, JointFigures, first_figures, inertias
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import Robot
@@ -37,7 +37,14 @@ from pa10d.trajectory.poses import Surroundings
 Array = NDArray[np.float64]
 Data = str | os.PathLike[str] | None
 
+FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
+FIRMER = 1.1  # times as firm: less is the same
+STILL_FALLS = (
+    "its servo is as firm as it can be at this rate without shaking it: raise control.rate, "
+    "correct the URDF's masses and inertias, give first_motion a pose in which this joint hangs, "
+    "or look for what holds it, a brake or a collision"
+)
 STILL_SWINGS = (
     "calmer gains do not end that: raise control.rate, lower control.bandwidth_hz, or look at this "
     "joint's encoder, gear and coupling for play and springs"
@@ -70,8 +77,11 @@ def fingerprint(profile: Profile) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def parts_to_run(data: str, profile: str, parameters: JsonObject) -> JsonObject:
-    """The parts of a first motion that this arm has, what to begin with, and the gains before."""
+def parts_to_run(
+    data: str, profile: str, parameters: JsonObject, at: Sequence[float] | None = None
+) -> JsonObject:
+    """The parts of a first motion that this arm has, what to begin with, and the gains before; or
+    why nothing may begin. at: (n,) rad, where the arm stands."""
     found, robot = load_robot(profile)
     asked = read_request({"kind": "first_motion", "parameters": parameters})
     assert isinstance(asked, FirstMotion)
@@ -79,11 +89,11 @@ def parts_to_run(data: str, profile: str, parameters: JsonObject) -> JsonObject:
     parts = [part for part in PARTS if asked.model_copy(update={"part": part}).has_any(around)]
     kept = kept_joints(data, found)
     before = kept.known.gains if kept else pid_gains(robot, found.control)
-    return {
-        "parts": parts,
-        "begin": learnt(found, robot, presumed_figures(robot)).document(),
-        "before": before.document(),
-    }
+    home = asked.home(around)
+    begin = learnt(found, robot, first_figures(robot, [home if at is None else at, home]))
+    if (reason := not_held(found, robot, begin)) is not None:
+        raise UserError(reason)
+    return {"parts": parts, "begin": begin.document(), "before": before.document()}
 
 
 def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -> JsonObject:
@@ -98,24 +108,52 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
             raise UserError(f"run {run}: no commands in it; expected a run of a first motion")
         plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
         seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
-    figures = measured_figures(robot, seen, torque_steps(found, robot))
     before = KnownJoints.from_document(known).figures
+    figures = measured_figures(robot, seen, torque_steps(found, robot), before)
     learned = learnt(found, robot, figures.after(before))
-    if (reason := not_held(learned, found.control.rate)) is not None:
+    if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)
     return learned.document()
 
 
-def not_held(learned: KnownJoints, rate: float) -> str | None:
-    """Which joints no stable gains hold in every pose, and what to do; None: all are held."""
-    shaky = [j for j, peak in enumerate(learned.sensitivity, 1) if not np.isfinite(peak)]
+def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None:
+    """Which joints no stable gains hold, why, and what to do; None: all are held."""
+    shaky = [j for j in range(robot.n) if not np.isfinite(learned.sensitivity[j])]
     if not shaky:
         return None
+    figures, rate = learned.figures, profile.control.rate
+    pull, unknown = pulls(robot, figures), bool((figures.doubt >= ROUGH).all())
+    each = listed([_not_held(j, learned, float(pull[j])) for j in shaky])
+    source = "by the URDF" if unknown else "by what was measured"
+    where = "about its place" if len(figures.about) else "in every pose"
+    rates = [r for r in FASTER if r > rate and _held_at(r, profile, robot, figures)]
+    wider = "" if profile.control.bandwidth_hz is None else ", leave out control.bandwidth_hz"
+    ways = [f"raise control.rate{f' to {rates[0]:g} Hz' if rates else ''}{wider}"]
+    if unknown:
+        ways += [
+            "correct masses and inertias in the URDF",
+            "give first_motion a pose in which that joint hangs",
+        ]
+    elif np.isfinite(figures.stiffness[shaky]).any():
+        ways.append("look for what gives way between motor and link")
     return (
-        f"joint {listed([str(j) for j in shaky])}: what was measured leaves no stable gains that "
-        f"hold it in every pose at {rate:g} Hz; raise control.rate, or look for what gives way "
-        "between motor and link"
+        f"{each}: no stable gains hold that {where} at {rate:g} Hz ({source}); {', or '.join(ways)}"
     )
+
+
+def _not_held(j: int, learned: KnownJoints, pull: float) -> str:
+    """What no servo holds, of joint j (0-based)."""
+    spring = float(learned.figures.stiffness[j])
+    said = f"joint {j + 1} is pulled away by gravity with {pull:.2g} N·m/rad"
+    if np.isfinite(spring):
+        said += f" behind a spring of {spring:.3g} N·m/rad"
+    return f"{said}, kp that does not shake it is {learned.gains.kp[j]:.2g}"
+
+
+def _held_at(rate: float, profile: Profile, robot: Robot, figures: JointFigures) -> bool:
+    control = profile.control.model_copy(update={"rate": rate})
+    bound = arm_limits(profile, robot).following_error
+    return bool(np.isfinite(fitted_gains(robot, control, bound, figures).sensitivity).all())
 
 
 def keep_joints(data: str, profile: str, runs: list[str], known: JsonObject) -> JsonObject:
@@ -142,13 +180,35 @@ def keep_for(data: Data, profile: Profile, measured: MeasuredJoints) -> Measured
 
 
 def calmer(data: str, profile: str, known: JsonObject, fault: JsonObject) -> JsonObject | None:
-    """What is learnt from a joint that swung: gains with which it does not, and a ``note`` of what
-    was changed. None where gains would become too soft to hold anything.
+    """What is learnt from a joint that swung, or fell behind: gains with which it does not, and a
+    ``note`` of what was changed. None where gains would become too soft to hold anything, or firm
+    enough to shake it.
 
     known: what was learnt before, with the gains that let it swing.
     """
-    found = _calmed_after(profile, KnownJoints.from_document(known), fault)
+    before = KnownJoints.from_document(known)
+    if fault["kind"] == "following_error":
+        found = firmed(*load_robot(profile), before, int(fault["joint"]) - 1)
+    else:
+        found = _calmed_after(profile, before, fault)
     return None if found is None else {**found.known.document(), "note": found.note}
+
+
+def firmed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> Calmer | None:
+    """See ``calmer``, of a joint that fell behind; axis: 0-based."""
+    bound, gains = arm_limits(profile, robot).following_error, known.gains
+    heavier = after_fall(robot, known.figures, gains, float(bound[axis]), axis)
+    if heavier is None:
+        return None
+    again = learnt(profile, robot, heavier)
+    share = float(again.gains.kp[axis] / max(gains.kp[axis], 1e-12))
+    if share < FIRMER or not np.isfinite(again.sensitivity[axis]):
+        return None
+    note = (
+        f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
+        f"alone: firmer gains were set (kp {share:.2g} times as high), and it is tried again"
+    )
+    return Calmer(again, note)
 
 
 def calmed(

@@ -9,7 +9,7 @@ from rough_plant import make
 
 from pa10d.control.build import build_arm
 from pa10d.control.gains import PidGains
-from pa10d.control.joint_figures import presumed_figures
+from pa10d.control.joint_figures import first_figures
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
@@ -21,7 +21,7 @@ from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
 from pa10d.profile import load_profile
-from pa10d.services.joints import calmed, learnt, not_held, torque_steps
+from pa10d.services.joints import calmed, firmed, learnt, not_held, torque_steps
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
@@ -49,17 +49,18 @@ class Refused(Exception):
 
 
 class ArmBench:
-    """A PA10 that its URDF describes badly; ``faults``: what ended motions."""
+    """An arm that its URDF describes badly, by itself a PA10."""
 
-    def __init__(self, rate=500.0, bandwidth=None, pose=None, **plant):
-        profile = load_profile("pa10-sim")
+    def __init__(self, rate=500.0, bandwidth=None, pose=None, profile=None, **plant):
+        profile = load_profile("pa10-sim") if profile is None else profile
         update = {"rate": rate, "bandwidth_hz": bandwidth}
         control = profile.control.model_copy(update=update)
         self.profile = profile.model_copy(update={"control": control})
         self.rate, self.robot = rate, robot_from_profile(self.profile)
         self.limits = arm_limits(self.profile, self.robot)
         self.plant = make(self.profile, **plant)
-        self.plant.reset(np.zeros(7) if pose is None else np.array(pose))
+        self.around = Surroundings.of(self.robot)
+        self.plant.reset(self.around.limits.rest_pose() if pose is None else np.array(pose))
         self.steps = torque_steps(self.profile, self.robot)
         self.backend = BusLike(self.plant, 1.0 / rate, self.steps)
         self.ring = Ring.create(self.robot.n, int(200 * rate), 1.0 / rate)
@@ -67,9 +68,8 @@ class ArmBench:
         self.arm.connect()
         self.arm.cycle()
         self.joints: Joints | None = None
-        self.around = Surroundings.of(self.robot)
         self.notes: list[str] = []
-        self.beyond = np.zeros(7)  # rad, that joints were beyond their limits
+        self.beyond = np.zeros(self.robot.n)  # rad, that joints were beyond their limits
 
     def use(self, gains: PidGains) -> None:
         """As the command ``gains`` does."""
@@ -124,14 +124,20 @@ class ArmBench:
 
     def first_motion(self):
         """Enable, measure, use what follows → the fault that ended it, or None."""
-        self.known = learnt(self.profile, self.robot, presumed_figures(self.robot))
+        places = np.array([self.plant.measure()[0], self.around.limits.rest_pose()])
+        self.known = learnt(self.profile, self.robot, first_figures(self.robot, places))
+        if (reason := not_held(self.profile, self.robot, self.known)) is not None:
+            raise Refused(reason)
         self._use_known()
         if (fault := self.enable()) is not None:
             return fault
         parts, get = {}, self.ring.layout.get
         for part in PARTS:
             asked = {"kind": "first_motion", "parameters": {"part": part}}
-            plan = read_request(asked).build(self.around)
+            request = read_request(asked)
+            if not request.has_any(self.around):
+                continue
+            plan = request.build(self.around)
             for _ in range(TRIES):
                 ahead = self.known.figures
                 rows, fault = self.run(plan, ahead)
@@ -140,9 +146,9 @@ class ArmBench:
             if fault is not None:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
-            figures = measured_figures(self.robot, parts, self.steps)
+            figures = measured_figures(self.robot, parts, self.steps, self.known.figures)
             self.known = learnt(self.profile, self.robot, figures.after(self.known.figures))
-            if (reason := not_held(self.known, self.rate)) is not None:
+            if (reason := not_held(self.profile, self.robot, self.known)) is not None:
                 raise Refused(reason)
             self._use_known()
         self._take_joints()
@@ -156,9 +162,12 @@ class ArmBench:
 
     def _calm(self, fault) -> bool:
         """Reset with calmer gains, if it swung."""
-        if fault.kind != "oscillation":
+        if fault.kind == "following_error" and self.joints is None:
+            calmer = firmed(self.profile, self.robot, self.known, fault.axis)
+        elif fault.kind == "oscillation":
+            calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
+        else:
             return False
-        calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
         if calmer is None:
             return False
         self.notes.append(calmer.note)

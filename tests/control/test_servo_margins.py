@@ -43,9 +43,10 @@ def largest_later(gains: JointGains, case: Case, rate: float) -> float:
                 mass = case.inertia - case.rotor
                 loss = 2.0 * case.damping * np.sqrt(case.stiffness * mass)
                 pull = case.stiffness * (angle - link) + loss * (rate_motor - rate_link)
-                rate_link += h * pull / mass
+                rate_link += h * (pull + case.gravity * link) / mass
                 link += h * rate_link
-            rate_motor += h * (float(sent[0]) - pull - case.viscous * rate_motor) / motor
+            falls = 0.0 if sprung else case.gravity * angle
+            rate_motor += h * (float(sent[0]) + falls - pull - case.viscous * rate_motor) / motor
             angle += h * rate_motor
         sent = wanted
         if abs(angle) > 1.0:
@@ -80,6 +81,25 @@ def test_nyquist_and_the_loop_itself_agree_on_what_is_stable(case):
     assert stable == (largest_later(gains, case, 500.0) < 1.0)
 
 
+@pytest.mark.parametrize(
+    ("case", "share", "stable"),
+    [
+        (Case(1.0, gravity=300.0), 1.0, True),  # kp is 1895
+        (Case(1.0, gravity=300.0), 0.1, False),  # weaker than gravity
+        (Case(1.0, gravity=1750.0), 1.0, False),  # ki is too much for what is left
+        (Case(1.0, 3.0, 0.2, 400.0, gravity=100.0), 0.2, True),
+        (Case(1.0, 3.0, 0.2, 400.0, gravity=300.0), 0.2, False),  # 1200 through the spring
+        (Case(1.0, 3.0, 0.2, 90.0, gravity=100.0), 0.2, False),  # no servo helps
+    ],
+)
+def test_a_joint_that_stands_upright_is_held_or_is_said_to_fall(case, share, stable):
+    timing = LoopTiming(0.002, 0.003)
+    whole = asked_gains(1.0, 0.0, 2 * np.pi * 4.0)
+    gains = JointGains(share * whole.kp, share**1.5 * whole.ki, share**0.5 * whole.kd, np.nan)
+    assert np.isfinite(sensitivity(gains, case, timing)) == stable
+    assert (largest_later(gains, case, 500.0) < 1.0) == stable
+
+
 def test_the_rule_alone_swings_where_the_urdf_is_three_times_too_heavy():
     """In the lightest pose, that is: gains are made for one and a half times that."""
     case, timing = Case(1.0 / 3.0 / 1.5), LoopTiming(0.002, 0.003)
@@ -98,7 +118,7 @@ def test_where_no_stable_gains_hold_a_joint_calm_ones_say_so():
     """A light rotor in a slow loop cannot carry what gravity needs: weak, but no swing."""
     rotor, timing = Case(0.26), LoopTiming(0.01, 0.02)
     asked = asked_gains(3.8, 10.0, 7.8)
-    gains = fitting_gains(asked, [rotor], timing, least=200.0)
+    gains = fitting_gains(asked, [rotor, Case(3.8, 5.0, gravity=200.0)], timing)
     assert gains.kp < 200.0
     assert gains.sensitivity == np.inf
     assert sensitivity(gains, rotor, timing) <= SENSITIVITY

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from known_joints import known_joints, measured_joints
 
@@ -27,6 +28,9 @@ class Robot:
         self.swings, self.fault, self.moving = swings, None, False
         self.used, self.resets, self.joints = [], 0, None
 
+    def pose(self):
+        return np.zeros(2)
+
     async def use_gains(self, gains, keep):
         self.used.append((gains.kd[0], keep))
 
@@ -47,7 +51,7 @@ class Workers:
             before = known_joints(OLD).gains.document()
             return {"parts": ["friction"], "begin": known(0), "before": before}
         if name == "calmer":
-            assert asked["fault"] == FAULT
+            assert asked["fault"]["joint"] == 2
             step = int(asked["known"]["gains"]["kd"][0]) + 1
             return None if step > self.calmest else known(step) | {"note": f"note {step}"}
         if name == "learn":
@@ -115,6 +119,18 @@ def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, swings, calme
 
 
 def test_another_fault_is_not_tried_again(monkeypatch):
-    robot, _, found = measured(monkeypatch, 1, fault=FAULT | {"kind": "following_error"})
+    robot, _, found = measured(monkeypatch, 1, fault=FAULT | {"kind": "position_limit"})
     assert str(found) == "run x: aborted"
     assert robot.resets == 0
+
+
+def test_a_joint_that_falls_behind_is_tried_again_or_the_way_out_is_said(monkeypatch):
+    behind = FAULT | {"kind": "following_error", "cause": "is 0.15 rad from where it should be"}
+    robot, _, found = measured(monkeypatch, 1, fault=behind)
+    assert found.notes[0] == "note 1"
+    assert robot.resets == 1
+    robot, workers, found = measured(monkeypatch, 1, calmest=0, fault=behind)
+    assert str(found).startswith("joint 2: is 0.15 rad from where it should be; its servo is as ")
+    for words in ("raise control.rate", "the URDF's masses", "a brake or a collision"):
+        assert words in str(found)
+    assert "keep_joints" not in workers.calls

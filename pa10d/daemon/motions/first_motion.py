@@ -15,13 +15,14 @@ from pa10d.daemon.robot.robot import CommandRefused
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
-from pa10d.services.joints import STILL_SWINGS, kept_joints
+from pa10d.services.joints import STILL_FALLS, STILL_SWINGS, kept_joints
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
 
 SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
-TRIES = 5  # with calmer and calmer gains where the arm swings
+TRIES = 5  # with calmer and calmer gains where the arm swings, firmer ones where it falls behind
+STILL = {"oscillation": STILL_SWINGS, "following_error": STILL_FALLS}
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
 
 
@@ -55,7 +56,8 @@ class FirstMotion:
                     await self._robot.command("disable", timeout=30.0)
 
     async def _measure(self) -> Outcome:
-        begin = await self._ask("parts_to_run", parameters=self._request.parameters)
+        at = self._robot.pose().tolist()
+        begin = await self._ask("parts_to_run", parameters=self._request.parameters, at=at)
         self._before = PidGains.from_document(begin["before"])
         known = KnownJoints.from_document(begin["begin"])
         runs: dict[str, str] = {}
@@ -100,14 +102,16 @@ class FirstMotion:
         raise AssertionError("the last try raises")
 
     async def _calmer(self, known: KnownJoints, error: UserError, again: bool) -> KnownJoints:
-        """What is known after a joint swung, the fault left for that; any other end is the end."""
+        """What is known after a joint swung or fell behind, the fault left for that; any other end
+        is the end."""
         fault = self._robot.fault
-        if not fault or fault["kind"] != "oscillation":
+        if not fault or fault["kind"] not in STILL:
             raise error
         told = known.document()
         calmer = await self._ask("calmer", known=told, fault=fault) if again else None
         if calmer is None:
-            raise UserError(f"joint {fault['joint']}: {fault['cause']}; {STILL_SWINGS}") from error
+            still = STILL[fault["kind"]]
+            raise UserError(f"joint {fault['joint']}: {fault['cause']}; {still}") from error
         self.result.notes.append(calmer["note"])
         await self._robot.reset()
         return KnownJoints.from_document(calmer)
