@@ -11,8 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS
-from pa10d.diagnose.evidence.errors_of import moved_by_doubt, term_covariance, told
-from pa10d.diagnose.evidence.tails import tails, with_open
+from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import reason, sentence
@@ -21,7 +20,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.steps import Judged, Search, Suspects
-from pa10d.diagnose.search.versions import held_out, snapshot, versions_of
+from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import Unexplained, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure, find_structure
@@ -29,7 +28,7 @@ from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
-from pa10d.model import Term, TorqueModel, as_told
+from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -165,9 +164,8 @@ def add(
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), as_given)
-    unseen = tails(made, state.terms[given:], state.train.runs)
-    warnings += [*unseen.values(), *said(made)]
-    return replace(with_open(made, unseen), name=name, change=f"added {added}"), warnings
+    warnings += [*unseen(made, state, given).values(), *said(made)]
+    return replace(made, name=name, change=f"added {added}"), warnings
 
 
 def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
@@ -197,7 +195,6 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     state = search.state
     term = state.terms[index]
     judged = search.judge_term(index)
-    covariance, shape_errors = term_covariance(state, index)
     before = versions[index - given].held_out["held out"]
     after = versions[index - given + 1].held_out["held out"]
     size = _size(state, index, judged)
@@ -210,12 +207,8 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
         plan = settle_doubt(state.model, own, [r.candidate for r in rivals])
     return Finding(
-        term=replace(term, shape_errors=shape_errors),
-        parameters=as_told(
-            state.model.robot,
-            term,
-            told(state, index, covariance, shape_errors),
-        ),
+        term=versions[-1].terms[index],
+        parameters=versions[-1].term_values(index),
         rms_before=before,
         rms_after=after,
         p_value=judged.p_corrected,

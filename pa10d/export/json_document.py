@@ -68,23 +68,24 @@ def _bodies(standard: np.ndarray, names: tuple[str, ...]) -> list[dict[str, Any]
 
 
 def _base(model: TorqueModel) -> list[dict[str, Any]]:
-    rows = zip(model.base.kept, model.h, model.std_errors, model.base.matrix(), strict=False)
+    rows = zip(model.base.kept, model.base_values, model.base.matrix(), strict=False)
     return [
         {
             "name": parameter_name(int(kept)),
-            "value": float(value),
-            "std_error": float(error),
+            "value": float(value.value),
+            "std_error": float(value.std_error),
             "of_standard": {
                 parameter_name(int(k)): float(row[k]) for k in np.flatnonzero(np.abs(row) > 1e-12)
             },
         }
-        for kept, value, error, row in rows
+        for kept, value, row in rows
     ]
 
 
 def _effect(model: TorqueModel, index: int) -> dict[str, Any]:
     term = model.terms[index]
     kind, errors = term.effect, model.std_errors[model.term_slice(index)]
+    share = model.robot.gain_share(term.joints)
     units = {s.name: s.unit for s in kind.shapes}
     return {
         "effect": term.effect_id,
@@ -95,7 +96,7 @@ def _effect(model: TorqueModel, index: int) -> dict[str, Any]:
         "acts_on": "the sensor" if kind.sensing else "the arm",
         "remembers": kind.remembers or None,
         "coefficients": {
-            c.name: {"value": float(v), "std_error": float(e), "unit": c.unit}
+            c.name: _told(Value(float(v), float(e), c.unit).with_gain_error(share))
             for c, v, e in zip(kind.coefficients, term.coefficients, errors, strict=True)
         },
         "shape": {

@@ -93,11 +93,9 @@ class Model(ByContent):
     @cached_property
     def base_parameters(self) -> tuple[Parameter, ...]:
         """The rigid bodies' parameters that motion can tell apart; SI units."""
-        count = len(self.inner.h)
-        found = zip(self.inner.parameter_names(), self.inner.h, self.inner.std_errors, strict=False)
         return tuple(
-            Parameter(name, float(value), float(error), "")
-            for name, value, error in list(found)[:count]
+            Parameter(name, float(v.value), float(v.std_error), v.unit, v.determined)
+            for name, v in zip(self.inner.parameter_names(), self.inner.base_values, strict=False)
         )
 
     @cached_property

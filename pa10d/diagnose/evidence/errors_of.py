@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -18,12 +18,10 @@ from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import PerJoint, Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.effects import Value
 from pa10d.model import Term
 from pa10d.regression.covariance import Seen, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.scores import Memory, Scores, covariance_of
-from pa10d.regression.told import added_ones, left_open, names_of
 
 Array = NDArray[np.float64]
 Noises = dict[int, Scores]
@@ -46,7 +44,7 @@ def honest_covariance(state: SearchState) -> Array:
     """(p, p) of all coefficients as a model states them: what it lacks itself included. The search
     asks whether there is more than noise; who reads a model asks how far off it may be."""
     fit = state.fit
-    return _stated(state, fit.basis, fit.to_beta, _known(state, fit))
+    return covariance_under(state, fit.basis, fit.to_beta, _known(state, fit))
 
 
 @dataclass(frozen=True)
@@ -159,41 +157,31 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
     known = None
     if state.problem.known is not None:
         known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
-    covariance = _stated(state, left, np.asarray(inverse), known)
+    covariance = covariance_under(state, left, np.asarray(inverse), known)
     slopes = {j: c[:, k:] for j, c in columns.items()}
     systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
     covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    # values that the columns blur together no noise could tell apart, however small it is; nor is
-    # a shape known better than the share of its torque that the data show
-    short = off_by(term)
-    shape_errors = {
+    return covariance[:k, :k], shape_errors_of(term, errors[k:])
+
+
+def shape_errors_of(term: Term, errors: Array) -> dict[str, float]:
+    """Of a term's free shapes, from their standard errors (s,) as the fit has them.
+
+    Values that the columns blur together no noise could tell apart, however small it is; nor is a
+    shape known better than the share of its torque that the data show.
+    """
+    free, short = free_shapes(term.effect, term.shape), off_by(term)
+    return {
         s.name: float(np.hypot(e, np.hypot(s.blur, short) * term.shape[s.name]))
-        for s, e in zip(free, errors[k:], strict=True)
+        for s, e in zip(free, errors, strict=True)
     }
-    return covariance[:k, :k], shape_errors
 
 
 def off_by(term: Term) -> float:
     """By what share a torque that its shape alone would settle is more or less than it says."""
     kinds = zip(term.effect.coefficients, term.coefficients, strict=True)
     return max((abs(1.0 - float(c)) for kind, c in kinds if kind.whole_at_one), default=0.0)
-
-
-def told(
-    state: SearchState, index: int, covariance: Array, shape_errors: dict[str, float]
-) -> dict[str, Value]:
-    """A term's parameters, what the data leave open among them; arguments: ``term_covariance``."""
-    term = state.terms[index]
-    values = term.effect.values(term.coefficients, covariance, term.shape, shape_errors)
-    errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    added = added_ones(0, [term])
-    scales = scales_of(state, state.blocks[index][0])
-    names = [coefficient.name for coefficient in term.effect.coefficients]
-    for name in names_of(names, left_open(term.coefficients, errors, *scales, added)):
-        if name in values:
-            values[name] = replace(values[name], determined=False)
-    return values
 
 
 def scales_of(state: SearchState, columns: PerJoint) -> tuple[Array, Array, Array]:
@@ -207,7 +195,9 @@ def scales_of(state: SearchState, columns: PerJoint) -> tuple[Array, Array, Arra
     return peaks, np.array(torque), state.fit.rms()
 
 
-def _stated(state: SearchState, columns: PerJoint, turn: Array, known: Array | None) -> Array:
+def covariance_under(
+    state: SearchState, columns: PerJoint, turn: Array, known: Array | None
+) -> Array:
     """(p, p) of estimates that weighted errors move by ``turn`` (p, k) times what weighted columns
     (m_j, k) see of them, as a model states it."""
     side, fit = state.train, state.fit

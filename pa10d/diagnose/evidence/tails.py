@@ -23,7 +23,11 @@ Array = NDArray[np.float64]
 
 def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]) -> dict[str, str]:
     """Label -> a line, for each term whose largest torque in the fitted samples is a small share of
-    what it claims where its joint turns round or rests."""
+    what it claims where its joint turns round or rests. Not of what sensors do: a late torque is as
+    late everywhere, however steep it is where a joint turns round."""
+    terms = [term for term in terms if not term.effect.sensing]
+    if not terms:
+        return {}
     peaks = np.max([_peaks(model, terms, run) for run in runs], axis=0)
     lines = {
         term.label: _tail(model, term, seen, out)

@@ -7,7 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.diagnose.evidence.errors_of import honest_covariance, scales_of, term_covariance
+from pa10d.diagnose.evidence.errors_of import scales_of
+from pa10d.diagnose.evidence.stated import stated
+from pa10d.diagnose.evidence.tails import tails, with_open
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.delivery import delivery
 from pa10d.diagnose.search.steps import rms
@@ -42,13 +44,12 @@ def snapshot(
     ``delivery`` has what the search promised and what the model as it is stored achieves."""
     part = state if size == len(state.terms) else state.bare(size, own_weights=True)
     refitted = size == len(given.terms)
-    terms = []
-    for index, term in enumerate(part.terms):
-        errors: dict[str, float] = dict(term.shape_errors)
-        if index >= len(given.terms) and term.shape:
-            errors = term_covariance(part, index)[1]
-        terms.append(replace(term, shape_errors=errors))
     frozen = state.frozen
+    known = stated(part, settled(part, len(given.terms)))
+    terms = [
+        replace(term, shape_errors=known.shape_errors.get(index, term.shape_errors))
+        for index, term in enumerate(part.terms)
+    ]
     lost = (
         ("warnings", "delivery") if frozen else ("warnings", "feasible", "noise_floor", "delivery")
     )
@@ -59,7 +60,7 @@ def snapshot(
     model = replace(
         part.model,
         terms=tuple(terms),
-        covariance=honest_covariance(part),
+        covariance=known.covariance,
         noise=part.fit.rms(),
         shift=part.train.runs[0].shift,
         standard=given.standard if frozen else None,
@@ -76,7 +77,24 @@ def snapshot(
         held_out={"held out": np.array(promise["achieved"])},
         notes={**model.notes, "delivery": promise},
     )
-    return model if frozen else _with_bodies(_with_open(model, part), part)
+    model = with_open(_with_open(model, part), unseen(model, part, len(given.terms)))
+    return model if frozen else _with_bodies(model, part)
+
+
+def settled(part: SearchState, given: int) -> list[int]:
+    """Terms whose shapes are estimates of these data: what a frozen model had stays as it was,
+    and of the textbook's terms identification says how sure their shapes are."""
+    return [
+        index
+        for index, term in enumerate(part.terms)
+        if index >= given or not (part.frozen or term.effect.question == "textbook")
+    ]
+
+
+def unseen(model: TorqueModel, part: SearchState, given: int) -> dict[str, str]:
+    """Of the terms that were added: which the fit saw no more than a tail of, and a line each."""
+    added = model.terms[given:]
+    return tails(model, added, part.train.runs) if added else {}
 
 
 def _with_open(model: TorqueModel, part: SearchState) -> TorqueModel:

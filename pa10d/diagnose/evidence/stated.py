@@ -1,0 +1,97 @@
+"""Standard errors as a model states them and as its findings print them: one covariance for both.
+
+Shapes were fitted like coefficients, and make these and all others less certain; what reversals do
+to an effect's estimates (0070, rule 23) is in it, too. So a parameter has one error, whoever tells
+of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
+from pa10d.diagnose.evidence.reversals import moved_by_reversals
+from pa10d.diagnose.regression.shapes import free_shapes
+from pa10d.diagnose.regression.side import PerJoint
+from pa10d.diagnose.regression.slopes import with_slopes
+from pa10d.diagnose.regression.state import SearchState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stated:
+    """covariance (p, p) of all coefficients, the shapes of the terms at hand being free;
+    shape_errors: index of a term -> name -> standard error, of those that have free shapes."""
+
+    covariance: Array
+    shape_errors: dict[int, dict[str, float]]
+
+
+def stated(state: SearchState, fresh: Collection[int]) -> Stated:
+    """fresh: indices of the terms whose shapes these data have settled."""
+    fit, width = state.fit, state.fit.to_beta.shape[1]
+    slopes = {i: _slopes(state, i) for i in sorted(fresh)}
+    places, total = {}, 0
+    for i, of_term in slopes.items():
+        count = next(iter(of_term.values())).shape[1]
+        places[i] = slice(total, total + count)
+        total += count
+    columns: PerJoint = {}
+    weighted = {j: np.zeros((len(q), total)) for j, q in fit.basis.items()}
+    for i, of_term in slopes.items():
+        for j, own in of_term.items():
+            weighted[j][:, places[i]] = own / fit.sigma[j]
+    size = np.sqrt(np.maximum(sum(np.sum(w**2, axis=0) for w in weighted.values()), 1e-300))
+    seen = np.sum([fit.basis[j].T @ (w / size) for j, w in weighted.items()], axis=0)
+    for j, w in weighted.items():
+        columns[j] = np.column_stack([fit.basis[j], w / size - fit.basis[j] @ seen])
+    top = np.sum([q.T @ q for q in fit.basis.values()], axis=0)
+    prior = np.column_stack([np.eye(width), -seen])  # rows of what was known, in the basis
+    prior = prior.T @ (np.eye(width) - top) @ prior
+    gram = np.sum([c[:, width:].T @ c[:, width:] for c in columns.values()], axis=0)
+    if state.problem.known is not None:
+        gram = gram + prior[width:, width:]
+    inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
+    turn = np.block(
+        [[fit.to_beta, -fit.to_beta @ seen @ inverse], [np.zeros((total, width)), inverse]]
+    )
+    known = None if state.problem.known is None else turn @ prior @ turn.T
+    whole = covariance_under(state, columns, turn, known)
+    count = len(fit.to_beta)
+    shapes = slice(count, None)
+    whole[shapes] /= size[:, None]
+    whole[:, shapes] /= size
+    return _with_reversals(state, whole, slopes, {i: _after(p, count) for i, p in places.items()})
+
+
+def _with_reversals(
+    state: SearchState, whole: Array, slopes: dict[int, PerJoint], places: dict[int, slice]
+) -> Stated:
+    count = len(state.fit.to_beta)
+    errors = {}
+    for i, of_term in slopes.items():
+        own = np.r_[state.place(i), places[i]]
+        moved = moved_by_reversals(state, i, of_term, np.diag(whole)[own])
+        whole[own, own] += moved
+    for i in slopes:
+        found = np.sqrt(np.maximum(np.diag(whole)[places[i]], 0.0))
+        errors[i] = shape_errors_of(state.terms[i], found)
+    return Stated(whole[:count, :count], {i: e for i, e in errors.items() if e})
+
+
+def _slopes(state: SearchState, index: int) -> PerJoint:
+    """joint -> (m_j, s): how a term's torque moves with its free shapes."""
+    term = state.terms[index]
+    if not free_shapes(term.effect, term.shape):
+        return {j: np.zeros((len(c), 0)) for j, c in state.blocks[index][0].items()}
+    columns = with_slopes(state.train, term)
+    return {j: c[:, len(term.coefficients) :] for j, c in columns.items()}
+
+
+def _after(place: slice, count: int) -> slice:
+    return slice(count + place.start, count + place.stop)
