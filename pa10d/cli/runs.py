@@ -247,7 +247,11 @@ def _map_option(parser: argparse.ArgumentParser) -> None:
 
 
 def _part_options(parser: argparse.ArgumentParser, episodes: str) -> None:
-    parser.add_argument("--topic", metavar="NAME", help="of a bag that has joint states on several")
+    parser.add_argument(
+        "--topic",
+        metavar="NAME",
+        help="of a bag that has joint states on several; a bus of a CAN log",
+    )
     parser.add_argument(
         "--episode", metavar="N", type=_episode, help=f"of a LeRobot data set: {episodes}"
     )

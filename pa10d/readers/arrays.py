@@ -19,6 +19,7 @@ from pa10d.store.channels import Array
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
 SECOND = 1_000_000_000  # ns
+FEW = 20  # rows: fewer are names, gains and the like
 CLOCKS = ("time", "t", "timestamp", "stamp")
 PREFIXES = {"extra": "", "command": "cmd_"}
 """Structs of our own files whose fields are called by more, or less, than their own names."""
@@ -33,7 +34,8 @@ def read_npz(path: Path) -> Table:
             if isinstance(found, np.ndarray):
                 return Table(spread(_of_one(found)))
             with found as file:
-                return Table(spread({name: file[name] for name in file.files}))
+                said: list[str] = []
+                return Table(spread({name: file[name] for name in file.files}, said), said)
     except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
         raise damaged(path, "a NumPy .npz of plain arrays", error) from error
 
@@ -64,7 +66,7 @@ def read_mat(path: Path) -> Table:
         )
     odd = [place for place, kind in _odd(named) if kind]
     said = [f"no plain numbers in {', '.join(odd)}: left out"] if odd else []
-    return Table(spread(named), said)
+    return Table(spread(named, said), said)
 
 
 def _odd(content: Mapping[str, Any]) -> Iterator[tuple[str, bool]]:
@@ -129,13 +131,21 @@ def _without_numbers(found: Any) -> list[str]:
     return [f"no numbers in {', '.join(left)[:120]}: left out"] if left else []
 
 
-def spread(content: Mapping[str, Any]) -> dict[str, Array]:
+def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[str, Array]:
     """Everything that is numbers, flat: ``q`` (N, n) -> q1 … qn, structs by their fields.
 
-    Fields that are called alike in two structs keep the structs' names: ``measured.q1``.
+    Fields that are called alike in two structs keep the structs' names: ``measured.q1``. said: is
+    told what is left out because it is not as long as the others.
     """
     leaves = list(_leaves(content))
     length = _samples_in(leaves)
+    if said is not None:
+        said += [
+            f"{'.'.join(place)} has {' x '.join(map(str, v.shape))} numbers for {length} samples: "
+            "left out"
+            for place, v in leaves
+            if v.ndim in (1, 2) and len(v) > FEW and _rows(v, length) is None
+        ]
     blocks = [(place, found) for place, v in leaves if (found := _rows(v, length)) is not None]
     alike = Counter(_called(place) for place, _ in blocks)
     out: dict[str, Array] = {}
@@ -183,8 +193,18 @@ def _leaves(content: Mapping[str, Any], within: Place = ()) -> Iterator[tuple[Pl
             yield from _leaves(fields, place)
         elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype.hasobject):
             yield from _leaves(_listed(name, value), place)
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "mM" and value.size > 1:
+            yield place, _seconds(np.squeeze(value))
         elif isinstance(value, np.ndarray) and value.dtype.kind in "fiub" and value.size > 1:
             yield place, np.squeeze(value.astype(np.float64))
+
+
+def _seconds(moments: Any) -> Array:
+    """Since the first whole second, of NumPy's dates and spans; none of them is nan."""
+    fine = moments.astype("M8[ns]" if moments.dtype.kind == "M" else "m8[ns]")
+    ns = fine.astype(np.int64)
+    seconds = (ns - ns.flat[0] // SECOND * SECOND) * 1e-9
+    return np.where(np.isnat(fine), np.nan, seconds)
 
 
 def _listed(name: str, values: Any) -> dict[str, Any]:
@@ -271,7 +291,8 @@ def _read_hdf5(path: Path) -> Table:
             file.visititems(visit)
     except OSError as error:
         raise damaged(path, "a MAT or HDF5 file", error) from error
-    return Table(spread(found))
+    said: list[str] = []
+    return Table(spread(found, said), said)
 
 
 def damaged(path: Path, expected: str, error: Exception) -> UserError:

@@ -139,7 +139,7 @@ class _Joined:
             lost = int((keep & ~seen).sum())
             if lost:
                 self._remarks.append(
-                    f"{name} was not measured all the time: {lost} of {len(lead)} messages are "
+                    f"{name} was not measured all the time: {lost} of {len(lead)} samples are "
                     "left out"
                 )
             keep &= seen

@@ -4,6 +4,8 @@ SYNC."""
 from __future__ import annotations
 
 import struct
+from array import array
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,50 +14,127 @@ import numpy as np
 
 from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
+from pa10d.measurement.counters import unwrapped
 from pa10d.profile import Profile
+from pa10d.readers.bag_columns import columns_of
+from pa10d.readers.bag_rows import BagTopic
 from pa10d.readers.table import Table
-from pa10d.store.channels import Array
 
 SYNC, ANSWER = 0x80, 0x180
 TPDO = struct.Struct("<ihH")  # 0x6064 position, 0x6077 torque, 0x6041 statusword
 FEWEST, SMALLEST = 10, 200  # frames of a joint, bytes
+OFTEN = 1.5  # answers to a SYNC; beyond it they are sent on their own account
+BACK = 0.05  # s by which frames of several buses may overtake each other
+COUNTER = 2.0**32  # positions are counted in so many bits, and run over
+BEGIN = 1_000_000_000  # ns before the first frame
 READERS = {".csv": can.CSVReader, ".db": can.SqliteReader}  # told by what is in them
 
 
-def read_can_log(path: Path, profile: Profile, kind: str = "") -> Table:
+class Frames:
+    """One bus: SYNCs, and per joint (time, position, torque) of its drive's answers."""
+
+    def __init__(self, joints: int) -> None:
+        self.syncs = array("d")
+        self.answers: list[list[tuple[float, int, int]]] = [[] for _ in range(joints)]
+
+    @property
+    def whole(self) -> bool:
+        """Whether every drive speaks on it."""
+        return all(len(found) >= FEWEST for found in self.answers)
+
+
+def read_can_log(path: Path, profile: Profile, kind: str = "", channel: str | None = None) -> Table:
     """Position and torque of every drive, as this program's own TPDO 1 has them. kind: .csv or .db,
-    whatever the file is called."""
+    whatever the file is called; channel: which bus, of a log of several."""
     if not profile.drives:
         raise UserError(f"{path}: a CAN log needs a profile with 'drives', expected one per joint")
-    nodes = {ANSWER + drive.node: j for j, drive in enumerate(profile.drives)}
-    syncs: list[float] = []
-    seen: list[list[tuple[float, int, int]]] = [[] for _ in profile.drives]
     if path.suffix.lower() == ".mf4":
         _refuse_without_mdf(path)
     try:
         if path.stat().st_size < SMALLEST:
             raise ValueError("it ends before its first frame")
         with READERS.get(kind, can.LogReader)(path) as log:
-            for message in log:
-                if message.is_extended_id or message.is_error_frame or message.is_remote_frame:
-                    continue  # CANopen's own have 11 bits; others may share the wire
-                if message.arbitration_id == SYNC:
-                    syncs.append(message.timestamp)
-                elif (j := nodes.get(message.arbitration_id)) is not None:
-                    data = bytes(message.data)
-                    if len(data) == TPDO.size:
-                        position, torque, _ = TPDO.unpack(data)
-                        seen[j].append((message.timestamp, position, torque))
+            buses = _buses(log, {ANSWER + d.node: j for j, d in enumerate(profile.drives)})
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
     except Exception as error:  # whatever a damaged log makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a CAN log") from error
-    for j, found in enumerate(seen):
+    frames = _bus(path, buses, channel, len(profile.drives))
+    for j, found in enumerate(frames.answers):
         if len(found) < FEWEST:
             raise UserError(
                 f"{path}: joint {j + 1}: {len(found)} frames 0x{ANSWER + profile.drives[j].node:X} "
                 f"of {TPDO.size} bytes; expected TPDO 1 with 0x6064, 0x6077 and 0x6041"
             )
-    return Table(_columns(np.array(syncs), [np.array(found) for found in seen], profile))
+    joints = [f"joint {j}" for j in range(1, len(profile.drives) + 1)]
+    return columns_of(path, "the bus", _topic(frames, profile, joints), joints)
+
+
+def _buses(log: Iterable[can.Message], nodes: Mapping[int, int]) -> dict[str, Frames]:
+    buses: dict[str, Frames] = {}
+    latest = -np.inf
+    for message in log:
+        if message.is_extended_id or message.is_error_frame or message.is_remote_frame:
+            continue  # CANopen's own have 11 bits; others may share the wire
+        j = nodes.get(message.arbitration_id)
+        if j is None and message.arbitration_id != SYNC:
+            continue
+        if message.timestamp < latest - BACK:
+            raise UserError(
+                f"a frame comes {latest - message.timestamp:.3g} s before the one ahead of it: a "
+                "clock that was set back, or two logs in one; expected stamps that rise"
+            )
+        latest = max(latest, message.timestamp)
+        bus = buses.setdefault(str(message.channel), Frames(len(nodes)))
+        if j is None:
+            bus.syncs.append(message.timestamp)
+        elif message.dlc == TPDO.size and len(message.data) == TPDO.size:
+            position, torque, _ = TPDO.unpack(bytes(message.data))
+            bus.answers[j].append((message.timestamp, position, torque))
+    return buses
+
+
+def _bus(path: Path, buses: Mapping[str, Frames], channel: str | None, joints: int) -> Frames:
+    """The one that the drives speak on."""
+    if channel is not None:
+        if channel not in buses:
+            there = ", ".join(sorted(buses)) or "none"
+            raise UserError(f"{path}: no bus {channel}; found {there}")
+        return buses[channel]
+    whole = sorted(name for name, frames in buses.items() if frames.whole)
+    if len(whole) > 1:
+        raise UserError(
+            f"{path}: the drives speak on {len(whole)} buses, {', '.join(whole)}; expected one: "
+            f"--topic {whole[0]}"
+        )
+    if whole:
+        return buses[whole[0]]
+    most = max(buses.values(), key=lambda one: sum(map(len, one.answers)), default=None)
+    return most or Frames(joints)
+
+
+def _topic(frames: Frames, profile: Profile, joints: Sequence[str]) -> BagTopic:
+    """Each answer at the SYNC that it answers, where there is one."""
+    assert profile.drives is not None
+    topic, syncs = BagTopic(), np.frombuffer(frames.syncs, dtype=np.float64)
+    begin = min(found[0][0] for found in frames.answers)
+    begin = min(begin, float(syncs[0])) if len(syncs) else begin
+    for joint, found, drive in zip(joints, frames.answers, profile.drives, strict=True):
+        scaling, rows = scaling_of(drive), np.array(found)
+        t = rows[:, 0]
+        if len(syncs) >= FEWEST and len(t) < OFTEN * len(syncs):
+            asked = np.searchsorted(syncs, t, "right") - 1
+            t, rows = syncs[asked[asked >= 0]], rows[asked >= 0]
+        counts = unwrapped(rows[:, 1], COUNTER)
+        q = scaling.sign * counts / scaling.counts_per_radian - scaling.zero_offset
+        tau = scaling.sign * rows[:, 2] * scaling.rated / 1000.0
+        stamps = np.rint((t - begin) * 1e9).astype(np.int64) + BEGIN
+        for stamp, angle, torque in zip(stamps.tolist(), q.tolist(), tau.tolist(), strict=True):
+            topic.keep(
+                {"position": ([joint], [angle]), "effort": ([joint], [torque])}, stamp, stamp
+            )
+    return topic
 
 
 def _refuse_without_mdf(path: Path) -> None:
@@ -64,19 +143,3 @@ def _refuse_without_mdf(path: Path) -> None:
             f"{path}: a CAN log in MDF 4, which needs asammdf; expected pip install 'pa10d[mf4]', "
             "or the log as .blf, .asc or .log"
         )
-
-
-def _columns(syncs: Array, seen: list[Array], profile: Profile) -> dict[str, Array]:
-    t = syncs if len(syncs) >= FEWEST else seen[0][:, 0]
-    first = max(found[0, 0] for found in seen)
-    last = min(found[-1, 0] for found in seen)
-    t = t[(t >= first - 1.0) & (t <= last)]
-    out: dict[str, Array] = {"time": t - t[0]}
-    assert profile.drives is not None
-    for j, (found, drive) in enumerate(zip(seen, profile.drives, strict=True), 1):
-        scaling = scaling_of(drive)
-        answer = np.minimum(np.searchsorted(found[:, 0], t), len(found) - 1)
-        counts, per_mille = found[answer, 1], found[answer, 2]
-        out[f"q{j}"] = scaling.sign * counts / scaling.counts_per_radian - scaling.zero_offset
-        out[f"tau{j}"] = scaling.sign * per_mille * scaling.rated / 1000.0
-    return out

@@ -113,7 +113,10 @@ def _where(files: Sequence[Path]) -> dict[int, dict[Path, int]]:
         try:
             if EPISODE not in parquet.read_schema(file).names:
                 raise UserError(f"{file}: no column {EPISODE}; expected a LeRobot data set")
-            numbers = parquet.read_table(file, columns=[EPISODE])[EPISODE].to_numpy()
+            found = parquet.read_table(file, columns=[EPISODE])[EPISODE]
+            if found.null_count or not pa.types.is_integer(found.type):
+                raise UserError(f"{file}: column {EPISODE}: expected whole numbers, none missing")
+            numbers = found.to_numpy()
         except (pa.ArrowException, OSError) as error:
             raise damaged(file, "a Parquet file of a LeRobot data set", error) from error
         for number, count in zip(*np.unique(numbers, return_counts=True), strict=True):

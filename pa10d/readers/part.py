@@ -10,8 +10,8 @@ from pa10d.common.errors import UserError
 
 @dataclass(frozen=True)
 class Part:
-    """topic: of a bag; episode: of a data set, its own number. None: the reader takes one and says
-    so."""
+    """topic: of a bag, or a bus of a CAN log; episode: of a data set, its own number. None: the
+    reader takes one and says so."""
 
     topic: str | None = None
     episode: int | None = None
@@ -19,7 +19,7 @@ class Part:
     def only(self, path: Path, *, topic: bool = False, episode: bool = False) -> None:
         """UserError where something is asked for that this kind of file does not have."""
         if self.topic is not None and not topic:
-            raise UserError(f"{path}: no topics; --topic {self.topic} expects a bag")
+            raise UserError(f"{path}: no topics; --topic {self.topic} expects a bag, or a CAN log")
         if self.episode is not None and not episode:
             raise UserError(
                 f"{path}: no episodes; --episode {self.episode} expects a LeRobot data set"

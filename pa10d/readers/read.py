@@ -106,30 +106,30 @@ def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, pa
     from pa10d.readers import arrays, bags, can_logs, lerobot
 
     kind = path.suffix.lower()
-    head = b"" if path.is_dir() else packed.first_bytes(path, 16)
+    head = b"" if path.is_dir() else packed.first_bytes(path, 64)
     if lerobot.is_data_set(path) or (head.startswith(b"PAR1") and lerobot.has_episodes(path)):
         part.only(path, episode=True)
         return lerobot.read_data_set(path, part.episode)
     if head.startswith(SQLITE) and is_can_database(path):
-        part.only(path)
-        return can_logs.read_can_log(path, profile, ".db")
+        part.only(path, topic=True)
+        return can_logs.read_can_log(path, profile, ".db", part.topic)
     if path.is_dir() or kind in (".mcap", ".db3") or head.startswith(BAGS):
         part.only(path, topic=True)
         run = path / BAG if path.is_dir() else path
         mcap = run.is_file() and (kind == ".mcap" or packed.first_bytes(run, 5) == MCAP)
         own = _own(run) if mcap and part.topic is None else None
         return own or bags.read_bag(path, robot.joint_names, progress, part.topic)
-    part.only(path)
+    frames = is_can_csv(head) or kind in CAN_LOGS or (kind == ".log" and head.startswith(b"("))
+    part.only(path, topic=frames)
+    if frames:
+        form = ".csv" if is_can_csv(head) else ""
+        return can_logs.read_can_log(path, profile, form, part.topic)
     if head.startswith((b"PAR1", b"ARROW1", STREAM)):
         return arrays.read_arrow(path)
     if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
         return arrays.read_mat(path)
     if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
         return arrays.read_npz(path)
-    if is_can_csv(packed.first_bytes(path, LOOK)):
-        return can_logs.read_can_log(path, profile, ".csv")
-    if kind in CAN_LOGS or (kind == ".log" and head.startswith(b"(")):
-        return can_logs.read_can_log(path, profile)
     return _with_stamps(text.read_text(path))
 
 

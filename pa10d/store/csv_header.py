@@ -53,12 +53,15 @@ class Header:
         joints: Sequence[str] = (),
     ) -> None:
         """``where``: file and line, as messages begin; joints: the robot's own names for them."""
-        self.where, self._joints = where, joints
+        self.where, self._joints, self._mapping = where, joints, mapping
         self.names = tuple(name.strip() for name in names)
         self._check_it_is_one()
         self._place: dict[str, int] = {}
         for k, name in enumerate(self.names):
             meaning = mapping.get(name, name)
+            own = FIELD.fullmatch(name)
+            if own and name not in mapping and f"{own[2]}0" in mapping:
+                meaning = f"{name} (file)"  # counted from 0, of one joint more than the robot has
             if meaning in self._place and meaning:
                 first = self._place[meaning] + 1
                 raise UserError(
@@ -70,6 +73,7 @@ class Header:
         """The columns for a robot with n joints; ``constants``: currents can become torques."""
         joints = range(1, n + 1)
         place = self._place
+        self._refuse_counts_from_zero(n)
         missing = [name for name in ("time", *(f"q{j}" for j in joints)) if name not in place]
         tau = [place.get(f"tau{j}") for j in joints]
         for j, column in zip(joints, tau, strict=True):
@@ -92,6 +96,15 @@ class Header:
             self._place[f"{prefix}{j}"] for j in range(1, n + 1) if f"{prefix}{j}" in self._place
         ]
         return found if len(found) == n else None
+
+    def _refuse_counts_from_zero(self, n: int) -> None:
+        """q0 … qn are of one joint more than the robot has: which of them are its own?"""
+        there = all(f"q{j}" in self.names for j in range(n + 1))
+        if there and not any(field.startswith("q") for field in self._mapping.values()):
+            raise UserError(
+                f"{self.where}: q0 … q{n} are {n + 1} joints counted from 0, the robot has {n}; "
+                "expected --map 'q{n-1}=q' 'tau{n-1}=tau', or 'q{n}=q' 'tau{n}=tau'"
+            )
 
     def _keep_the_rest(self, columns: Columns, n: int, robot: str) -> None:
         used = {*columns.required()}

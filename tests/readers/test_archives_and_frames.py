@@ -15,7 +15,7 @@ from test_formats import DRIVES, FILES, URDF, can_log
 
 from pa10d.common.errors import UserError
 from pa10d.profile import Can, Drive
-from pa10d.readers import read_recording
+from pa10d.readers import Part, read_recording
 from pa10d.services.robots import load_robot
 from pa10d.services.runs import import_run
 from pa10d.store import RunStore
@@ -193,3 +193,81 @@ def test_an_archive_that_is_refused_in_one_line(tmp_path, robot, make, name, say
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (tmp_path.parent / "out.csv").exists()
+
+
+def bus(folder, *, t=T, skip=lambda k, j: False, channels=("can0",), counts=0, sync=True):
+    """A log of two drives; skip: answers that are not there; counts: where encoders begin."""
+    path = folder / "bus.log"
+    q = np.stack([0.4 * np.sin(3 * T), 0.3 * np.cos(2 * T)], axis=1)
+    with can.Logger(path) as log:
+        for k in range(len(T)):
+            for c, channel in enumerate(channels):
+                at, frame = 1000.0 + float(t[k]) + 1e-3 * c, {"is_extended_id": False}
+                frame["channel"] = channel
+                if sync:
+                    log(can.Message(timestamp=at, arbitration_id=0x80, **frame))
+                for j in (0, 1):
+                    if skip(k, j):
+                        continue
+                    number = round((q[k, j] + c) * 819200 / (2 * np.pi)) + counts
+                    number = (number + 2**31) % 2**32 - 2**31
+                    data = number.to_bytes(4, "little", signed=True) + b"\0\0\x27\x06"
+                    own = at + 1e-4 * (j + 1)
+                    log(can.Message(timestamp=own, arbitration_id=0x181 + j, data=data, **frame))
+    return path, q
+
+
+def test_a_drive_that_stops_ends_the_recording(tmp_path, robot):
+    path, q = bus(tmp_path, skip=lambda k, j: j == 1 and k >= 200)
+    found = read_recording(path, *robot)
+    assert len(found.samples) == 200
+    np.testing.assert_allclose(found.samples.q, q[:200], atol=1e-5)
+    assert "joint 2.position was not measured all the time: 200 of 400" in found.header_warnings[0]
+
+
+def test_a_drive_that_begins_late_begins_the_recording(tmp_path, robot):
+    path, q = bus(tmp_path, skip=lambda k, j: j == 1 and k < 150)
+    np.testing.assert_allclose(read_recording(path, *robot).samples.q, q[150:], atol=1e-5)
+
+
+def test_a_drive_that_pauses_leaves_a_gap(tmp_path, robot):
+    path, q = bus(tmp_path, skip=lambda k, j: j == 1 and 200 < k < 260)
+    found = read_recording(path, *robot)
+    gap = found.samples.extra["gap"] > 0
+    assert gap[205:255].all()
+    np.testing.assert_allclose(found.samples.q[~gap], q[~gap], atol=1e-4)
+
+
+def test_an_answer_belongs_to_the_sync_before_it(tmp_path, robot):
+    path, q = bus(tmp_path, skip=lambda k, j: j == 1 and k % 2 == 1)
+    found = read_recording(path, *robot)
+    np.testing.assert_allclose(found.samples.q, q[: len(found.samples)], atol=1e-4)
+
+
+def test_drives_that_send_without_sync(tmp_path, robot):
+    path, q = bus(tmp_path, sync=False)
+    found = read_recording(path, *robot)
+    np.testing.assert_allclose(found.samples.q, q[: len(found.samples)], atol=2e-4)
+
+
+def test_counts_run_over(tmp_path, robot):
+    path, q = bus(tmp_path, counts=2**31 - 1000)
+    found = read_recording(path, *robot)
+    assert not found.wraps
+    np.testing.assert_allclose(np.diff(found.samples.q, axis=0), np.diff(q, axis=0), atol=2e-5)
+
+
+def test_two_buses_are_not_one(tmp_path, robot):
+    path, q = bus(tmp_path, channels=("can0", "can1"))
+    with pytest.raises(UserError, match=r"on 2 buses, can0, can1; expected one: --topic can0"):
+        read_recording(path, *robot)
+    found = read_recording(path, *robot, part=Part(topic="can1"))
+    np.testing.assert_allclose(found.samples.q, q + 1, atol=1e-5)
+    with pytest.raises(UserError, match=r"no bus can7; found can0, can1"):
+        read_recording(path, *robot, part=Part(topic="can7"))
+
+
+def test_a_clock_that_was_set_back(tmp_path, robot):
+    path, _ = bus(tmp_path, t=np.where(np.arange(len(T)) < 200, T, T - 0.3))
+    with pytest.raises(UserError, match=r"a frame comes 0.295 s before the one ahead of it"):
+        read_recording(path, *robot)

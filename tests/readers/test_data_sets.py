@@ -150,7 +150,7 @@ def test_others_have_no_episodes(tmp_path, robot):
     path.write_text("time,q1,q2,tau1,tau2\n" + "1,2,3,4,5\n" * 150)
     with pytest.raises(UserError, match=r"no episodes; --episode 3 expects a LeRobot data set"):
         read_recording(path, *robot, part=Part(episode=3))
-    with pytest.raises(UserError, match=r"no topics; --topic /a expects a bag"):
+    with pytest.raises(UserError, match=r"no topics; --topic /a expects a bag, or a CAN log"):
         read_recording(path, *robot, part=Part(topic="/a"))
     with pytest.raises(UserError, match=r"--episode all expects a LeRobot data set"):
         episodes_of(path)

@@ -94,6 +94,9 @@ WHOLE = {
     "rows for columns": matlab(time=T[None], q=Q.T, tau=TAU.T),
     "records in HDF5": hdf5_records,
     "lines of an old Mac": old_mac,
+    "NumPy's dates": numpy(
+        time=np.datetime64("2026-01-01T00:00:00.25", "ns") + NS.astype("m8[ns]"), q=Q, tau=TAU
+    ),
     "the other end first": numpy(time=T.astype(">f8"), q=Q.astype(">f8"), tau=TAU.astype(">f8")),
 }
 
@@ -104,10 +107,6 @@ def test_the_right_arrays(tmp_path, robot, kind):
     np.testing.assert_allclose(found.samples.q, Q, atol=1e-11)
     np.testing.assert_allclose(found.samples.tau, TAU, atol=1e-11)
     np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-9)
-
-
-def named(*names):
-    return {name: FLAT[name] for name in names}
 
 
 REFUSED = {
@@ -135,6 +134,17 @@ REFUSED = {
     "stamps of three seconds": (
         numpy(time=np.floor(T), q=Q, tau=TAU), r"found 3 different stamps, expected at least 100",
     ),
+    "one row short": (numpy(time=T, q=Q[:-1], tau=TAU), r"q has 599 x 2 numbers for 600 samples"),
+    "joints from 0, one too many": (
+        numpy(time=T, q0=Q[:, 0], q1=Q[:, 1], q2=Q[:, 0], tau1=TAU[:, 0], tau2=TAU[:, 1]),
+        r"q0 … q2 are 3 joints counted from 0, the robot has 2; expected --map 'q\{n-1\}=q'",
+    ),
+    "episodes in words": (
+        table(episode_index=["a"] * N, timestamp=T, **FLAT), r"episode_index: expected whole",
+    ),
+    "episodes of nothing": (
+        table(episode_index=pa.array([None] * N, pa.int64()), **FLAT), r"episode_index: expected",
+    ),
     "a pause of an age": (
         numpy(time=np.append(T[:-1], 1e9), q=Q, tau=TAU), r"run.npz: .*expected one recording",
     ),
@@ -159,3 +169,9 @@ def test_time_in_days_is_told(tmp_path, robot):
     assert found.problem == ""
     assert found.rules == ["time[day]=time"]
     assert found.rate == pytest.approx(200, rel=0.1)  # days of 2026 are kept to 10 µs
+
+
+def test_joints_from_0_by_a_mapping(tmp_path, robot):
+    write = numpy(time=T, q0=Q[:, 0], q1=Q[:, 1], q2=Q[:, 0], tau1=TAU[:, 0], tau2=TAU[:, 1])
+    found = read_recording(write(tmp_path), *robot, ["q{n-1}=q"])
+    np.testing.assert_array_equal(found.samples.q, Q)
