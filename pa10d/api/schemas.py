@@ -769,22 +769,6 @@ class Channels(BaseModel):
     channels: list[Channel]
 
 
-class KeptFault(BaseModel):
-    """The last seconds before a fault, kept."""
-
-    id: str
-    kind: str
-    joint: int | None
-    sentence: str
-    seconds: float
-
-
-class FaultList(BaseModel):
-    """Newest first."""
-
-    items: list[KeptFault]
-
-
 class Figure(BaseModel):
     """Plotly JSON without colours for paper, text and grid."""
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from numbers import Integral
 from typing import Any
 
 from backends.protocol import BackendFault
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.guard import BackendBroke
 from pa10d.control.punctuality import Starved
 
@@ -68,11 +70,33 @@ class Fault:
         where = "" if named else f"joint {(self.axis or 0) + 1}: "
         return f"{where}{self.cause}" + (f"; {self.remedy}" if self.remedy else "")
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def joint(self) -> int | None:
+        """The axis, from 1."""
+        return None if self.axis is None else self.axis + 1
+
+    def document(self) -> JsonObject:
         """For JSON: the axis numbered from 1 as ``joint``."""
         out = asdict(self)
-        axis = out.pop("axis")
-        return {**out, "joint": None if axis is None else axis + 1, "sentence": self.sentence}
+        del out["axis"]
+        return {**out, "joint": self.joint, "sentence": self.sentence}
+
+    @staticmethod
+    def from_document(document: Mapping[str, Any]) -> Fault:
+        """The other way; KeyError, TypeError or ValueError where it is none. What an older version
+        did not say is as if there was nothing to say."""
+        joint = document.get("joint")
+        return Fault(
+            kind=str(document["kind"]),
+            cause=str(document["cause"]),
+            axis=None if joint is None else int(joint) - 1,
+            remedy=str(document.get("remedy", "")),
+            state=str(document.get("state", "")),
+            time=float(document.get("time", 0.0)),
+            sequence=int(document.get("sequence", 0)),
+            device=bool(document.get("device", False)),
+            hertz=float(document.get("hertz", 0.0)),
+        )
 
 
 class Violation(Exception):

@@ -14,6 +14,7 @@ from pa10d.control.guard import asked
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
+from pa10d.control.told import ArmTold
 
 IDLE = 0.05  # s between looks at the pipe while offline
 SILENCE = 5.0  # s without a word from the daemon: it hangs
@@ -142,23 +143,22 @@ class Loop:
         if state != self._told:
             self._told = state
             self._unsettled = self._settle
-            self._mailbox.tell(describe(arm))
+            self._mailbox.tell(describe(arm).document())
         else:
             self._mailbox.flush()
 
 
-def describe(arm: Arm) -> dict[str, Any]:
-    """The event that tells the arm's state."""
+def describe(arm: Arm) -> ArmTold:
+    """What clients are told of its state."""
     model = getattr(arm.path.controller, "model", None)
-    return {
-        "event": "state",
-        "state": arm.state.label,
-        "fault": None if arm.fault is None else arm.fault.document(),
-        "controller": arm.path.controller.name,
-        "model": None if model is None else model.name,
-        "warnings": _warnings(arm),
-        "sequence": arm.journal.count,
-    }
+    return ArmTold(
+        state=arm.state.label,
+        fault=arm.fault,
+        controller=arm.path.controller.name,
+        model=None if model is None else model.name,
+        warnings=tuple(_warnings(arm)),
+        sequence=arm.journal.count,
+    )
 
 
 def _warnings(arm: Arm) -> list[str]:

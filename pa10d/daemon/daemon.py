@@ -158,7 +158,7 @@ class Daemon:
             if remark != self.robot.remark:
                 self.robot.remark = remark
                 self.robot.look()
-                self.events.publish("robot", {"state": self.robot.state, "fault": self.robot.fault})
+                self.events.publish("robot", self.robot.brief)
             await asyncio.sleep(LOOK_EVERY)
 
     async def reset(self) -> None:

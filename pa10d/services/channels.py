@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -13,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.control.record import SCALARS
 from pa10d.control.states import ArmState
 from pa10d.dynamics import Robot
 from pa10d.effects.together import torque_of
 from pa10d.figures.pyramid import Pyramid
 from pa10d.judgement import RunResidual
 from pa10d.measurement.signals import Lowpass
+from pa10d.services.fault_records import read_fault
 from pa10d.store import StoredRun
 from pa10d.store.run_reader import to_equal_steps
 
@@ -156,9 +155,9 @@ def add_model(out: Source, name: str, seen: RunResidual, terms: tuple[Any, ...])
 
 def source_of_fault(path: Path) -> Source:
     """The last seconds before a fault; time 0 is when it was latched."""
-    about, fields = read_fault(path)
+    record = read_fault(path)
+    fields, joints = record.fields, record.joints
     time = fields["time"]
-    joints = tuple(about["joints"])
     dt = float(time[-1] - time[0]) / max(1, len(time) - 1)
     out = Source(path.stem, joints, float(time[0] - time[-1]), dt, len(time))
     n = len(joints)
@@ -181,20 +180,6 @@ def source_of_fault(path: Path) -> Source:
     words = ", ".join(f"{state.value} {state.label}" for state in ArmState)
     out.add("state", f"the loop: state ({words})", "", lambda: fields["state"])
     return out
-
-
-def read_fault(path: Path) -> tuple[dict[str, Any], dict[str, Array]]:
-    """What was written beside the records, and the records; UserError where that cannot be read."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            about = json.loads(str(file["about"]))
-            fields = {name: file[name] for name in file.files if name != "about"}
-    except (OSError, ValueError, KeyError) as error:
-        raise UserError(f"{path}: not a file of a fault's last seconds ({error})") from error
-    missing = [name for name in (*SCALARS, "q", "tau") if name not in fields]
-    if missing or len(fields["time"]) < 2:
-        raise UserError(f"{path}: found no {', '.join(missing) or 'two records'} in it")
-    return about, fields
 
 
 def _velocity(q: Array, dt: float) -> Array:

@@ -6,6 +6,7 @@ Called by the viewer, which keeps what it read: a zoom is then a slice.
 from __future__ import annotations
 
 import base64
+import contextlib
 import math
 from collections.abc import Sequence
 from functools import lru_cache
@@ -24,10 +25,10 @@ from pa10d.services import plots
 from pa10d.services.channels import (
     Source,
     add_model,
-    read_fault,
     source_of_fault,
     source_of_run,
 )
+from pa10d.services.fault_records import FaultList, read_fault
 from pa10d.services.robots import load_robot
 
 Array = NDArray[np.float64]
@@ -120,25 +121,13 @@ def spectrum(
     return base64.b64encode(arrow_stream(table, about)).decode()
 
 
-def faults(data: str) -> list[dict[str, Any]]:
+def faults(data: str) -> FaultList:
     """Every fault whose last seconds were kept, newest first."""
-    out = []
+    kept = []
     for path in sorted(_faults(data).glob("*.npz"), reverse=True):
-        try:
-            about, fields = read_fault(path)
-        except UserError:
-            continue
-        fault = about["fault"]
-        out.append(
-            {
-                "id": path.stem,
-                "kind": str(fault.get("kind", "")),
-                "joint": fault.get("joint"),
-                "sentence": str(fault.get("sentence") or fault.get("cause") or ""),
-                "seconds": float(fields["time"][-1] - fields["time"][0]),
-            }
-        )
-    return out
+        with contextlib.suppress(UserError):
+            kept.append(read_fault(path).brief)
+    return FaultList(kept)
 
 
 def _source_of(data: str, profile: str, kind: Kind, name: str, models: Sequence[str]) -> Source:

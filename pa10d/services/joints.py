@@ -17,6 +17,7 @@ from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
+from pa10d.control.faults import Fault
 from pa10d.control.gains import PUSH, after_fall, after_swing, fitted_gains, pid_gains, pulls
 from pa10d.control.joint_figures import ROUGH, JointFigures, first_figures, inertias
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
@@ -186,11 +187,11 @@ def calmer(data: str, profile: str, known: JsonObject, fault: JsonObject) -> Jso
 
     known: what was learnt before, with the gains that let it swing.
     """
-    before = KnownJoints.from_document(known)
-    if fault["kind"] == "following_error":
-        found = firmed(*load_robot(profile), before, int(fault["joint"]) - 1)
+    before, what = KnownJoints.from_document(known), Fault.from_document(fault)
+    if what.kind == "following_error" and what.axis is not None:
+        found = firmed(*load_robot(profile), before, what.axis)
     else:
-        found = _calmed_after(profile, before, fault)
+        found = _calmed_after(profile, before, what)
     return None if found is None else {**found.known.document(), "note": found.note}
 
 
@@ -234,15 +235,16 @@ def keep_calmer(data: str, profile: str, fault: JsonObject) -> JsonObject | None
     """The same for an arm that was measured, kept."""
     own = load_robot(profile)[0]
     kept = kept_joints(data, own)
-    found = None if kept is None else _calmed_after(profile, kept.known, fault)
+    found = None if kept is None else _calmed_after(profile, kept.known, Fault.from_document(fault))
     if kept is None or found is None:
         return None
     return {**keep_learnt(data, own, kept.runs, found.known).document(), "note": found.note}
 
 
-def _calmed_after(profile: str, known: KnownJoints, fault: JsonObject) -> Calmer | None:
+def _calmed_after(profile: str, known: KnownJoints, fault: Fault) -> Calmer | None:
     found, robot = load_robot(profile)
-    return calmed(found, robot, known, int(fault["joint"]) - 1, float(fault["hertz"]))
+    assert fault.axis is not None  # no arm swings as a whole
+    return calmed(found, robot, known, fault.axis, fault.hertz)
 
 
 def torque_steps(profile: Profile, robot: Robot) -> Array:

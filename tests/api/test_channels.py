@@ -132,7 +132,7 @@ def fault(tmp_path) -> str:
     fields["time"] = t
     fields["q"] = np.column_stack([np.sin(t), np.cos(t)])
     fields["q_ref"] = fields["q"] + 0.25
-    said = {"kind": "stale", "joint": 2, "sentence": "joint 2: no news"}
+    said = {"kind": "stale", "joint": 2, "cause": "no news"}
     about = np.array(json.dumps({"fault": said, "joints": ["a", "b"]}))
     np.savez(tmp_path / "faults/20260102-030405-stale.npz", about=about, **fields)
     (tmp_path / "faults/broken.npz").write_bytes(b"nothing")
@@ -140,16 +140,16 @@ def fault(tmp_path) -> str:
 
 
 def test_the_last_seconds_before_a_fault_are_channels_too(fault):
-    (one,) = faults(fault)
-    assert (one["id"], one["joint"], one["sentence"]) == (
+    (one,) = faults(fault).items
+    assert (one.id, one.joint, one.sentence) == (
         "20260102-030405-stale",
         2,
         "joint 2: no news",
     )
-    about = channels(fault, "", "fault", one["id"], [])
+    about = channels(fault, "", "fault", one.id, [])
     assert about["start"] == pytest.approx(-4.998)
     assert about["joints"] == ["a", "b"]
-    text = columns(fault, "", "fault", one["id"], [], ["error2"], None, 5000, False)
+    text = columns(fault, "", "fault", one.id, [], ["error2"], None, 5000, False)
     table = pa.ipc.open_stream(base64.b64decode(text)).read_all()
     assert table["error2"].to_numpy() == pytest.approx(0.25)
-    assert spectrum(fault, "", "fault", one["id"], [], ["q1"], None, False)
+    assert spectrum(fault, "", "fault", one.id, [], ["q1"], None, False)

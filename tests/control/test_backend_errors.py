@@ -92,7 +92,7 @@ FaultyBackend.switching_now = property(lambda self: self._left > 0)
 
 def assert_told(arm: Arm, thrown: str) -> None:
     """What clients are told of it: the cause, the joint as far as it is known, what to do."""
-    told = json.loads(json.dumps(describe(arm)))
+    told = json.loads(json.dumps(describe(arm).document()))
     fault = told["fault"]
     assert told["state"] == "fault"
     assert fault == arm.journal.ring.said(), "who records the run reads the same"
@@ -207,7 +207,7 @@ def test_a_stop_of_the_drives_that_breaks_hides_no_reason():
 def test_warnings_that_break_are_a_warning():
     arm, backend = brought_to("holding")
     backend.broken["warnings"] = THROWN["an error of the code"]
-    (said,) = describe(arm)["warnings"]
+    (said,) = describe(arm).warnings
     assert "the backend broke in 'warnings': TypeError" in said
     assert arm.state == ArmState.HOLDING
 
@@ -251,9 +251,9 @@ def test_a_reading_that_is_none_is_not_taken_in(case, state):
     cycles(arm, 1)
     backend.reads = None
     wait_for_its_end(arm)
-    fault = describe(arm)["fault"]
-    assert (fault["kind"], fault["joint"]) == (kind, joint)
-    assert says in fault["sentence"]
+    fault = describe(arm).fault
+    assert (fault.kind, fault.joint) == (kind, joint)
+    assert says in fault.sentence
     rows, _ = arm.journal.ring.read(0)
     assert np.isfinite(arm.journal.ring.layout.get(rows, "q")).all()
     arm.reset()

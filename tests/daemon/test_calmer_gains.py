@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,13 +11,14 @@ import pytest
 from known_joints import known_joints, measured_joints
 
 from pa10d.common.errors import UserError
+from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.daemon.motions import first_motion
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
 
-FAULT = {"kind": "oscillation", "cause": "swings at 17 Hz", "joint": 2, "hertz": 17.0}
+FAULT = Fault("oscillation", "swings at 17 Hz", axis=1, hertz=17.0)
 REQUEST = MotionRequest("first_motion")
 OLD = 77.0  # damping from before
 
@@ -51,7 +53,7 @@ class Workers:
             before = known_joints(OLD).gains.document()
             return {"parts": ["friction"], "begin": known(0), "before": before}
         if name == "calmer":
-            assert asked["fault"]["joint"] == 2
+            assert Fault.from_document(asked["fault"]).joint == 2
             step = int(asked["known"]["gains"]["kd"][0]) + 1
             return None if step > self.calmest else known(step) | {"note": f"note {step}"}
         if name == "learn":
@@ -119,13 +121,13 @@ def test_where_that_does_not_help_the_way_out_is_said(monkeypatch, swings, calme
 
 
 def test_another_fault_is_not_tried_again(monkeypatch):
-    robot, _, found = measured(monkeypatch, 1, fault=FAULT | {"kind": "position_limit"})
+    robot, _, found = measured(monkeypatch, 1, fault=replace(FAULT, kind="position_limit"))
     assert str(found) == "run x: aborted"
     assert robot.resets == 0
 
 
 def test_a_joint_that_falls_behind_is_tried_again_or_the_way_out_is_said(monkeypatch):
-    behind = FAULT | {"kind": "following_error", "cause": "is 0.15 rad from where it should be"}
+    behind = replace(FAULT, kind="following_error", cause="is 0.15 rad from where it should be")
     robot, _, found = measured(monkeypatch, 1, fault=behind)
     assert found.notes[0] == "note 1"
     assert robot.resets == 1

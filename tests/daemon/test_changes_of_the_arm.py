@@ -9,6 +9,7 @@ import pytest
 from pa10d.api.problems import Problem
 from pa10d.api.routes.ready import require_ready
 from pa10d.common.errors import UserError
+from pa10d.control.told import ArmTold
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.robot.robot import CommandRefused
 from pa10d.dynamics import robot_from_profile
@@ -41,7 +42,7 @@ class Bus:
 
     def __init__(self, monkeypatch, robot):
         self.said, self.answers = [], True
-        monkeypatch.setitem(robot._told, "state", "inactive")
+        monkeypatch.setattr(robot, "_told", ArmTold("inactive"))
         monkeypatch.setattr(robot, "until", self._nothing)
         monkeypatch.setattr(robot, "connect", self._connect)
         monkeypatch.setattr(robot, "disconnect", self._disconnect)

@@ -56,7 +56,7 @@ class Control:
 
     def _tell(self):
         model = self._law.get("model") or {}
-        fault = {"kind": "stale", "sentence": "lost"} if self._state == "fault" else None
+        fault = {"kind": "stale", "cause": "lost"} if self._state == "fault" else None
         told = {"state": self._state, "fault": fault, "controller": self._law["name"]}
         self._robot._heard({"event": "state", **told, "model": model.get("name"), "warnings": []})
 

@@ -6,6 +6,7 @@ import asyncio
 
 import pytest
 
+from pa10d.control.told import ArmTold
 from pa10d.daemon.events import Events
 from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
 from pa10d.profile import load_profile
@@ -20,7 +21,7 @@ class Control:
         self.returncode = None
 
     async def ask(self, do, _timeout, **_fields):
-        self._robot._told = {"state": "offline", "fault": None}
+        self._robot._told = ArmTold()
         return {"ok": True}
 
     async def end(self, _seconds):
@@ -32,7 +33,7 @@ def robot(tmp_path):
     (tmp_path / "runtime").mkdir()
     profile, arm = load_profile("pa10-sim"), load_robot("pa10-sim")[1]
     one = RobotProcess(profile, arm, tmp_path, tmp_path / "runtime", Events())
-    one._told = {"state": "inactive", "fault": None}
+    one._told = ArmTold("inactive")
     one._keepers = [None]
     one.control = Control(one)
     return one

@@ -12,7 +12,8 @@ from pa10d.api.deps import Span, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
-from pa10d.api.schemas import Channels, FaultList
+from pa10d.api.schemas import Channels
+from pa10d.services.fault_records import FaultList
 
 router = APIRouter(tags=["explorer"])
 WRONG = responses("not-found", "refused")
@@ -43,9 +44,9 @@ Subject = Annotated[dict[str, Any], Depends(the_subject)]
 
 
 @router.get("/faults", response_model=FaultList)
-async def list_faults(daemon: TheDaemon) -> dict[str, Any]:
+async def list_faults(daemon: TheDaemon) -> Any:
     """Faults whose last seconds were kept."""
-    return {"items": await daemon.look("faults", of="explorer")}
+    return await daemon.look("faults", of="explorer")
 
 
 @router.get("/channels", response_model=Channels, responses=WRONG)

@@ -118,14 +118,14 @@ class Experiment:
     async def _calmed(self) -> bool:
         """Whether the arm swung, and has got calmer gains; the fault is left for that."""
         fault, robot = self._robot.fault, self._robot
-        if fault is None or fault["kind"] != "oscillation" or robot.joints is None:
+        if fault is None or fault.kind != "oscillation" or robot.joints is None:
             return False
         kept = await self._daemon.workers.run(
             "pa10d.services.joints:keep_calmer",
             lambda *_: None,
             data=str(self._daemon.data),
             profile=str(self._daemon.profile.path),
-            fault=fault,
+            fault=fault.document(),
         )
         if kept is None:
             return False
@@ -288,4 +288,4 @@ class Experiment:
 
     def _why(self) -> str:
         fault = self._robot.fault
-        return f": {fault['sentence']}" if fault else ""
+        return f": {fault.sentence}" if fault else ""

@@ -105,13 +105,13 @@ class FirstMotion:
         """What is known after a joint swung or fell behind, the fault left for that; any other end
         is the end."""
         fault = self._robot.fault
-        if not fault or fault["kind"] not in STILL:
+        if fault is None or fault.kind not in STILL:
             raise error
         told = known.document()
-        calmer = await self._ask("calmer", known=told, fault=fault) if again else None
+        calmer = await self._ask("calmer", known=told, fault=fault.document()) if again else None
         if calmer is None:
-            still = STILL[fault["kind"]]
-            raise UserError(f"joint {fault['joint']}: {fault['cause']}; {still}") from error
+            still = STILL[fault.kind]
+            raise UserError(f"joint {fault.joint}: {fault.cause}; {still}") from error
         self.result.notes.append(calmer["note"])
         await self._robot.reset()
         return KnownJoints.from_document(calmer)

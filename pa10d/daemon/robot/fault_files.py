@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.control.faults import Fault
 from pa10d.control.record import SCALARS, VECTORS
 from pa10d.control.ring import Ring
 
@@ -22,17 +23,17 @@ KEPT = 100
 log = logging.getLogger("pa10d.faults")
 
 
-def keep_fault(data: Path, fault: dict[str, Any], ring: Ring, joints: Sequence[str]) -> Thread:
+def keep_fault(data: Path, fault: Fault, ring: Ring, joints: Sequence[str]) -> Thread:
     """Write DATA/faults/<time>-<kind>.npz: every field of the loop's records, and the fault.
 
     The rows are taken now; a thread writes them, for nobody waits for a disk at such a time.
     """
-    stop = int(fault.get("sequence") or ring.written) + 1
+    stop = (fault.sequence or ring.written) + 1
     rows, _ = ring.read(max(0, stop - round(SECONDS / ring.period)), stop)
     fields = {name: ring.layout.get(rows, name).copy() for name in (*SCALARS, *VECTORS)}
-    about = json.dumps({"fault": fault, "joints": list(joints)})
+    about = json.dumps({"fault": fault.document(), "joints": list(joints)})
     stamp = time.strftime("%Y%m%d-%H%M%S", time.gmtime())
-    path = data / "faults" / f"{stamp}-{_plain(fault['kind'])}.npz"
+    path = data / "faults" / f"{stamp}-{_plain(fault.kind)}.npz"
     thread = Thread(target=_write, args=(path, about, fields), daemon=True)
     thread.start()
     return thread

@@ -27,7 +27,7 @@ def refuse_unless_ready(robot: RobotProcess) -> None:
         "fault": "remove the cause, then reset",
     }
     remedy = remedies.get(robot.state, "wait for the motion to end, or stop it")
-    why = robot.why_offline if robot.state == "offline" else (robot.fault or {}).get("sentence", "")
+    why = robot.why_offline if robot.state == "offline" else robot.fault and robot.fault.sentence
     raise CommandRefused(
         {
             "state": robot.state,

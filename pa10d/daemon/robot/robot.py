@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 
 from backends.device import Device
 from backends.registry import device
+from pa10d.common.jsonable import JsonObject
+from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
+from pa10d.control.told import ArmTold
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
@@ -43,11 +46,7 @@ RENEWED = "control is being started anew, with the profile as it is now"
 LEFT = "disconnected on request"
 UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
 CHOOSING = ("inactive", "holding")  # states in which control takes another law
-GONE = {
-    "kind": "control_gone",
-    "joint": None,
-    "remedy": "the drives stopped by themselves; look at the log, then reset",
-}
+DIED = "the drives stopped by themselves; look at the log, then reset"
 
 log = logging.getLogger("pa10d.robot")
 
@@ -83,8 +82,8 @@ class RobotProcess:
         self.model: str | None = None
         self.joints: MeasuredJoints | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
-        self._told: Message = {"state": "offline", "fault": None, "controller": "pid"}
-        self._gone: Message | None = None
+        self._told = ArmTold()
+        self._gone: Fault | None = None  # that control's own death is
         self._changed = asyncio.Condition()
         self._keepers: list[asyncio.Task[None]] = []
         self._alive: asyncio.Task[None] | None = None
@@ -133,12 +132,18 @@ class RobotProcess:
     @property
     def state(self) -> str:
         """The arm's state as clients see it."""
-        return "fault" if self._gone else str(self._told["state"])
+        return "fault" if self._gone else self._told.state
 
     @property
-    def fault(self) -> Message | None:
+    def fault(self) -> Fault | None:
         """The latched fault."""
-        return self._gone or self._told["fault"]
+        return self._gone or self._told.fault
+
+    @property
+    def brief(self) -> JsonObject:
+        """State and fault for clients."""
+        fault = self.fault
+        return {"state": self.state, "fault": None if fault is None else fault.document()}
 
     @property
     def moving(self) -> bool:
@@ -152,7 +157,7 @@ class RobotProcess:
             longest = float(np.max(self.robot.velocity / self.robot.acceleration))
         return longest if np.isfinite(longest) else 0.0
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """All there is to know, for clients."""
         last, get = self.ring.last(), self.ring.layout.get
         offline = self.state == "offline" or last is None
@@ -173,11 +178,10 @@ class RobotProcess:
         ]  # fmt: skip
         return {
             "profile": self.profile.name,
-            "state": self.state,
-            "fault": self.fault,
+            **self.brief,
             "offline_reason": self.why_offline if self.state == "offline" else None,
-            "controller": self._told["controller"],
-            "model": self._told.get("model"),
+            "controller": self._told.controller,
+            "model": self._told.model,
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
@@ -257,7 +261,7 @@ class RobotProcess:
         """Whether control has the law that was chosen."""
         model = self.controller.get("model") or {}
         chosen = self.controller["name"], model.get("name")
-        return chosen == (self._told["controller"], self._told.get("model"))
+        return chosen == (self._told.controller, self._told.model)
 
     async def _take_up_law(self) -> None:
         """The law that was chosen, once control has begun anew or has left a fault, in which the
@@ -449,7 +453,7 @@ class RobotProcess:
 
     def _control_died(self, child: Child) -> None:
         self.control = None
-        was = str(self._told["state"])
+        was = self._told.state
         how = child.how_it_ended()
         self.why_offline = (
             RENEWED if self._renewing else f"the control process {how}; it is being started again"
@@ -457,11 +461,11 @@ class RobotProcess:
         log.warning("control process %s while %s", how, was)
         if was != "offline":
             cause = f"the control process {how} while the arm was {was}"
-            sentence = f"{cause}; {GONE['remedy']}"
-            self._gone = {**GONE, "cause": cause, "state": was, "sentence": sentence,
-                          "time": 0.0, "sequence": self.ring.written, "device": False}  # fmt: skip
+            self._gone = Fault(
+                "control_gone", cause, remedy=DIED, state=was, sequence=self.ring.written
+            )
             keep_fault(self._data, self._gone, self.ring, self.robot.joint_names)
-        self._told = {"state": "offline", "fault": None, "controller": "pid"}
+        self._told = ArmTold()
         self._announce()
 
     async def _keep_recorder(self) -> None:
@@ -511,13 +515,14 @@ class RobotProcess:
             if future is not None and not future.done():
                 future.set_result(info)
             return
-        before, self._told = self._told, message
-        if message["fault"] and message["fault"] != before["fault"]:
-            keep_fault(self._data, message["fault"], self.ring, self.robot.joint_names)
+        before, self._told = self._told, ArmTold.from_document(message)
+        fault = self._told.fault
+        if fault is not None and fault != before.fault:
+            keep_fault(self._data, fault, self.ring, self.robot.joint_names)
         self._announce()
 
     def _announce(self) -> None:
-        self._events.publish("robot", {"state": self.state, "fault": self.fault})
+        self._events.publish("robot", self.brief)
 
         async def wake() -> None:
             async with self._changed:
@@ -527,7 +532,7 @@ class RobotProcess:
 
     def _notes(self) -> list[str]:
         said = [one for one in (self.remark, self.load, self._law_lost) if one is not None]
-        return [*said, *self.notes, *self._told.get("warnings", ())]
+        return [*said, *self.notes, *self._told.warnings]
 
     async def _bring_back(self) -> None:
         """Control had died: the next one connects, and whatever the drives think of that death is
@@ -535,21 +540,21 @@ class RobotProcess:
         until = time.monotonic() + COMES_BACK
         while self.control is None and self._keepers and time.monotonic() < until:
             await asyncio.sleep(0.1)
-        if self._told["state"] == "offline":
+        if self._told.state == "offline":
             await self.bus_ready.wait()
             await self.connect()
         self._gone = None
         self._announce()
 
     def _still_in_fault(self) -> Message:
-        fault = self.fault or {}
+        fault = self.fault
         return {
             "ok": False,
             "command": "reset",
             "state": self.state,
             "needed": [ArmState.FAULT.label],
-            "detail": f"reset: {fault.get('sentence', 'the fault persists')}",
-            "remedy": fault.get("remedy", "remove the cause, then reset"),
+            "detail": f"reset: {fault.sentence if fault else 'the fault persists'}",
+            "remedy": fault.remedy if fault else "remove the cause, then reset",
         }
 
     def _not_unpowered(self) -> Message:

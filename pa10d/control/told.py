@@ -1,0 +1,41 @@
+"""What control tells of the arm, whenever it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pa10d.common.jsonable import JsonObject
+from pa10d.control.faults import Fault
+
+
+@dataclass(frozen=True)
+class ArmTold:
+    """controller: the law in force; model: its name; warnings: the backend's; sequence: of the
+    record at which it was so."""
+
+    state: str = "offline"
+    fault: Fault | None = None
+    controller: str = "pid"
+    model: str | None = None
+    warnings: tuple[str, ...] = ()
+    sequence: int = 0
+
+    def document(self) -> JsonObject:
+        """The event."""
+        fault = None if self.fault is None else self.fault.document()
+        return {"event": "state", **vars(self), "fault": fault, "warnings": list(self.warnings)}
+
+    @staticmethod
+    def from_document(event: Mapping[str, Any]) -> ArmTold:
+        """The other way; KeyError or TypeError where it is none."""
+        fault = event["fault"]
+        return ArmTold(
+            state=str(event["state"]),
+            fault=None if fault is None else Fault.from_document(fault),
+            controller=str(event["controller"]),
+            model=event.get("model"),
+            warnings=tuple(map(str, event["warnings"])),
+            sequence=int(event.get("sequence", 0)),
+        )
