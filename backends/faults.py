@@ -15,6 +15,7 @@ REMEDIES = {
     "drive_fault": "the drive's error code 0x603F and history 0x1003",
     "not_following": "its mode 0x6061, its limit and inhibit inputs, other masters on the bus",
     "other_mode": "who else commands this drive: service tools, another master",
+    "altered": "who else writes to this drive: service tools, another master; reset sets it anew",
     "left_enabled": "safe-torque-off and enable inputs, the emergency stop, another bus master",
     "short_pdo": "who changed the drive's PDO mapping; start again to configure it anew",
     "repeated_pdo": "two nodes with the same id, or a TPDO that is not of transmission type 1",

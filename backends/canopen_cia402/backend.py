@@ -19,7 +19,7 @@ from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.canopen_cia402.network import PortNetwork
-from backends.canopen_cia402.poll import Poll
+from backends.canopen_cia402.poll import Poll, every
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
 from backends.cia402 import Control
@@ -311,7 +311,15 @@ class CanopenBackend:
         nodes = [drive.node for drive in self.drives]
         known = [vendors.TEMPERATURE_OBJECT.get((r.vendor, r.product)) for r in self.reports]
         shown = [report.shows_mode for report in self.reports]
-        self._poll = Poll(nodes, known, shown, self._watch.mode, self._watch.refused)
+        self._poll = Poll(
+            nodes,
+            known,
+            shown,
+            self._watch.mode,
+            self._watch.refused,
+            self._watch.altered,
+            every(self.profile.can.sdo_reserve, self.profile.can.bitrate),
+        )
         self._brakes = Brakes([report.outputs for report in self.reports], self._set_output)
         self._feedback.temperature = self._poll.values if self._poll.measured else None
         self._exchange = Exchange(
@@ -334,6 +342,7 @@ class CanopenBackend:
         self._connected().guarded = [report.node for report in self.reports if report.guarded]
         for axis, report in enumerate(self.reports):
             self._watch.listen_for(axis, report.heard)
+            self._poll.fix(axis, report.fixed)
 
     def _open_risks(self) -> dict[int, str]:
         """What keeps a real arm from being powered, by axis; a simulated one hurts nobody."""

@@ -18,6 +18,7 @@ from backends.canopen_cia402.remote import Remote, SetupError
 from backends.canopen_cia402.takeover import (
     clear_offsets,
     contradictions,
+    fixed_entries,
     hear_emergencies,
     let_through,
     own_sync,
@@ -67,6 +68,7 @@ class DriveReport:
     risks: dict[Risk, str] = field(default_factory=dict)  # what nobody may overlook; in lacks too
     outputs: int | None = None  # beside the brake in 0x60FE:1; None: no brake to be set there
     lacks: list[str] = field(default_factory=list)
+    fixed: dict[tuple[int, int], int] = field(default_factory=dict)  # what nobody else may change
 
     @property
     def identity(self) -> str:
@@ -88,6 +90,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     lacks += untold(remote)
     lacks += _set_up(remote, wish)
     command, feedback = map_pdos(remote)
+    shows_mode = remote.read(0x6061) is not None
     return DriveReport(
         node=node.id,
         name=remote.text(0x1008),
@@ -99,12 +102,13 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         command=command,
         feedback=feedback,
         error=remote.read(0x603F) or 0,
-        shows_mode=remote.read(0x6061) is not None,
+        shows_mode=shows_mode,
         heard=lifeline.heard,
         guarded=lifeline.guarded,
         risks=lifeline.risks,
         outputs=outputs,
         lacks=list(dict.fromkeys(lacks)),
+        fixed=fixed_entries(remote, shows_mode),
     )
 
 

@@ -1,8 +1,14 @@
-"""SDO beside the cycle: what changes slowly is asked now and then, outputs are set when need be."""
+"""SDO beside the cycle: what changes slowly is asked now and then, outputs are set when need be.
+
+Temperatures and modes are asked in turn, and, twice as often, what gives a drive's numbers their
+meaning: nobody but us may change that while the arm is held.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Mapping
+from itertools import zip_longest
 from struct import Struct
 
 import numpy as np
@@ -10,20 +16,35 @@ from numpy.typing import NDArray
 
 from backends.frames import frame
 
-EVERY = 0.1  # s between two questions; the budget's SDO reserve holds 270 bits for each
+SLOWEST, QUICKEST = 0.1, 0.02  # s between two questions
+QUESTION = 270  # bits on the wire, with its answer
+SHARE = 0.5  # of the SDO reserve that questions use; the rest is for EMCY and other tools
+FIXED_IN_A_ROW = 2  # questions after what is fixed, to one after what changes
 REQUEST = Struct("<BHB4x")
 ANSWER = Struct("<BHB4s")
 DOWNLOAD = Struct("<BHBI")
 UPLOAD, FOUR_BYTES_DOWN, ABORTED = 0x40, 0x23, 0x80
+WRITTEN = 0x60  # a drive's answer to a write
 ANSWERED = 0.01  # s after which a node is taken to have answered: it serves one request at a time
-SIZES = {0x4F: 1, 0x4B: 2}  # of an expedited answer, by its command
-MODE_DISPLAY = 0x6061
+SIZES = {0x4F: 1, 0x4B: 2, 0x47: 3, 0x43: 4, 0x42: 4}  # of an expedited answer, by its command
+MODES, MODE_DISPLAY = 0x6060, 0x6061
+
+Entry = tuple[int, int]  # index, sub-index
+Question = tuple[int, int, int]  # axis, index, sub-index
+
+
+def every(sdo_reserve: float, bitrate: int) -> float:
+    """s between two questions, so that they fit into what the bus keeps free for SDO."""
+    free = SHARE * sdo_reserve * bitrate
+    return float(np.clip(QUESTION / free, QUICKEST, SLOWEST)) if free > 0 else SLOWEST
 
 
 class Poll:
     """``temperatures``: (index, °C per count) for each axis that can tell, else None;
     ``modes``: which axes show their mode, and who is told what they show;
-        ``on_refusal`` gets axis, index and abort code of a ``set`` that a drive does not take."""
+    ``on_refusal`` gets axis, index and abort code of a ``set`` that a drive does not take;
+    ``on_change`` axis, index, sub-index, what was there and what is there of a ``fixed`` entry;
+    ``period`` s between two questions."""
 
     def __init__(
         self,
@@ -32,29 +53,65 @@ class Poll:
         modes: list[bool],
         on_mode: Callable[[int, int], None],
         on_refusal: Callable[[int, int, int], None],
+        on_change: Callable[[int, int, int, int, int], None],
+        period: float = SLOWEST,
     ) -> None:
         self.values: NDArray[np.float64] = np.full(len(nodes), np.nan)
         self._nodes, self._temperatures = nodes, temperatures
-        self._on_mode, self._on_refusal = on_mode, on_refusal
+        self._on_mode, self._on_refusal, self._on_change = on_mode, on_refusal, on_change
+        self._period = period
         self._to_set: dict[int, bytes] = {}  # axis -> frame
         self._free = 0.0  # s, from when on another request may go out
-        self._questions = [(k, known[0]) for k, known in enumerate(temperatures) if known]
+        self._questions: list[Question] = [
+            (k, known[0], 0) for k, known in enumerate(temperatures) if known
+        ]
         self.measured = bool(self._questions)
-        self._questions += [(k, MODE_DISPLAY) for k, shown in enumerate(modes) if shown]
-        self._turn, self._due = 0, 0.0
+        self._questions += [(k, MODE_DISPLAY, 0) for k, shown in enumerate(modes) if shown]
+        self._shows_mode = modes
+        self._fixed: list[dict[Entry, int]] = [{} for _ in nodes]
+        self._fixed_questions: list[Question] = []
+        self._suspected: deque[Question] = deque()  # somebody has written them
+        self._turn, self._next_fixed, self._due = 0, 0, 0.0
         self._axis_of = {0x580 + node: k for k, node in enumerate(nodes)}
+
+    def fix(self, axis: int, entries: Mapping[Entry, int]) -> None:
+        """What this drive holds since it was set up, and shall go on to hold."""
+        self._fixed[axis] = dict(entries)
+        each = ([(k, *entry) for entry in held] for k, held in enumerate(self._fixed))
+        rounds = zip_longest(*each)  # one drive after the other: each has time to answer
+        self._fixed_questions = [one for many in rounds for one in many if one is not None]
+
+    @property
+    def round(self) -> float:
+        """s in which every fixed entry is asked for once."""
+        turns = len(self._fixed_questions)
+        return self._period * turns * (1.0 + bool(self._questions) / FIXED_IN_A_ROW)
 
     def question(self, now: float) -> bytes:
         """The frames to send at ``now`` s, usually none."""
-        if self._to_set and now >= self._free:
+        if now < self._free:
+            return b""
+        if self._to_set:
             self._free = now + ANSWERED
             return self.settings()
-        if now < max(self._due, self._free) or not self._questions:
+        asked = self._suspected.popleft() if self._suspected else self._regular(now)
+        if asked is None:
             return b""
-        self._due, self._free = now + EVERY, now + ANSWERED
-        axis, index = self._questions[self._turn % len(self._questions)]
-        self._turn += 1
-        return frame(0x600 + self._nodes[axis], REQUEST.pack(UPLOAD, index, 0))
+        self._free = now + ANSWERED
+        axis, index, sub = asked
+        return frame(0x600 + self._nodes[axis], REQUEST.pack(UPLOAD, index, sub))
+
+    def _regular(self, now: float) -> Question | None:
+        if now < self._due or not (self._questions or self._fixed_questions):
+            return None
+        self._due = max(self._due, now - self._period) + self._period
+        turn, self._turn = self._turn, self._turn + 1
+        usual, fixed = self._questions, self._fixed_questions
+        number, rest = divmod(turn, FIXED_IN_A_ROW + 1)
+        if usual and (rest == 0 or not fixed):
+            return usual[(number if fixed else turn) % len(usual)]
+        self._next_fixed = (self._next_fixed + 1) % len(fixed)
+        return fixed[self._next_fixed]
 
     def set(self, axis: int, index: int, sub: int, value: int) -> None:
         """Write an object of four bytes, before any question; the latest value counts."""
@@ -73,16 +130,34 @@ class Poll:
         if axis is None or len(data) < ANSWER.size:
             return
         command, index, sub, four = ANSWER.unpack_from(data)
-        if command == ABORTED and index not in (MODE_DISPLAY, self._temperature_of(axis)):
+        if command == ABORTED and not self._asked(axis, index, sub):
             self._on_refusal(axis, index, int.from_bytes(four, "little"))
-        if (size := SIZES.get(command)) is None or sub:
+        if command == WRITTEN:
+            self._suspect(axis, index, sub)
+        if (size := SIZES.get(command)) is None:
             return
-        value = int.from_bytes(four[:size], "little", signed=True)
-        if index == MODE_DISPLAY:
-            self._on_mode(axis, value)
+        if (was := self._fixed[axis].get((index, sub))) is not None:
+            found, was = int.from_bytes(four[:size], "little"), was & (1 << 8 * size) - 1
+            if found != was:
+                self._on_change(axis, index, sub, was, found)
+        elif sub:
+            return
+        elif index == MODE_DISPLAY:
+            self._on_mode(axis, int.from_bytes(four[:size], "little", signed=True))
         elif (known := self._temperatures[axis]) is not None and index == known[0]:
-            self.values[axis] = value * known[1]
+            self.values[axis] = int.from_bytes(four[:size], "little", signed=True) * known[1]
 
-    def _temperature_of(self, axis: int) -> int | None:
+    def _suspect(self, axis: int, index: int, sub: int) -> None:
+        """A drive has taken what was written to it, and not by us: is asked for at once."""
+        if index == MODES and self._shows_mode[axis]:
+            index, sub = MODE_DISPLAY, 0
+        elif (index, sub) not in self._fixed[axis]:
+            return
+        if (axis, index, sub) not in self._suspected:
+            self._suspected.append((axis, index, sub))
+
+    def _asked(self, axis: int, index: int, sub: int) -> bool:
+        """Whether this is one of our questions, which a drive is free not to answer."""
         known = self._temperatures[axis]
-        return known[0] if known else None
+        usual = (MODE_DISPLAY, known[0] if known else None)
+        return index in usual or (index, sub) in self._fixed[axis]

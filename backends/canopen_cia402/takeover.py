@@ -17,6 +17,22 @@ OFFSETS = {
     0x60B1: ("Velocity offset", "it would be added to every velocity demand"),
     0x60B2: ("Torque offset", "it would be added to every torque"),
 }
+FIXED = {
+    0x607E: "Polarity",
+    **{index: name for index, (name, _) in OFFSETS.items()},
+    0x6076: "Motor rated torque",
+    0x608F: "Position encoder resolution",
+    0x6091: "Gear ratio",
+    0x6092: "Feed",
+    0x1400: "RPDO 1",
+    0x1600: "Mapping of RPDO 1",
+    0x1800: "TPDO 1",
+    0x1A00: "Mapping of TPDO 1",
+    0x6060: "Modes of operation",
+}
+MOST_SUBS = 8  # of a mapping
+SUBS = {0x608F: (1, 2), 0x6091: (1, 2), 0x6092: (1, 2), 0x1400: (1, 2), 0x1800: (1, 2),
+        0x1600: range(9), 0x1A00: range(9)}  # fmt: skip
 RATED_TORQUE_TOLERANCE = 0.02
 RATIO_TOLERANCE = 1e-4  # of a gear that both sides write as a ratio of small numbers
 POLARITY_BITS = {0x80: "position", 0x40: "velocity", 0x20: "torque"}
@@ -92,6 +108,29 @@ def contradictions(remote: Remote, drive: Drive, ends: tuple[int, int]) -> list[
         *_range(remote, ends),
         *_rated_torque(remote, drive),
     ]
+
+
+def fixed_entries(remote: Remote, shows_mode: bool) -> dict[tuple[int, int], int]:
+    """What gives the drive's numbers their meaning and their way, as it is now that the drive is
+    set up; nobody else may change it. The mode itself, where the drive does not show it."""
+    found: dict[tuple[int, int], int] = {}
+    for index in FIXED:
+        if index == 0x6060 and shows_mode:
+            continue
+        most = MOST_SUBS
+        for sub in SUBS.get(index, (0,)):
+            if sub > most:
+                break
+            try:
+                value = remote.read(index, sub)
+            except SetupError:  # a drive that does not tell
+                continue
+            if value is None:
+                continue
+            if sub == 0 and index in SUBS:
+                most = value
+            found[index, sub] = value
+    return found
 
 
 def untold(remote: Remote) -> list[str]:

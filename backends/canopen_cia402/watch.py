@@ -6,12 +6,13 @@ from math import inf
 
 from backends import cia402
 from backends.canopen_cia402.exchange import AxisInput, Exchange
+from backends.canopen_cia402.takeover import FIXED, SUBS
 from backends.faults import describe_code, fault
 from backends.frames import ERROR, ERROR_BUS_OFF, ERROR_CONTROLLER, REMOTE, describe_error
 from backends.protocol import BackendFault
 
 OPERATIONAL, BOOT_UP = 5, 0
-SYNC = 0x80
+SYNC, COMMAND = 0x80, 0x200
 NMT_NAMES = {0: "booting", 4: "stopped", 5: "operational", 127: "pre-operational"}
 SILENCE = 2.5  # heartbeat periods without a heartbeat that count as its loss
 FASTER_THAN_POSSIBLE = 3.0  # times the velocity limit
@@ -39,7 +40,7 @@ class Watch:
         self.faults: dict[int | None, BackendFault] = {}
         self._new: list[BackendFault] = []
         self._stale_cycles, self._period = stale_cycles, period
-        self._axis_of = {node: k for k, node in enumerate(nodes)}
+        self._nodes, self._axis_of = nodes, {node: k for k, node in enumerate(nodes)}
         self._beats = heartbeat
         self._silence = [SILENCE * period for period in heartbeat]
         self._most_counts = [FASTER_THAN_POSSIBLE * most for most in most_counts]
@@ -96,6 +97,9 @@ class Watch:
             self._heartbeat(can_id - 0x700, data[0] & 0x7F)
         elif can_id == SYNC:
             self.tell(fault("foreign_master", "somebody else sends SYNC (0x080) on this bus"))
+        elif can_id - COMMAND in self._axis_of:
+            what = f"commands to node {can_id - COMMAND} (0x{can_id:03X})"
+            self.tell(fault("foreign_master", f"somebody else sends {what} on this bus"))
         elif 0x80 < can_id <= 0xFF and len(data) >= 2:
             self._emergency(can_id - 0x80, int.from_bytes(data[:2], "little"))
 
@@ -135,6 +139,15 @@ class Watch:
         """A drive did not take what was set beside the cycle: its brake's output."""
         text = f"does not set its brake's output (0x{index:04X}), SDO abort 0x{code:08X}"
         self.tell(fault("brake_output", text, axis))
+
+    def altered(self, axis: int, index: int, sub: int, was: int, found: int) -> None:
+        """An entry that gives the drive's numbers their meaning is not what we left there."""
+        where = f"0x{index:04X}:{sub}" if index in SUBS else f"0x{index:04X}"
+        text = (
+            f"node {self._nodes[axis]}: {FIXED[index]} ({where}) is {found} (0x{found:X}), it was "
+            f"{was} (0x{was:X}) when the drive was set up"
+        )
+        self.tell(fault("altered", text, axis))
 
     def _check_axis(self, axis: int, seen: AxisInput, cycle: int, enabled: bool) -> None:
         if seen.short is not None:

@@ -83,7 +83,7 @@ def test_a_changed_mode_is_seen_while_it_moves(profile: Profile, shown: str) -> 
             arm._watch._followed = [False] * 3
             arm._watch._check_following = lambda axis, enabled: None  # type: ignore[method-assign]
         else:
-            arm._poll._questions = []
+            arm._poll._questions, arm._poll._shows_mode = [], [False] * 3
         other.sdo(1, "2F 60 60 00", 0)
         with pytest.raises(BackendFault) as caught:
             driver.run(3.0)
