@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}")  # of its elements
+IS_XACRO = "{0}: a xacro file; expected the URDF that 'xacro {0} > robot.urdf' makes"
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 USUAL_GAIN_ERROR = 0.05  # share of its value to which a torque constant is known unless stated
 PARAMETER_NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -233,7 +235,11 @@ def _parse(text: str, where: str) -> ET.Element:
     try:
         root = ET.fromstring(text)
     except ET.ParseError as error:
+        if "<xacro:" in text:
+            raise UserError(IS_XACRO.format(where)) from error
         raise UserError(f"{where}: not well-formed XML: {error}; expected a URDF") from error
+    if any(str(element.tag).startswith(XACRO) for element in root.iter()):
+        raise UserError(IS_XACRO.format(where))
     check_urdf(root, where)
     return root
 

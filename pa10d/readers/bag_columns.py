@@ -86,7 +86,8 @@ class _Joined:
             missing = ", ".join(joint for joint in joints if joint not in known)
             raise UserError(
                 f"{self._name} has no joint {missing}; found {', '.join(sorted(have))}; expected "
-                "the names of the robot's URDF, or --map 'NAME.position=q1' …"
+                "the names of the robot's URDF, --map 'NAME.position=q1' …, or a profile whose "
+                "'joints' are those that were recorded"
             )
         return {
             f"{joint}.{kind}": f"{field}{joints.index(joint) + 1}"

@@ -158,3 +158,32 @@ def test_the_dialogue_asks_again_and_takes_defaults(folder, capsys):
     assert answers.torque == [40.0]
     assert "'quick': expected a number above 0" in capsys.readouterr().err
     assert any("[1.5]" in prompt for prompt in shown)
+
+
+FINGER = '<limit lower="0" upper="0.04" effort="20" velocity="0.2"/>'
+
+
+def test_a_gripper_s_fingers_are_left_out_and_said(folder, capsys):
+    place = folder(
+        robot(("a", "revolute", FULL), ("b", "revolute", FULL), ("finger", "prismatic", FINGER))
+    )
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    assert "warning: finger left out: its range leaves no room" in capsys.readouterr().err
+    assert load_robot(place / "arm.yaml")[1].joint_names == ("a", "b")
+
+
+def test_a_tree_is_asked_which_arm_it_is(folder, capsys):
+    text = robot(("a", "revolute", FULL), ("b", "revolute", FULL))
+    head = JOINT.format("head", "revolute", "l0", "l9", FULL, 0.3) + LINK.format("l9", 1, 0.01)
+    folder(text.replace("</robot>", f"{head}</robot>"))
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    assert "not one arm but a tree of 3 joints (a, b, head)" in capsys.readouterr().err
+    assert main(["profile", "new", "robot.urdf", "--replace", "--joints", "a", "b"]) == 0
+    assert "tree" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("space", ["", ' xmlns:xacro="http://www.ros.org/wiki/xacro"'])
+def test_a_xacro_file_is_called_so(folder, capsys, space):
+    folder(f'<robot name="x"{space}><xacro:include filename="a.xacro"/></robot>')
+    assert main(["profile", "new", "robot.urdf"]) == 1
+    assert "robot.urdf: a xacro file; expected the URDF that 'xacro" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.dynamics.regressor import inverse_dynamics
 from pa10d.dynamics.robot import STANDARD_GRAVITY, Robot, robot_from_urdf
+from pa10d.trajectory.limits import POSITION_MARGIN
 from pa10d.trajectory.poses import Surroundings
 
 Array = NDArray[np.float64]
@@ -39,11 +40,36 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> Facts:
 
     joints: names, in order; None: every movable one."""
     robot = robot_from_urdf(urdf, None if joints is None else list(joints), STANDARD_GRAVITY)
+    doubts: list[str] = []
+    if joints is None:
+        robot, doubts = _that_can_move(urdf, robot)
     poses = _poses(robot)
     still = np.zeros_like(poses)
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
-    return Facts(robot, weight, turned, list(_doubts(robot)), _home(robot))
+    return Facts(robot, weight, turned, [*doubts, *_doubts(robot)], _home(robot))
+
+
+def _that_can_move(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:
+    """Without joints that no plan has room for, such as the fingers of a gripper; and what to ask
+    whoever has a robot of several arms."""
+    said = []
+    narrow = robot.upper - robot.lower <= 2 * POSITION_MARGIN
+    if narrow.any() and not narrow.all():
+        left = [name for name, flag in zip(robot.joint_names, narrow, strict=True) if flag]
+        kept = [name for name in robot.joint_names if name not in left]
+        robot = robot_from_urdf(urdf, kept, STANDARD_GRAVITY)
+        said.append(
+            f"{', '.join(left)} left out: its range leaves no room for motion, so it is held where "
+            "it is zero; --joints names others"
+        )
+    behind = np.bincount(np.asarray(robot.parent) + 1, minlength=robot.n + 1)
+    if behind.max(initial=0) > 1:
+        said.append(
+            f"not one arm but a tree of {robot.n} joints ({', '.join(robot.joint_names)}): wheels, "
+            "a head or a second arm? --joints names those of the arm"
+        )
+    return robot, said
 
 
 def _home(robot: Robot) -> Array | None:
