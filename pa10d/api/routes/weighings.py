@@ -125,7 +125,12 @@ async def _refuse_other_profile(daemon: Daemon, state: Weighing) -> None:
         for path in (state.profile, daemon.profile.path)
     ]
     if mine != served:
-        raise Problem("refused", f"{state.name} is of {mine}; this daemon serves {served}")
+        raise Problem(
+            "refused",
+            f"{state.name} is of {mine}; this daemon serves {served}; expected one of the former "
+            f"('pa10d serve --profile {mine}'), or none: 'pa10d weigh apply' and 'undo' write the "
+            "file themselves",
+        )
 
 
 def _look(daemon: Daemon) -> tuple[list[Weighing], list[Any]]:
