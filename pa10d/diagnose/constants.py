@@ -49,7 +49,6 @@ MAP_THIN = 2  # rows left out between, for the same reason
 FORETOLD_THIN = 2  # likewise
 MAJORITY_THIN = 2  # likewise
 ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: not identifiable
-NEAR_NULL = 1e-5  # directions of the column-scaled matrix weaker than this are truncated
 SLOPE_STEP = 1e-3  # of the value, or of a thousandth of its range where that is more
 STIFFNESS_ROUNDING = 1e-9  # of the target's squares: less is never left over
 PLAN_RATE = 100.0  # Hz: enough for the sizes of torques

@@ -16,7 +16,7 @@ from pa10d.regression.covariance import Seen, Uncertainty, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout, has_sign
 from pa10d.regression.problem import Knowledge, Problem
-from pa10d.regression.solution import Indices, Solution, estimate_weights, solve
+from pa10d.regression.solution import Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
 
@@ -33,7 +33,7 @@ class Fit:
     open: (p,) unknowns that the data leave open
     """
 
-    solution: Solution
+    solution: Streamed
     uncertainty: Uncertainty
     rms: Array
     torque: Array
@@ -97,13 +97,13 @@ def weighted_fit(
         Stretch.of(piece.equation, residual, keep)
         for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
     ]
-    inverse = wide.right @ wide.right.T
+    inverse = wide.covariance()
     uncertain = uncertainty(
         motion,
         lambda: (_seen(rows, outer, wide) for rows in stretches(smoothing.found)),
         [inverse[:, index] for index in outer],
         wide.sigma,
-        _degrees(moving, outer, wide),
+        _leverage(moving, outer, wide),
         pieces.lowpass,
         None if known is None else inverse @ known.information(len(inverse)) @ inverse,
     )
@@ -120,7 +120,7 @@ def weighted_fit(
 
 def _solved(
     factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array, known: Knowledge | None
-) -> Solution:
+) -> Streamed:
     if known is None:
         return solve(factors, indices, size, sigma)
     found = solve(
@@ -141,7 +141,7 @@ def _seen(rows: Rows, indices: Indices, solution: Solution) -> list[Seen]:
     for j, index in enumerate(indices):
         keep, sigma, columns = rows.keep[:, j], solution.sigma[j], rows.columns[j]
         weighted = np.where(keep[:, None], columns / sigma, 0.0)
-        out.append(Seen(weighted, partial(_times, weighted[keep], solution.right[index])))
+        out.append(Seen(weighted, partial(_times, weighted[keep], solution.to_beta[index])))
     return out
 
 
@@ -158,10 +158,10 @@ def _triangles(stretches: Iterable[Rows]) -> tuple[list[Triangle], list[Triangle
     return moving, rest
 
 
-def _degrees(factors: Sequence[Triangle], indices: Indices, solution: Solution) -> Array:
-    """(n,) share of the unknowns that each joint's equation had to pay for (its leverage)."""
+def _leverage(factors: Sequence[Triangle], indices: Indices, solution: Solution) -> Array:
+    """(n,) share of the unknowns that each joint's equation had to pay for."""
     shares = [
-        np.sum((f.r[:, :-1] @ solution.right[i]) ** 2) / s**2
+        np.sum((f.r[:, :-1] @ solution.to_beta[i]) ** 2) / s**2
         for f, i, s in zip(factors, indices, solution.sigma, strict=True)
     ]
     return np.array(shares)

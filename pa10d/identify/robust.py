@@ -10,6 +10,7 @@ from pa10d.identify.fit import Fit, weighted_fit
 from pa10d.identify.rows import all_rows
 from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.layout import Layout
+from pa10d.regression.per_joint import gathered
 from pa10d.regression.problem import Problem
 
 Array = NDArray[np.float64]
@@ -47,4 +48,4 @@ def _weights(pieces: Pieces, layout: Layout, beta: Array) -> list[Array]:
 
 
 def _kept(residuals: list[Array], keeps: list[NDArray[np.bool_]], joint: int) -> Array:
-    return np.concatenate([r[k[:, joint], joint] for r, k in zip(residuals, keeps, strict=True)])
+    return gathered([r[:, joint] for r in residuals], keeps, joint)

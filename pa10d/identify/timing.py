@@ -111,7 +111,7 @@ def _shift_left(triangles: list[Triangle], layout: Layout) -> Shift:
     sigma = estimate_weights(triangles, none, indices, size + n)
     solution = solve(triangles, indices, size + n, sigma)
     own = solution.beta[size:]
-    variance = CORRELATED * np.sum(solution.right[size:] ** 2, axis=1)
+    variance = CORRELATED * np.sum(solution.to_beta[size:] ** 2, axis=1)
     known = (own != 0) & (variance > 0)
     if not known.any():
         return Shift(0.0, 0.0, np.inf, own)

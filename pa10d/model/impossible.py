@@ -35,7 +35,7 @@ def impossible(model: TorqueModel) -> tuple[str, ...]:
             if c.lower == 0.0 and value < 0.0:
                 unit = c.unit if c.unit != "1" else ""
                 said.append(
-                    f"{term.label}: {c.name} = {value:.3g} {unit}".rstrip()
+                    f"{term.named(c.name)} = {value:.3g} {unit}".rstrip()
                     + f" in the free fit, expected at least 0; {REMEDY}"
                 )
     return tuple(said)

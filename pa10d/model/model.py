@@ -137,7 +137,7 @@ class TorqueModel:
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
         for name, value in found.items():
-            if f"{term.label}: {name}" in self.left_open:
+            if term.named(name) in self.left_open:
                 found[name] = replace(value, determined=False)
         return as_told(self.robot, term, found)
 

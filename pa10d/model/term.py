@@ -41,6 +41,10 @@ class Term:
         """``stribeck J4`` (joints numbered from 1)."""
         return label(self.effect_id, [j + 1 for j in self.joints], self.over)
 
+    def named(self, value: str) -> str:
+        """``stribeck J4: Fs``: one of its coefficients or shapes, as a whole model lists it."""
+        return f"{self.label}: {value}"
+
     @classmethod
     def of(
         cls, effect_id: str, joints: tuple[int, ...], shape: Mapping[str, float] | None = None

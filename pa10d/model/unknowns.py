@@ -39,7 +39,7 @@ class Unknowns:
         """``Izz4``, ``coulomb J2: Fc`` …"""
         names = [parameter_name(k) for k in self.base.kept]
         for term in self.terms:
-            names += [f"{term.label}: {c.name}" for c in term.effect.coefficients]
+            names += [term.named(c.name) for c in term.effect.coefficients]
         return names
 
     def owners(self) -> list[tuple[int, ...]]:

@@ -49,7 +49,7 @@ def uncertainty(
     seen: Callable[[], Iterator[Sequence[Seen]]],
     turns: Sequence[Array],
     sigma: Array,
-    degrees: Array,
+    leverage: Array,
     lowpass: Lowpass,
     known: Array | None = None,
 ) -> Uncertainty:
@@ -57,7 +57,7 @@ def uncertainty(
 
     stretches: what the fit leaves, and the motion behind it; seen: yields every joint's part of
     one stretch after the other; turns[j] (p, k_j)
-    sigma, degrees: (n,) N·m the joints' weights are 1/σ²; unknowns that each had to pay for
+    sigma, leverage: (n,) N·m the joints' weights are 1/σ²; unknowns that each had to pay for
     known: (p, p) covariance that is not of these data, but of what was known before
     """
     rate = lowpass.rate / lowpass.factor
@@ -67,7 +67,7 @@ def uncertainty(
         Memory.of(
             [(r[:, j], s.keep[:, j]) for r, s in zip(whitened, stretches, strict=True)],
             rate,
-            float(degrees[j]),
+            float(leverage[j]),
         )
         for j in joints
     ]

@@ -41,14 +41,14 @@ class Memory:
 
     @classmethod
     def of(
-        cls, parts: Sequence[tuple[Array, NDArray[np.bool_]]], rate: float, degrees: float = 0.0
+        cls, parts: Sequence[tuple[Array, NDArray[np.bool_]]], rate: float, leverage: float = 0.0
     ) -> Memory:
-        """Of a residual in stretches (values, mask); ``degrees``: unknowns that its equation had to
-        pay for, each of which took one independent value's worth of it away."""
+        """Of a residual in stretches (values, mask); ``leverage``: unknowns that its equation had
+        to pay for, each of which took one independent value's worth of it away."""
         gamma, count = autocovariance(parts, longest_lag([len(k) for _, k in parts], rate))
         reach = correlation_length(gamma, count)
         independent = max(count / _alike(gamma, reach), 2.0)
-        paid = independent / max(independent - degrees, 0.5 * independent)
+        paid = independent / max(independent - leverage, 0.5 * independent)
         return cls(flat_top(gamma, reach)[: 2 * reach + 1] * paid, reach / rate)
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Indices = Sequence[NDArray[np.int64]]
 """Per joint: which unknowns the columns of its equation belong to."""
 
-NEAR_NULL = 1e-5
+NEAR_NULL = 1e-5  # of the largest singular value: motion too poor to tell
 NUMERICAL = 1e-10  # of the largest singular value: nothing but rounding
 DEMANDED = 10.0  # standard deviations of the noise by which data must ask for a near-null direction
 MOVED = 1e-3  # share of a truncated direction; what rounding mixes into it is a millionth of that
@@ -28,34 +28,54 @@ ROUNDS = 2
 
 @dataclass(frozen=True)
 class Solution:
-    """beta (p,) unknowns; sigma (n,) N·m the joints' weights are 1/σ².
+    """What weighted least squares found, whoever solved it.
 
-    triangle (≤p, p), target (≤p,): the whole weighted problem in triangular form, ‖T·β - y‖²
-    right (p, r): directions that were solved for, each scaled to unit variance under the
-    weights, so that right @ rightᵀ is the covariance of beta for independent errors
+    beta (p,) unknowns; sigma (n,) N·m the joints' weights are 1/σ²
+    to_beta (p, r): directions that were solved for, each scaled to unit variance under the
+    weights, so that to_beta @ to_betaᵀ is the covariance of beta for independent errors
+    triangle (≤p, p), target (≤p,): the whole weighted problem in triangular form, ‖T·β - y‖² but
+    for what no β explains, near-null directions and prior knowledge included
+    """
+
+    beta: Array
+    sigma: Array
+    to_beta: Array
+    triangle: Array
+    target: Array
+
+    @property
+    def rank(self) -> int:
+        """Number of directions solved for."""
+        return self.to_beta.shape[1]
+
+    def covariance(self) -> Array:
+        """(p, p) for unit-variance independent errors; the caller knows better about noise."""
+        return np.asarray(self.to_beta @ self.to_beta.T)
+
+
+@dataclass(frozen=True)
+class Streamed(Solution):
+    """From triangular factors of rows that nobody holds any more.
+
     lost (p, p-r): orthonormal directions in column-scaled unknowns that were truncated
     values (p,): singular values of the column-scaled weighted matrix, largest first
     scale (p,): norms of the weighted columns; unknown = scaled unknown / scale
     """
 
-    beta: Array
-    sigma: Array
-    triangle: Array
-    target: Array
-    right: Array
     lost: Array
     values: Array
     scale: Array
 
     @property
-    def rank(self) -> int:
-        """Number of directions solved for."""
-        return self.right.shape[1]
-
-    @property
     def open(self) -> NDArray[np.int64]:
         """Unknowns that a truncated direction moves: the data leave them open."""
         return np.flatnonzero(np.linalg.norm(self.lost, axis=1) > MOVED)
+
+
+def strong(values: Array) -> NDArray[np.bool_]:
+    """(p,) which directions of a column-scaled matrix are solved for, by its singular values (p,),
+    largest first."""
+    return np.asarray(values > NEAR_NULL * values[0])
 
 
 def estimate_weights(
@@ -90,7 +110,7 @@ def spread(
     return np.asarray(np.sqrt(np.maximum(variance, floor)))
 
 
-def solve(factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array) -> Solution:
+def solve(factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array) -> Streamed:
     """Least squares over all joints, joint j weighted by 1/σ_j².
 
     factors[j]: of [columns, torque] of joint j
@@ -117,7 +137,7 @@ def solve(factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array
     left, values, right = np.linalg.svd(triangle)
     along = left.T @ target
     demanded = (values > NUMERICAL * values[0]) & (np.abs(along) > DEMANDED)
-    strong = (values > NEAR_NULL * values[0]) | demanded
-    turn = right[strong].T / values[strong] / scale[:, None]
-    beta = turn @ along[strong]
-    return Solution(beta, sigma, triangle * scale, target, turn, right[~strong].T, values, scale)
+    solved = strong(values) | demanded
+    turn = right[solved].T / values[solved] / scale[:, None]
+    beta = turn @ along[solved]
+    return Streamed(beta, sigma, turn, triangle * scale, target, right[~solved].T, values, scale)

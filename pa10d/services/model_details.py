@@ -56,7 +56,7 @@ def parameter_list(model: TorqueModel) -> list[dict[str, Any]]:
         bounds = {shape.name: (shape.lower, shape.upper) for shape in term.effect.shapes}
         found += [
             {
-                "name": f"{term.label}: {name}",
+                "name": term.named(name),
                 **value.document(),
                 "meaning": EXPLAINS_NOTHING if term.over else term.effect.equation,
                 "urdf": None,

@@ -8,7 +8,7 @@ from bare_sides import bare_side, stacked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pa10d.diagnose.regression.least_squares import LeastSquares, iterated_fit, weighted_fit
+from pa10d.diagnose.regression.least_squares import LeastSquares, iterated_fit, least_squares
 from pa10d.regression.problem import Knowledge
 
 SIGMA = np.array([0.5, 2.0, 1.0])
@@ -47,7 +47,7 @@ def by_numpy(side, columns, sigma, mean=None, root=None):
 @settings(max_examples=20, deadline=None)
 def test_weighted_fit_is_least_squares(seed, width):
     side, columns = problem(seed, width)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     beta, residual = by_numpy(side, columns, SIGMA)
     np.testing.assert_allclose(fit.beta, beta, rtol=1e-7, atol=1e-9 * np.abs(beta).max())
     np.testing.assert_allclose(stacked(fit.residual), residual, atol=1e-9)
@@ -62,7 +62,7 @@ def test_the_triangular_form_is_the_whole_problem():
     """What any other coefficients leave, but for what none explains; prior knowledge included."""
     side, columns = problem(5, 6)
     mean, root = np.arange(3.0), np.diag([1.0, 20.0, 300.0])
-    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, root))
+    fit = least_squares(side, columns, SIGMA, Knowledge.about(mean, root))
     rng = np.random.default_rng(6)
 
     def squares(beta):
@@ -87,9 +87,9 @@ def test_without_equals_a_refit_without_the_columns(seed, width, data):
         last -= 1
     side, columns = problem(seed, width)
     out = slice(first, last)
-    short = weighted_fit(side, columns, SIGMA).without(out)
+    short = least_squares(side, columns, SIGMA).without(out)
     rest = {j: np.delete(c, out, axis=1) for j, c in columns.items()}
-    again = weighted_fit(side, rest, SIGMA)
+    again = least_squares(side, rest, SIGMA)
     np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-8)
     np.testing.assert_allclose(np.delete(short.beta, out), again.beta, rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(short.beta[out], 0.0, atol=1e-9 * np.abs(again.beta).max())
@@ -114,7 +114,7 @@ def _same_span(one: LeastSquares, other: LeastSquares) -> None:
 def test_a_repeated_column_changes_nothing_but_the_rank():
     side, columns = problem(3, 5)
     twice = {j: np.column_stack([c, 7.0 * c[:, 2]]) for j, c in columns.items()}
-    fit, again = weighted_fit(side, columns, SIGMA), weighted_fit(side, twice, SIGMA)
+    fit, again = least_squares(side, columns, SIGMA), least_squares(side, twice, SIGMA)
     assert again.rank == fit.rank == 5
     np.testing.assert_allclose(stacked(again.residual), stacked(fit.residual), atol=1e-9)
     np.testing.assert_allclose(again.beta[2] + 7.0 * again.beta[5], fit.beta[2], rtol=1e-9)
@@ -123,8 +123,8 @@ def test_a_repeated_column_changes_nothing_but_the_rank():
 def test_leaving_out_a_column_beside_twins_equals_a_refit():
     side, columns = problem(4, 5)
     twins = {j: np.column_stack([c, 3.0 * c[:, 1]]) for j, c in columns.items()}
-    short = weighted_fit(side, twins, SIGMA).without(slice(3, 4))
-    again = weighted_fit(side, {j: np.delete(c, 3, axis=1) for j, c in twins.items()}, SIGMA)
+    short = least_squares(side, twins, SIGMA).without(slice(3, 4))
+    again = least_squares(side, {j: np.delete(c, 3, axis=1) for j, c in twins.items()}, SIGMA)
     np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-9)
     _same_span(short, again)
 
@@ -132,11 +132,11 @@ def test_leaving_out_a_column_beside_twins_equals_a_refit():
 def test_leaving_out_a_column_beside_zeros_equals_a_refit():
     side, columns = problem(7, 5)
     empty = {j: np.insert(c, 4, 0.0, axis=1) for j, c in columns.items()}
-    fit = weighted_fit(side, empty, SIGMA)
+    fit = least_squares(side, empty, SIGMA)
     assert fit.beta[4] == 0.0
     assert fit.covariance()[4, 4] == 0.0
     short = fit.without(slice(3, 5))
-    again = weighted_fit(side, {j: np.delete(c, 3, axis=1) for j, c in columns.items()}, SIGMA)
+    again = least_squares(side, {j: np.delete(c, 3, axis=1) for j, c in columns.items()}, SIGMA)
     np.testing.assert_allclose(stacked(short.residual), stacked(again.residual), atol=1e-9)
     _same_span(short, again)
 
@@ -145,7 +145,7 @@ def test_a_prior_counts_as_so_many_equations():
     rng = np.random.default_rng(5)
     side, columns = problem(5, 6)
     mean, root = rng.standard_normal(4), rng.standard_normal((4, 4))
-    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, root))
+    fit = least_squares(side, columns, SIGMA, Knowledge.about(mean, root))
     beta, residual = by_numpy(side, columns, SIGMA, mean, root)
     np.testing.assert_allclose(fit.beta, beta, rtol=1e-6)
     np.testing.assert_allclose(stacked(fit.residual), residual, atol=1e-8)
@@ -154,7 +154,7 @@ def test_a_prior_counts_as_so_many_equations():
 def test_a_certain_prior_keeps_the_model_where_it_is():
     side, columns = problem(6, 6)
     mean = np.arange(6.0)
-    fit = weighted_fit(side, columns, SIGMA, Knowledge.about(mean, 1e9 * np.eye(6)))
+    fit = least_squares(side, columns, SIGMA, Knowledge.about(mean, 1e9 * np.eye(6)))
     np.testing.assert_allclose(fit.beta, mean, atol=1e-6)
 
 
@@ -166,12 +166,12 @@ def test_iterated_fit_finds_each_joints_own_noise():
     fit = iterated_fit(side, columns)
     np.testing.assert_allclose(fit.sigma, truth, rtol=0.06)
     np.testing.assert_allclose(fit.rms(), truth, rtol=0.06)
-    flat = weighted_fit(side, columns, np.ones(3))
+    flat = least_squares(side, columns, np.ones(3))
     assert np.linalg.norm(fit.beta) < 0.5 * np.linalg.norm(flat.beta)  # truth is zero
 
 
 def test_rms_is_in_newton_metres():
     side, columns = problem(8, 3)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     plain = [side.tau[j] - columns[j] @ fit.beta for j in range(3)]
     assert fit.rms() == pytest.approx([np.sqrt(np.mean(r**2)) for r in plain])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bare_sides import bare_side
 
-from pa10d.diagnose.regression.least_squares import weighted_fit
+from pa10d.diagnose.regression.least_squares import least_squares
 from pa10d.diagnose.regression.majority import agreed
 
 TRUE = np.array([2.0, -1.0, 0.5])
@@ -20,7 +20,7 @@ def fitted(knocked: float):
     columns[:, 2] = 1.0  # an offset, which a push to one side bends first
     tau = columns @ TRUE + NOISE * rng.standard_normal(4000)
     tau[rng.random(4000) < knocked] += 100 * NOISE
-    return weighted_fit(bare_side([tau[:, None]]), {0: columns}, np.array([NOISE]))
+    return least_squares(bare_side([tau[:, None]]), {0: columns}, np.array([NOISE]))
 
 
 @pytest.mark.parametrize("knocked", [0.05, 0.2])

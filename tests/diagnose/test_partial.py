@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from pa10d.diagnose.regression.least_squares import weighted_fit
+from pa10d.diagnose.regression.least_squares import least_squares
 from pa10d.diagnose.regression.partial import bounded, partials
 
 SIGMA = np.array([0.5, 2.0])
@@ -50,7 +50,7 @@ def joined(columns, candidate):
 @settings(max_examples=20, deadline=None)
 def test_gain_is_the_drop_of_a_full_refit(seed):
     side, columns, candidate = problem(seed)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     one = partials(fit, candidate, limits(FREE, FREE), 2)[0]
     before, _ = squares(side, columns)
     after, beta = squares(side, joined(columns, candidate))
@@ -65,7 +65,7 @@ def test_gain_is_the_drop_of_a_full_refit(seed):
 @settings(max_examples=20, deadline=None)
 def test_bounds_are_those_of_the_full_refit(seed):
     side, columns, candidate = problem(seed)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     _, free = squares(side, joined(columns, candidate))
     lower, upper = np.array([-np.inf, free[-1] + 0.1]), np.array([free[-2] - 0.1, np.inf])
     effect = limits(*zip(lower, upper, strict=True))
@@ -78,7 +78,7 @@ def test_bounds_are_those_of_the_full_refit(seed):
 
 def test_a_column_in_one_joint_only():
     side, columns, candidate = problem(1)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     alone = {1: candidate[1]}
     one = partials(fit, alone, limits(FREE, FREE), 2)[0]
     before, _ = squares(side, columns)
@@ -89,7 +89,7 @@ def test_a_column_in_one_joint_only():
 
 def test_several_shapes_at_once_are_judged_one_by_one():
     side, columns, candidate = problem(2)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     other = {j: c**3 for j, c in candidate.items()}
     effect = limits(FREE, (0.0, np.inf))
     both = partials(fit, joined(candidate, other), effect, 2)
@@ -101,7 +101,7 @@ def test_several_shapes_at_once_are_judged_one_by_one():
 
 def test_what_the_model_absorbs_is_not_identifiable():
     side, columns, _ = problem(3)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     rng = np.random.default_rng(0)
     inside = {j: c @ np.array([[1.0], [2.0], [0.0], [-1.0]]) for j, c in columns.items()}
     hardly = {j: c + 1e-3 * rng.standard_normal(c.shape) for j, c in inside.items()}
@@ -116,7 +116,7 @@ def test_what_the_model_absorbs_is_not_identifiable():
 
 def test_a_coefficient_without_a_column_stays_zero_and_the_others_count():
     side, columns, candidate = problem(4)
-    fit = weighted_fit(side, columns, SIGMA)
+    fit = least_squares(side, columns, SIGMA)
     half = {j: c * np.array([1.0, 0.0]) for j, c in candidate.items()}
     one = partials(fit, half, limits(FREE, FREE), 2)[0]
     alone = partials(fit, {j: c[:, :1] for j, c in candidate.items()}, limits(FREE), 1)[0]

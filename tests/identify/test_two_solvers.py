@@ -49,5 +49,8 @@ def test_two_solvers_of_one_problem_agree(colour, percent):
     searched.problem = problem
     searched.refit()
     np.testing.assert_allclose(searched.fit.beta, streamed.solution.beta, rtol=1e-6, atol=1e-9)
+    both = searched.fit.covariance(), streamed.solution.covariance()
+    np.testing.assert_allclose(*both, rtol=1e-5, atol=1e-9 * np.abs(both[1]).max())
+    assert searched.fit.rank == streamed.solution.rank
     errors = np.sqrt(np.diag(streamed.uncertainty.covariance))
     np.testing.assert_allclose(np.sqrt(np.diag(honest_covariance(searched))), errors, rtol=1e-5)

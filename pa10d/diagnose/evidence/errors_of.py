@@ -15,12 +15,13 @@ from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import normal_equations
 from pa10d.diagnose.regression.shapes import free_shapes
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.model import Term
 from pa10d.regression.covariance import Seen, uncertainty
 from pa10d.regression.lacking import Stretch
+from pa10d.regression.per_joint import PerJoint
 from pa10d.regression.scores import Memory, Scores, covariance_of
 
 Array = NDArray[np.float64]
@@ -217,8 +218,7 @@ def covariance_under(
             ]
 
     turns, lowpass = [turn] * side.n, side.runs[0].lowpass
-    degrees = fit.leverage()
-    return uncertainty(stretches, seen, turns, fit.sigma, degrees, lowpass, known).covariance
+    return uncertainty(stretches, seen, turns, fit.sigma, fit.leverage(), lowpass, known).covariance
 
 
 def _noises(side: Side, basis: PerJoint, residual: PerJoint) -> Noises:

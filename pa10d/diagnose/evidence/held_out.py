@@ -23,7 +23,8 @@ from pa10d.diagnose.constants import (
     SHARE_OF_GAIN,
     SMOOTHING_HZ,
 )
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import BLIND, WIDER
-from pa10d.diagnose.regression.partial import solve
-from pa10d.diagnose.regression.side import PerJoint
+from pa10d.diagnose.regression.partial import solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.measurement.standstill import standstill
+from pa10d.regression.per_joint import PerJoint, gathered
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,9 @@ def moved_by_reversals(state: SearchState, index: int, slopes: PerJoint, varianc
     if state.problem.known is not None:  # what was known before stays known
         grams[:, :rank, :rank] += np.eye(rank) - grams[0, :rank, :rank]
     to_term = scipy.linalg.block_diag(state.fit.to_beta[place], np.eye(width))
-    there, here = (to_term @ solve(g, s) for g, s in zip(grams[::-1], sides[::-1], strict=True))
+    there, here = (
+        to_term @ solve_symmetric(g, s) for g, s in zip(grams[::-1], sides[::-1], strict=True)
+    )
     spread = [np.diag(to_term @ _inverse(g) @ to_term.T) for g in grams]
     times = spread[1] / np.maximum(spread[0], 1e-300)
     lost = variance * np.maximum(times - 1.0, 0.0)
@@ -56,14 +58,11 @@ def _far_from_standstill(state: SearchState) -> dict[int, NDArray[np.bool_]]:
     near = [
         standstill(run.context.dq, run.lowpass.rate, run.lowpass, wider=WIDER) for run in side.runs
     ]
-    return {
-        j: np.concatenate([~n[k[:, j], j] for n, k in zip(near, side.keep, strict=True)])
-        for j in range(side.n)
-    }
+    return {j: ~gathered([n[:, j] for n in near], side.keep, j) for j in range(side.n)}
 
 
 def _rank(gram: Array) -> int:
-    """Directions that are not lost in rounding, as ``solve`` and ``_inverse`` count them."""
+    """Directions not lost in rounding, as ``solve_symmetric`` and ``_inverse`` count them."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values = np.linalg.eigvalsh(gram / np.outer(scale, scale))
     return int(np.sum(values > 1e-8 * values[-1]))

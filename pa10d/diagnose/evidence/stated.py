@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.shapes import free_shapes
-from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 

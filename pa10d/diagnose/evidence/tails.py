@@ -39,7 +39,7 @@ def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]
 def with_open(model: TorqueModel, labels: Container[str]) -> TorqueModel:
     """The same model, how large these terms are left open: the fit saw their tails."""
     open_ = [
-        f"{term.label}: {coefficient.name}"
+        term.named(coefficient.name)
         for term in model.terms
         if term.label in labels
         for coefficient in term.effect.coefficients

@@ -10,7 +10,6 @@ swings, by the same equation driven by the regressor's columns instead of the lo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,13 +17,12 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
-    NEAR_NULL,
     SPRING_STEP,
     SPRING_WORTH,
     STEP_SHARES,
     SWING_SAMPLES,
 )
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import Robot, inverse_dynamics, regressor, typical_inertia
 from pa10d.effects import Context
@@ -32,6 +30,8 @@ from pa10d.effects.rotor import LIGHTEST
 from pa10d.effects.swing import Swing, driven_lag
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.per_joint import PerJoint, assembled
+from pa10d.regression.solution import strong
 
 Array = NDArray[np.float64]
 
@@ -115,9 +115,9 @@ class Flexible:
         triangle = scipy.linalg.qr(both, mode="r", overwrite_a=True, check_finite=False)[0]
         width = len(scale)
         left, values, right = np.linalg.svd(triangle[:width, :width])
-        strong = values > NEAR_NULL * values[0]
-        seen = left[:, strong].T @ triangle[:width, width]
-        return np.asarray(right[strong].T @ (seen / values[strong]) / scale)
+        kept = strong(values)
+        seen = left[:, kept].T @ triangle[:width, width]
+        return np.asarray(right[kept].T @ (seen / values[kept]) / scale)
 
     def _moved(self, spring: Spring, share: float, step: Array) -> Spring:
         stiffer, damped, rotor = step[self.size :]
@@ -140,7 +140,7 @@ class Flexible:
             torque = inverse_dynamics(self.robot, rigid, *swing.motion)
             torque[:, self.joint] += spring.rotor * swing.lag[2]
             filtered.append(run.lowpass(torque))
-        out = {j: self._rows([x[:, j] for x in filtered], j) for j in range(self.side.n)}
+        out = {j: self.side.gathered([x[:, j] for x in filtered], j) for j in range(self.side.n)}
         for place, block in self.others:
             for j, columns in block.items():
                 out[j] = out[j] + columns @ beta[place]
@@ -155,16 +155,12 @@ class Flexible:
             columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
             regressor(self.robot, *swing.motion, self.kept, out=columns)
             whole.append(run.lowpass(self._moving(columns, swing, spring, run.context.dt)))
-        out = {}
-        for j in range(self.side.n):
-            rows = self._rows([x[:, j] for x in whole], j)
-            out[j] = np.zeros((len(rows), self.size + rows.shape[1] - self.bodies))
-            out[j][:, : self.bodies] = rows[:, : self.bodies]
-            out[j][:, self.size :] = rows[:, self.bodies :]
-            for place, block in self.others:
-                if j in block:
-                    out[j][:, place] = block[j]
-        return out
+        rows = [self.side.gathered([x[:, j] for x in whole], j) for j in range(self.side.n)]
+        width = self.size + rows[0].shape[1] - self.bodies
+        bodies = {j: r[:, : self.bodies] for j, r in enumerate(rows)}
+        shapes = {j: r[:, self.bodies :] for j, r in enumerate(rows)}
+        parts = [(slice(self.bodies), bodies), (slice(self.size, width), shapes), *self.others]
+        return assembled(parts, width, [len(r) for r in rows])
 
     def _moving(self, columns: Array, swing: Swing, spring: Spring, dt: float) -> Array:
         """(N, n, b + 3) raw: the regressor's columns at the link, and what the link's
@@ -197,11 +193,6 @@ class Flexible:
         out = np.zeros(10 * self.robot.n)
         out[self.kept] = beta[: self.bodies]
         return out.reshape(-1, 10)
-
-    def _rows(self, per_run: Sequence[Array], joint: int) -> Array:
-        return np.concatenate(
-            [x[k[:, joint]] for x, k in zip(per_run, self.side.keep, strict=True)]
-        )
 
 
 def _swing(context: Context, rigid: Array, spring: Spring) -> Swing | None:

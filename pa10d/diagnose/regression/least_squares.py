@@ -12,35 +12,27 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import NEAR_NULL
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.model import Unknowns
+from pa10d.regression.per_joint import PerJoint
 from pa10d.regression.problem import Knowledge, Problem
+from pa10d.regression.solution import Solution, strong
 
 Array = NDArray[np.float64]
 
 
-@dataclass
-class LeastSquares:
-    """Least squares of τ on given columns over one side, weighted by 1/σ_j per joint.
+@dataclass(frozen=True)
+class LeastSquares(Solution):
+    """Of τ on given columns over one side, whose rows are at hand.
 
     basis     joint -> (m_j, r): rows of the orthonormal basis of the weighted columns
-    to_beta   (p, r): coefficients = to_beta @ basis coordinates
     residual  joint -> (m_j,) weighted residual
-    coordinates (r,): the target's in the basis
-    triangle (p, p), target (p,): the whole weighted problem in triangular form, ‖T·β - y‖² but for
-    what no β explains, near-null directions and prior knowledge included
+    coordinates (r,): the target's in the basis; coefficients = to_beta @ coordinates
     """
 
-    sigma: Array
     basis: PerJoint
-    to_beta: Array
-    beta: Array
     residual: PerJoint
-    rank: int
     coordinates: Array
-    triangle: Array
-    target: Array
 
     def rms(self) -> Array:
         """(n,) N·m RMS of the unweighted residual per joint."""
@@ -74,7 +66,6 @@ class LeastSquares:
             to_beta=kept,
             beta=kept @ coordinates,
             residual=residual,
-            rank=self.rank,
             coordinates=rest,
             triangle=triangle,
             target=self.target,
@@ -84,12 +75,8 @@ class LeastSquares:
         """(n,) share of the coefficients that each joint's equation had to pay for."""
         return np.array([float(np.sum(self.basis[j] ** 2)) for j in range(len(self.sigma))])
 
-    def covariance(self) -> Array:
-        """(p, p) for unit-variance independent errors; the caller knows better about noise."""
-        return np.asarray(self.to_beta @ self.to_beta.T)
 
-
-def weighted_fit(
+def least_squares(
     side: Side, columns: PerJoint, sigma: Array, known: Knowledge | None = None
 ) -> LeastSquares:
     """One weighted least-squares solution with near-null directions truncated."""
@@ -107,8 +94,8 @@ def weighted_fit(
     whole = scipy.linalg.qr(both, mode="r", overwrite_a=True, check_finite=False)[0][:size]
     triangle = whole[:, :size]
     _, values, right = np.linalg.svd(triangle, full_matrices=False)
-    strong = values > NEAR_NULL * values[0]
-    turn = right[strong].T / values[strong]
+    kept = strong(values)
+    turn = right[kept].T / values[kept]
     basis = stacked @ turn
     # one step of refinement: R⁻¹ loses digits that the basis needs for what it leaves over
     correction = scipy.linalg.cholesky(basis.T @ basis, lower=False)
@@ -125,7 +112,6 @@ def weighted_fit(
         to_beta=to_beta,
         beta=to_beta @ coordinates,
         residual=dict(enumerate(np.split(residual, cuts)[: side.n])),
-        rank=int(strong.sum()),
         coordinates=coordinates,
         triangle=triangle * scale,
         target=whole[:, size],
@@ -141,7 +127,7 @@ def solved(
     """The weighted fit that a problem asks for; start: σ (n,) of the joints at first, where the
     residual is to say."""
     if problem.sigma is not None:
-        return weighted_fit(side, columns, problem.sigma, problem.known)
+        return least_squares(side, columns, problem.sigma, problem.known)
     return iterated_fit(side, columns, start, problem.known)
 
 
@@ -156,16 +142,11 @@ def iterated_fit(
     weights = np.array([max(float(np.std(side.tau[j])), 1e-9) for j in range(side.n)])
     if sigma is not None:
         weights, rounds = sigma, 1
-    fit = weighted_fit(side, columns, weights, known)
+    fit = least_squares(side, columns, weights, known)
     for _ in range(rounds):
         smaller = np.maximum(fit.rms(), 1e-9)
         if np.all(np.abs(np.log(smaller / weights)) < 0.05):
             break
         weights = smaller
-        fit = weighted_fit(side, columns, weights, known)
+        fit = least_squares(side, columns, weights, known)
     return fit
-
-
-def predict(columns: PerJoint, beta: Array) -> PerJoint:
-    """Torque per joint (m_j,) of given columns and coefficients."""
-    return {j: c @ beta for j, c in columns.items()}

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import ABSORBED
 from pa10d.diagnose.regression.least_squares import LeastSquares
-from pa10d.diagnose.regression.side import PerJoint
 from pa10d.effects import Effect
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def normal_equations(fit: LeastSquares, columns: PerJoint) -> tuple[Array, Array
 
 def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
     """argmin ½ θᵀGθ - rhsᵀθ within a box, exact for the few coefficients an effect has."""
-    theta = solve(gram, rhs)
+    theta = solve_symmetric(gram, rhs)
     if np.all(theta >= lower) and np.all(theta <= upper):
         return theta
     best, best_value = np.clip(theta, lower, upper), np.inf
@@ -89,7 +89,7 @@ def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
         trial = np.array([0.0 if c is None else c for c in choice])
         free = ~fixed
         if free.any():
-            trial[free] = solve(
+            trial[free] = solve_symmetric(
                 gram[np.ix_(free, free)], rhs[free] - gram[np.ix_(free, fixed)] @ trial[fixed]
             )
         if np.any(trial < lower - 1e-12) or np.any(trial > upper + 1e-12):
@@ -100,7 +100,7 @@ def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
     return best
 
 
-def solve(gram: Array, rhs: Array) -> Array:
+def solve_symmetric(gram: Array, rhs: Array) -> Array:
     """Symmetric solve that drops directions lost in rounding."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))

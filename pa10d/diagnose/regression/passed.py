@@ -21,7 +21,7 @@ from pa10d.diagnose.constants import (
     PASSED_SAMPLES,
     PASSED_ZETA,
 )
-from pa10d.diagnose.regression.partial import solve
+from pa10d.diagnose.regression.partial import solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import regressor, typical_inertia
 from pa10d.measurement.signals import Lowpass
@@ -111,7 +111,7 @@ class _Thin:
         for _ in range(3):
             gram = sum(g / s**2 for g, s in zip(grams, sigma, strict=True))
             side = sum(b / s**2 for b, s in zip(sides, sigma, strict=True))
-            beta = solve(np.asarray(gram), np.asarray(side))
+            beta = solve_symmetric(np.asarray(gram), np.asarray(side))
             left = [
                 q - 2.0 * beta @ b + beta @ g @ beta
                 for q, b, g in zip(squares, sides, grams, strict=True)

@@ -13,10 +13,9 @@ from pa10d.effects import Context, Effect, Shape
 from pa10d.measurement.signals import delayed
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.per_joint import Mask, PerJoint, gathered
 
 Array = NDArray[np.float64]
-PerJoint = dict[int, Array]
-"""Rows of each joint's equation that count, (m_j, k); joints without a column are absent."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +40,14 @@ class Side:
         return self.runs[0].tau.shape[1]
 
     @property
-    def keep(self) -> list[NDArray[np.bool_]]:
+    def keep(self) -> list[Mask]:
         """Per run (M, n): which samples count."""
         return [run.keep for run in self.runs]
 
     @cached_property
     def tau(self) -> list[Array]:
         """Joint -> (m_j,) filtered torque."""
-        return [self._rows([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+        return [self.gathered([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
 
     def shifted(self, seconds: float) -> Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
@@ -65,7 +64,7 @@ class Side:
     def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
         """Filtered regressor columns."""
         columns = [run.rigid_columns(kept) for run in self.runs]
-        return {j: self._rows([c[:, j] for c in columns], j) for j in range(self.n)}
+        return {j: self.gathered([c[:, j] for c in columns], j) for j in range(self.n)}
 
     def columns_of_runs(self, effect: Effect, joints: Sequence[int], shape: Shape) -> list[Array]:
         """Per run (M, n, k) filtered columns of one effect, rows that do not count included."""
@@ -96,13 +95,13 @@ class Side:
     ) -> PerJoint:
         if own or not effect.reaches_other_joints:
             filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
-            return {joints[0]: self._rows(filtered, joints[0])}
+            return {joints[0]: self.gathered(filtered, joints[0])}
         touched = [j for j in range(self.n) if any(np.any(x[:, j]) for x in raw)]
         touched = touched or [joints[0] if joints else 0]  # it has no torque at all: zeros
         if len(touched) < self.n:
             raw = [x[:, touched] for x in raw]
         filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
-        return {j: self._rows([x[:, i] for x in filtered], j) for i, j in enumerate(touched)}
+        return {j: self.gathered([x[:, i] for x in filtered], j) for i, j in enumerate(touched)}
 
     def scatter(self, rows: PerJoint) -> list[Array]:
         """Per run (M, n), zeros where nothing is kept: the reverse of gathering one column."""
@@ -115,7 +114,7 @@ class Side:
                 start += count
         return out
 
-    def stretches(self, joint: int, rows: Array) -> list[tuple[Array, NDArray[np.bool_]]]:
+    def stretches(self, joint: int, rows: Array) -> list[tuple[Array, Mask]]:
         """Per run (M,) rows (m_j,) of one joint, zeros where nothing is kept, and where it is."""
         scattered = self.scatter({joint: rows})
         return [(r[:, joint], k[:, joint]) for r, k in zip(scattered, self.keep, strict=True)]
@@ -129,5 +128,6 @@ class Side:
             out[-1][keep], start = rows[start:stop], stop
         return out
 
-    def _rows(self, per_run: list[Array], joint: int) -> Array:
-        return np.concatenate([x[k[:, joint]] for x, k in zip(per_run, self.keep, strict=True)])
+    def gathered(self, per_run: Sequence[Array], joint: int) -> Array:
+        """(m_j, …): of the runs (M, …) the rows that count for a joint."""
+        return gathered(per_run, self.keep, joint)

@@ -20,9 +20,9 @@ from pa10d.diagnose.regression.side import Side
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
+from pa10d.regression.per_joint import Mask
 
 Array = NDArray[np.float64]
-Rows = NDArray[np.bool_]
 
 
 def two_sides(
@@ -118,7 +118,7 @@ def blocks(run: RunEquation) -> tuple[RunEquation, RunEquation]:
     return _within(run, even), _within(run, odd)
 
 
-def _taking_turns(run: RunEquation, number: int) -> tuple[Rows, Rows]:
+def _taking_turns(run: RunEquation, number: int) -> tuple[Mask, Mask]:
     """(M,) each: equally long blocks by turns, without what a filter carries over their seams."""
     samples = len(run.keep)
     block = np.arange(samples) * number // samples
@@ -129,7 +129,7 @@ def _taking_turns(run: RunEquation, number: int) -> tuple[Rows, Rows]:
     return (block % 2 == 0) & ~seam, (block % 2 == 1) & ~seam
 
 
-def _motions(run: RunEquation) -> list[tuple[Rows, Array]]:
+def _motions(run: RunEquation) -> list[tuple[Mask, Array]]:
     """Per joint the rows (M,) that count and an orthonormal basis (rows, ≤ 6) of what its motion
     shows there: where it is, how fast, how it gathers speed."""
     step = run.lowpass.factor
@@ -143,7 +143,7 @@ def _motions(run: RunEquation) -> list[tuple[Rows, Array]]:
     return found
 
 
-def _least_share(motion: Sequence[tuple[Rows, Array]], side: Rows) -> float:
+def _least_share(motion: Sequence[tuple[Mask, Array]], side: Mask) -> float:
     """The least share of any direction of any joint's motion that a side (M,) sees."""
     shares = [1.0]
     for keep, basis in motion:
@@ -152,7 +152,7 @@ def _least_share(motion: Sequence[tuple[Rows, Array]], side: Rows) -> float:
     return min(shares)
 
 
-def _within(run: RunEquation, rows: Rows) -> RunEquation:
+def _within(run: RunEquation, rows: Mask) -> RunEquation:
     """Nothing but these rows (M,) counts."""
     whole = rows[:, None]
     return replace(run, keep=run.keep & whole, moving=run.moving & whole, inside=run.inside & rows)

@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import SLOPE_STEP
 from pa10d.diagnose.regression.least_squares import LeastSquares
-from pa10d.diagnose.regression.partial import normal_equations, solve
+from pa10d.diagnose.regression.partial import normal_equations, solve_symmetric
 from pa10d.diagnose.regression.shapes import free_shapes
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.model import Term
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
@@ -40,4 +41,4 @@ def newton_move(side: Side, rest: LeastSquares, term: Term) -> Array:
     """(s,) by how much each free shape would have to change if the torque were linear in it
     (Gauss-Newton); the term's coefficients and all that ``rest`` has move along."""
     gram, rhs = normal_equations(rest, with_slopes(side, term))
-    return solve(gram, rhs)[len(term.coefficients) :]
+    return solve_symmetric(gram, rhs)[len(term.coefficients) :]

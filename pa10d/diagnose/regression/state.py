@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.regression.least_squares import LeastSquares, predict, solved
+from pa10d.diagnose.regression.least_squares import LeastSquares, solved
 from pa10d.diagnose.regression.majority import agreed
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
+from pa10d.regression.per_joint import PerJoint, assembled, predict
 from pa10d.regression.problem import Knowledge, Problem
 
 Array = NDArray[np.float64]
@@ -154,14 +155,12 @@ class SearchState:
 
     def matrix(self, side: int) -> PerJoint:
         """All columns of one side (0 training, 1 held out), joint -> (m_j, p)."""
-        unknowns, out = self.unknowns, {}
-        for j, rows in self.rigid[side].items():
-            out[j] = np.zeros((len(rows), unknowns.size))
-            out[j][:, : len(self.model.h)] = rows
-            for columns, place in zip(self.blocks, unknowns.places, strict=True):
-                if j in columns[side]:
-                    out[j][:, place] = columns[side][j]
-        return out
+        rigid, own = self.rigid[side], [columns[side] for columns in self.blocks]
+        parts = [
+            (slice(len(self.model.h)), rigid),
+            *zip(self.unknowns.places, own, strict=True),
+        ]
+        return assembled(parts, self.unknowns.size, [len(rigid[j]) for j in range(len(rigid))])
 
     def held_residual(self, fit: LeastSquares | None = None) -> PerJoint:
         """joint -> (m_j,) N·m left over on the held-out side."""

@@ -20,11 +20,11 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.partial import Partial, partials
 from pa10d.diagnose.regression.shapes import around, refine
-from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.ripple import order_peaks
 from pa10d.effects import Context, Effect, Shape, all_effects
 from pa10d.model import Term
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ from pa10d.diagnose.constants import (
     ORDERS_PER_RESOLUTION,
     RIPPLE_LEAST_SPAN,
 )
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
@@ -47,7 +48,7 @@ def chance_of_line(side: Side, joint: int, power: float) -> float:
     e^(-z)·(1 + W·√z), z half the power, W = range of orders in cycles per rad · √(4π·var q).
     """
     q = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
-    seen = np.concatenate([x[k[:, joint]] for x, k in zip(q, side.keep, strict=True)])
+    seen = side.gathered(q, joint)
     attempts = (HIGHEST_ORDER - LOWEST_ORDER) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
     z = 0.5 * power
     return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
@@ -84,10 +85,7 @@ def _along(side: Side, residual: PerJoint, joint: int) -> tuple[Array, Array, Ar
     """Angle (rad), speed (rad/s) and residual (N·m) of the samples that count."""
     angle = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
     speed = [run.context.dq[:: run.lowpass.factor, joint] for run in side.runs]
-    keep = [k[:, joint] for k in side.keep]
-    q, v = (
-        np.concatenate([x[k] for x, k in zip(parts, keep, strict=True)]) for parts in (angle, speed)
-    )
+    q, v = (side.gathered(parts, joint) for parts in (angle, speed))
     return q, np.abs(v), residual[joint]
 
 

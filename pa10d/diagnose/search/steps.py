@@ -28,10 +28,9 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of, term_covariance
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
-from pa10d.diagnose.regression.least_squares import LeastSquares, predict
+from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import Partial, partials
 from pa10d.diagnose.regression.shapes import approach, around, free_shapes, refine
-from pa10d.diagnose.regression.side import PerJoint
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, held_columns, scan, sharpened
@@ -41,6 +40,7 @@ from pa10d.diagnose.search.timing import align
 from pa10d.diagnose.unknown.structure import all_maps
 from pa10d.effects import Effect
 from pa10d.model import Term
+from pa10d.regression.per_joint import PerJoint, predict
 
 Array = NDArray[np.float64]
 Place = tuple[str, tuple[int, ...]]

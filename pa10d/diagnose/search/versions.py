@@ -16,7 +16,7 @@ from pa10d.diagnose.search.steps import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
 from pa10d.judgement import RunResidual, residual_of
-from pa10d.model import TorqueModel
+from pa10d.model import TorqueModel, vector_of
 from pa10d.regression.told import added_ones, left_open, names_of
 
 
@@ -99,7 +99,7 @@ def unseen(model: TorqueModel, part: SearchState, given: int) -> dict[str, str]:
 
 def _with_open(model: TorqueModel, part: SearchState) -> TorqueModel:
     """What the fit leaves open, besides what the given model's own fit did not see at all."""
-    values = np.concatenate([model.h, *(t.coefficients for t in model.terms)])
+    values = vector_of(model.h, model.terms)
     added = added_ones(len(model.h), model.terms)
     scales = scales_of(part, part.matrix(0))
     found = names_of(model.parameter_names(), left_open(values, model.std_errors, *scales, added))

@@ -33,10 +33,11 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.evidence.errors_of import Noises, doubt_under, held_noise
 from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
-from pa10d.diagnose.regression.side import PerJoint, Side
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects.variables import remembered
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
@@ -164,7 +165,7 @@ class _Map:
 
 def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
     """(m_j,) a quantity in the rows of a joint's equation."""
-    return np.concatenate([m[name][k[:, joint]] for m, k in zip(motion, side.keep, strict=True)])
+    return side.gathered([m[name] for m in motion], joint)
 
 
 def _fit_map(
