@@ -18,10 +18,19 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 from pa10d.control.faults import Fault
-from pa10d.control.gains import PUSH, after_fall, after_swing, fitted_gains, pid_gains, pulls
+from pa10d.control.gains import (
+    PUSH,
+    PidGains,
+    after_fall,
+    after_swing,
+    fitted_gains,
+    pid_gains,
+    pulls,
+)
 from pa10d.control.joint_figures import ROUGH, JointFigures, first_figures, inertias
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
+from pa10d.control.servo_design import SLOW
 from pa10d.dynamics import Robot
 from pa10d.experiments.measured_joints import bandwidths, measured_figures, sentences
 from pa10d.experiments.seen import Seen
@@ -202,14 +211,19 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> Cal
     if heavier is None:
         return None
     again = learnt(profile, robot, heavier)
-    share = float(again.gains.kp[axis] / max(gains.kp[axis], 1e-12))
+    share = _firmness(again.gains, axis) / _firmness(gains, axis)
     if share < FIRMER or not np.isfinite(again.sensitivity[axis]):
         return None
     note = (
         f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
-        f"alone: firmer gains were set (kp {share:.2g} times as high), and it is tried again"
+        f"alone: gains {share:.2g} times as firm were set, and it is tried again"
     )
     return Calmer(again, note)
+
+
+def _firmness(gains: PidGains, axis: int) -> float:
+    """N·m/rad against what pushes slowly."""
+    return max(float(np.hypot(gains.kp[axis], gains.ki[axis] / SLOW)), 1e-12)
 
 
 def calmed(
