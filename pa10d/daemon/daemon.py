@@ -169,7 +169,11 @@ class Daemon:
     async def revive(self) -> None:
         """A virtual arm that was started here and has died is started again."""
         if self.simulator is not None and self.simulator.dead:
-            await self.simulator.start()
+            self.robot.bus_ready.clear()
+            try:
+                await self.simulator.start()
+            finally:
+                self.robot.bus_ready.set()
             self.robot.remark = None
 
     def busy(self) -> str | None:

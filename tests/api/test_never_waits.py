@@ -210,6 +210,22 @@ def test_what_drives_remember_is_read_once_for_all_who_ask(asked, monkeypatch):
     asked(scenario)
 
 
+def test_drives_that_are_being_started_are_not_called_silent(asked):
+    async def scenario(http, daemon, control):
+        daemon.robot._keepers = [None]
+        for answer in (
+            await http.get("/api/v1/robot/errors"),
+            await http.post("/api/v1/robot/errors/clear"),
+        ):
+            assert answer.status_code == 409
+            told = answer.json()
+            assert told["detail"] == "errors: the drives are being started"
+            assert told["remedy"] == "wait a few seconds, then ask again"
+        assert control.told == []
+
+    asked(scenario)
+
+
 def test_work_on_the_shelf_that_fails_says_so():
     async def main():
         shelf = Shelf("t")

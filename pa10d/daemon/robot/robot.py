@@ -359,6 +359,8 @@ class RobotProcess:
         return await self._memories(clear=True)
 
     async def _memories(self, clear: bool) -> list[Message]:
+        if self._keepers and not self.bus_ready.is_set():
+            raise CommandRefused(self._being_started("errors"))
         answer = await self.command("errors", timeout=MEMORIES, clear=clear)
         names = self.robot.joint_names
         return [{**one, "name": names[one["joint"] - 1]} for one in answer["drives"]]
@@ -565,6 +567,17 @@ class RobotProcess:
             "needed": list(UNPOWERED),
             "detail": f"profile: {detail}",
             "remedy": "wait until control has started" if starting else "disable the arm first",
+        }
+
+    def _being_started(self, do: str) -> Message:
+        """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
+        return {
+            "ok": False,
+            "command": do,
+            "state": self.state,
+            "needed": [ArmState.INACTIVE.label],
+            "detail": f"{do}: the drives are being started",
+            "remedy": "wait a few seconds, then ask again",
         }
 
     def _no_control(self, do: str) -> Message:
