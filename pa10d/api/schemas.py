@@ -11,6 +11,7 @@ from pa10d.control.laws import Law
 from pa10d.investigation.motions import Shown
 from pa10d.services.documents import NextWeight, Step, TorqueGain, WeightAtHand
 from pa10d.services.tuning.keys import TuningKey
+from pa10d.services.viewed import Joint
 
 JobStatus = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 StateName = Literal[
@@ -18,7 +19,6 @@ StateName = Literal[
     "resetting",
 ]  # fmt: skip
 Name = Annotated[str, Field(min_length=1, max_length=100, examples=["monday-cold"])]
-Joint = Annotated[int, Field(ge=1, le=64)]
 
 
 class Strict(BaseModel):
@@ -696,79 +696,6 @@ class KindList(BaseModel):
     starting_set: list[Suggested]
 
 
-class ShapeJoint(BaseModel):
-    """One joint of the chain; lengths in m."""
-
-    name: str
-    parent: int = Field(description="Index of the joint that carries it, from 0; -1: the base")
-    rotation: list[float] = Field(description="3 × 3, row by row")
-    translation: list[float]
-    axis: list[float]
-    prismatic: bool
-    lower: float | None = Field(description="rad (m); null: turns for ever")
-    upper: float | None
-
-
-class ShapeCapsule(BaseModel):
-    """A body that must meet no other and no floor, m, in the frame of the joint it moves with."""
-
-    link: int = Field(description="Index of that joint, from 0; -1: the base")
-    start: list[float]
-    end: list[float]
-    radius: float
-
-
-class ShapeMesh(BaseModel):
-    """A visual body; ``place``: 4 × 4, row by row, from its coordinates to the joint's frame."""
-
-    link: int
-    place: list[float]
-    triangles: int
-
-
-class ShapeBox(BaseModel):
-    """A solid of the profile's environment that no body of the arm may meet."""
-
-    name: str
-    size: list[float] = Field(description="Whole lengths, m")
-    place: list[float] = Field(description="4 × 4, row by row, from its centre to the base frame")
-
-
-class Shape(BaseModel):
-    """An arm as it looks; joints are counted from 0 here, as indices of ``joints``."""
-
-    name: str
-    joints: list[ShapeJoint]
-    order: list[int] = Field(description="Indices such that parents come before children")
-    up: list[float] = Field(description="Against gravity, base frame")
-    floor: float | None = Field(description="m along the base's z axis; null: no floor")
-    boxes: list[ShapeBox]
-    capsules: list[ShapeCapsule]
-    meshes: list[ShapeMesh]
-    notes: list[str]
-
-
-class Channel(BaseModel):
-    """One signal of a recording."""
-
-    id: str = Field(examples=["q4", "m0/residual4"])
-    group: str = Field(description="What it is, the same for all joints")
-    unit: str
-    joint: int | None = Field(description="From 1; null: of the whole arm")
-
-
-class Channels(BaseModel):
-    """What a recording has, and what models say of it."""
-
-    name: str
-    joints: list[str]
-    start: float = Field(description="s on the recording's own clock of its first sample")
-    seconds: float
-    rate: float = Field(description="Hz")
-    samples: int
-    channels: list[Channel]
-
-
 class Figure(BaseModel):
     """Plotly JSON without colours for paper, text and grid."""
 
@@ -845,49 +772,3 @@ class ProfileChanges(Strict):
         min_length=1, examples=[{"control.bandwidth_hz": 3.0, "limits.velocity": {"2": 0.8}}]
     )
     confirmed: bool = Field(False, description="What 'confirm' says was read")
-
-
-class StepFigures(BaseModel):
-    """One step; null: the joint did not get there before the next one."""
-
-    size: float = Field(description="rad, m")
-    rise: float | None = Field(description="s from 10 to 90 %")
-    target_rise: float | None = Field(description="s, of the target: limits make no jump")
-    overshoot: float = Field(description="Share of the step")
-    settling: float | None = Field(description="s until it stays within 5 %")
-    rms: float = Field(description="rad, m: tracking error")
-    worst: float = Field(description="rad, m: tracking error")
-
-
-class ServoUsed(BaseModel):
-    """What moved the arm; gains of this joint."""
-
-    law: str
-    model: str | None
-    ahead: bool = Field(description="What was measured of the joints was given ahead")
-    kp: float
-    ki: float
-    kd: float
-
-
-class JointResponse(BaseModel):
-    """One joint in one run."""
-
-    id: str
-    name: str
-    kind: str
-    control: ServoUsed | None = Field(description="null: the run does not say")
-    moved: list[Joint] = Field(description="Joints that the run moves on purpose")
-    rms: float = Field(description="rad, m: tracking error over the whole run")
-    worst: float = Field(description="rad, m: tracking error over the whole run")
-    steps: list[StepFigures] = Field(description="Of runs of kind 'step'")
-    time: list[float] = Field(description="s; 0: the begin of the first step")
-    target: list[float] = Field(description="rad, m")
-    response: list[float] = Field(description="rad, m")
-
-
-class Responses(BaseModel):
-    """One joint in several runs, in the order asked for."""
-
-    joint: Joint
-    items: list[JointResponse]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 Array = NDArray[np.float64]
 
@@ -19,21 +20,15 @@ STILL = 1e-7  # rad (m) from one sample to the next: the target rests
 
 @dataclass(frozen=True)
 class StepFigures:
-    """One step. size: rad (m), with its sign; rise, settling: s, None where the joint never got
-    there before the next step; settling counts from the begin of the step; target_rise: s, of the
-    target itself, which limits make no jump; overshoot: share of the step; rms, worst: rad (m)."""
+    """One step; null: the joint did not get there before the next one."""
 
-    size: float
-    rise: float | None
-    target_rise: float | None
-    overshoot: float
-    settling: float | None
-    rms: float
-    worst: float
-
-    def document(self) -> dict[str, Any]:
-        """For JSON."""
-        return dict(vars(self))
+    size: Annotated[float, Field(description="rad, m")]
+    rise: Annotated[float | None, Field(description="s from 10 to 90 %")]
+    target_rise: Annotated[float | None, Field(description="s, of the target: limits make no jump")]
+    overshoot: Annotated[float, Field(description="Share of the step")]
+    settling: Annotated[float | None, Field(description="s until it stays within 5 %")]
+    rms: Annotated[float, Field(description="rad, m: tracking error")]
+    worst: Annotated[float, Field(description="rad, m: tracking error")]
 
     def sentence(self, joint: int) -> str:
         """For a person; joint: from 1."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from pa10d.figures.pyramid import Pyramid
 from pa10d.judgement import RunResidual
 from pa10d.measurement.signals import Lowpass
 from pa10d.services.fault_records import read_fault
+from pa10d.services.viewed import Channel, Channels
 from pa10d.store import StoredRun
 from pa10d.store.run_reader import to_equal_steps
 
@@ -27,20 +27,6 @@ Made = Callable[[], Array]
 
 VELOCITY_BAND = 40.0  # Hz of a velocity that is differentiated to be looked at
 TURNS = ("rad", "rad/s")  # become m and m/s where a joint slides
-
-
-@dataclass(frozen=True)
-class Channel:
-    """id: what it is asked for by; joint: 1-based, None for what concerns the whole arm."""
-
-    id: str
-    group: str
-    unit: str
-    joint: int | None
-
-    def document(self) -> dict[str, Any]:
-        """As JSON."""
-        return vars(self)
 
 
 class Source:
@@ -77,17 +63,18 @@ class Source:
             self._made[channel] = Pyramid(self._makers[channel]())
         return self._made[channel]
 
-    def document(self) -> dict[str, Any]:
-        """As JSON."""
-        return {
-            "name": self.name,
-            "joints": list(self.joints),
-            "start": self.start,
-            "seconds": (self.count - 1) * self.dt,
-            "rate": 1.0 / self.dt,
-            "samples": self.count,
-            "channels": [channel.document() for channel in self.channels.values()],
-        }
+    @property
+    def listed(self) -> Channels:
+        """What there is."""
+        return Channels(
+            name=self.name,
+            joints=list(self.joints),
+            start=self.start,
+            seconds=(self.count - 1) * self.dt,
+            rate=1.0 / self.dt,
+            samples=self.count,
+            channels=list(self.channels.values()),
+        )
 
 
 def source_of_run(name: str, run: StoredRun, robot: Robot) -> Source:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.common.jsonable import JsonObject
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.limits import arm_limits
@@ -173,7 +173,7 @@ def analyse(data: str, profile: str, kind: str, runs: list[str]) -> JsonObject:
         for name, run in zip(names, stored, strict=True):
             told = json.loads(run.metadata["pa10d.plan"]["plan"])
             steps = steps_in(run, Plan.from_dict(told))
-            analysis[name]["steps"] = {j: [s.document() for s in steps[j]] for j in steps}
+            analysis[name]["steps"] = plain(steps)
             advice = [*(steps[j][0].sentence(j) for j in steps if steps[j]), *advice]
     if kind == "boundary_velocity":
         for name, run in zip(names, stored, strict=True):

@@ -30,6 +30,7 @@ from pa10d.services.channels import (
 )
 from pa10d.services.fault_records import FaultList, read_fault
 from pa10d.services.robots import load_robot
+from pa10d.services.viewed import Channels
 
 Array = NDArray[np.float64]
 Kind = Literal["run", "fault"]
@@ -44,9 +45,9 @@ MOST = 200_000  # samples of an order spectrum
 HIGHEST_ORDER = 1000.0  # cycles/rev
 
 
-def channels(data: str, profile: str, kind: Kind, name: str, models: Sequence[str]) -> Any:
+def channels(data: str, profile: str, kind: Kind, name: str, models: Sequence[str]) -> Channels:
     """What there is of a run (id) or a fault, and of what models (ids) say of it."""
-    return _source_of(data, profile, kind, name, models).document()
+    return _source_of(data, profile, kind, name, models).listed
 
 
 def columns(

@@ -13,7 +13,8 @@ from pa10d.common.errors import UserError
 from pa10d.experiments.analysis import tracking_of
 from pa10d.experiments.step_response import STILL, StepFigures, first_move, steps_of
 from pa10d.services.library import Library, open_library
-from pa10d.store import StoredRun
+from pa10d.services.viewed import JointResponse, Responses, ServoUsed
+from pa10d.store import RunInfo, StoredRun
 from pa10d.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
@@ -23,9 +24,8 @@ POINTS = 1500  # of a curve
 LEAD = 0.1  # s before a step that are shown
 
 
-def responses(data: str, runs: list[str], joint: int) -> dict[str, Any]:
-    """Of each run with commands: ``control`` (law, model, gains), ``moved`` (joints), and of this
-    joint (from 1) ``rms`` and ``worst`` (rad, m), ``steps``, ``time``, ``target``, ``response``.
+def responses(data: str, runs: list[str], joint: int) -> Responses:
+    """Of each run with commands, for a joint from 1.
 
     A step begins at 0 s, so that curves of several runs lie on each other.
     """
@@ -36,10 +36,8 @@ def responses(data: str, runs: list[str], joint: int) -> dict[str, Any]:
     for name in runs:
         info = library.runs.find(name)
         stored = library.runs.read(info)
-        items.append(
-            {"id": info.id, "name": info.name, **_response(library, info.name, stored, joint)}
-        )
-    return {"joint": joint, "items": items}
+        items.append(_response(library, info, stored, joint))
+    return Responses(joint, items)
 
 
 def steps_in(stored: StoredRun, plan: Plan) -> dict[int, list[StepFigures]]:
@@ -51,7 +49,8 @@ def steps_in(stored: StoredRun, plan: Plan) -> dict[int, list[StepFigures]]:
     }
 
 
-def _response(library: Library, name: str, stored: StoredRun, joint: int) -> dict[str, Any]:
+def _response(library: Library, info: RunInfo, stored: StoredRun, joint: int) -> JointResponse:
+    name = info.name
     if stored.samples.commands is None:
         raise UserError(f"run {name}: no commands in it; expected a run that the daemon recorded")
     n = stored.samples.q.shape[1]
@@ -69,17 +68,19 @@ def _response(library: Library, name: str, stored: StoredRun, joint: int) -> dic
         t, target, response = _times(stored), *_curves(stored, joint)
         steps = []
     every = max(1, -(-len(t) // POINTS))
-    return {
-        "kind": str(told.get("kind", "")),
-        "control": _control(library, told.get("control"), joint),
-        "moved": _moved(stored),
-        "rms": float(tracking.rms[joint - 1]),
-        "worst": float(tracking.worst[joint - 1]),
-        "steps": [one.document() for one in steps],
-        "time": t[::every].tolist(),
-        "target": target[::every].tolist(),
-        "response": response[::every].tolist(),
-    }
+    return JointResponse(
+        id=info.id,
+        name=name,
+        kind=str(told.get("kind", "")),
+        control=_control(library, told.get("control"), joint),
+        moved=_moved(stored),
+        rms=float(tracking.rms[joint - 1]),
+        worst=float(tracking.worst[joint - 1]),
+        steps=steps,
+        time=t[::every].tolist(),
+        target=target[::every].tolist(),
+        response=response[::every].tolist(),
+    )
 
 
 def _moved(stored: StoredRun) -> list[int]:
@@ -88,7 +89,7 @@ def _moved(stored: StoredRun) -> list[int]:
     return [int(j) + 1 for j in np.flatnonzero(np.ptp(stored.samples.commands.q, axis=0) > STILL)]
 
 
-def _control(library: Library, told: Any, joint: int) -> dict[str, Any] | None:
+def _control(library: Library, told: Any, joint: int) -> ServoUsed | None:
     """What moved the arm, where the run says so; the model by its name, if it is still there."""
     try:
         gains = {key: float(told["gains"][key][joint - 1]) for key in ("kp", "ki", "kd")}
@@ -98,7 +99,7 @@ def _control(library: Library, told: Any, joint: int) -> dict[str, Any] | None:
     if model is not None:
         with contextlib.suppress(UserError):
             model = library.models.find(str(model)).name
-    return {"law": law, "model": model, "ahead": ahead, **gains}
+    return ServoUsed(law, model, ahead, **gains)
 
 
 def _stretch(stored: StoredRun, plan: Plan, joint: int) -> tuple[Array, Array, Array]:

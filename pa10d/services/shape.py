@@ -22,6 +22,7 @@ from pa10d.dynamics.environment import Box
 from pa10d.figures.coarse import coarser
 from pa10d.profile import load_profile
 from pa10d.services.robots import load_robot
+from pa10d.services.viewed import Shape, ShapeBox, ShapeCapsule, ShapeJoint, ShapeMesh
 from pa10d.trajectory.capsules import capsules_of
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ class Body:
     triangles: NDArray[np.uint32]
 
 
-def shape(data: str, profile: str) -> dict[str, Any]:
+def shape(data: str, profile: str) -> Shape:
     """The chain (as ``Robot`` has it), the capsules and the list of meshes, all in SI units.
 
     ``notes`` says which meshes the URDF names and nobody finds: the capsules stand for them.
@@ -51,40 +52,38 @@ def shape(data: str, profile: str) -> dict[str, Any]:
     robot = load_robot(profile)[1]
     bodies = capsules_of(robot)
     meshes, notes = _meshes(profile)
-    return {
-        "name": robot.name,
-        "joints": [
-            {
-                "name": robot.joint_names[j],
-                "parent": int(robot.parent[j]),
-                "rotation": robot.rotation[j].ravel().tolist(),
-                "translation": robot.translation[j].tolist(),
-                "axis": robot.axis[j].tolist(),
-                "prismatic": bool(robot.prismatic[j]),
-                "lower": _finite(robot.lower[j]),
-                "upper": _finite(robot.upper[j]),
-            }
-            for j in range(robot.n)
-        ],
-        "order": robot.order.tolist(),
-        "up": _up(robot),
-        "floor": robot.environment.floor,
-        "boxes": [
-            {"name": box.name, "size": box.size.tolist(), "place": _placed(box).ravel().tolist()}
+    return Shape(
+        name=robot.name,
+        joints=[_joint(robot, j) for j in range(robot.n)],
+        order=robot.order.tolist(),
+        up=_up(robot),
+        floor=robot.environment.floor,
+        boxes=[
+            ShapeBox(box.name, box.size.tolist(), _placed(box).ravel().tolist())
             for box in robot.environment.boxes
         ],
-        "capsules": [
-            {"link": int(link), "start": start.tolist(), "end": end.tolist(), "radius": float(r)}
-            for link, start, end, r in zip(
+        capsules=[
+            ShapeCapsule(int(link), start.tolist(), end.tolist(), float(radius))
+            for link, start, end, radius in zip(
                 bodies.link, bodies.start, bodies.end, bodies.radius, strict=True
             )
         ],
-        "meshes": [
-            {"link": b.link, "place": b.place.ravel().tolist(), "triangles": len(b.triangles)}
-            for b in meshes
-        ],
-        "notes": list(notes),
-    }  # fmt: skip
+        meshes=[ShapeMesh(b.link, b.place.ravel().tolist(), len(b.triangles)) for b in meshes],
+        notes=list(notes),
+    )
+
+
+def _joint(robot: Robot, j: int) -> ShapeJoint:
+    return ShapeJoint(
+        name=robot.joint_names[j],
+        parent=int(robot.parent[j]),
+        rotation=robot.rotation[j].ravel().tolist(),
+        translation=robot.translation[j].tolist(),
+        axis=robot.axis[j].tolist(),
+        prismatic=bool(robot.prismatic[j]),
+        lower=_finite(robot.lower[j]),
+        upper=_finite(robot.upper[j]),
+    )
 
 
 def mesh(data: str, profile: str, number: int) -> str:

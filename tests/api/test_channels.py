@@ -147,8 +147,8 @@ def test_the_last_seconds_before_a_fault_are_channels_too(fault):
         "joint 2: no news",
     )
     about = channels(fault, "", "fault", one.id, [])
-    assert about["start"] == pytest.approx(-4.998)
-    assert about["joints"] == ["a", "b"]
+    assert about.start == pytest.approx(-4.998)
+    assert about.joints == ["a", "b"]
     text = columns(fault, "", "fault", one.id, [], ["error2"], None, 5000, False)
     table = pa.ipc.open_stream(base64.b64decode(text)).read_all()
     assert table["error2"].to_numpy() == pytest.approx(0.25)

@@ -102,15 +102,15 @@ def test_runs_stand_beside_each_other(arm, tmp_path):
         stamps = (motion.t * 1e9).round().astype(np.int64)
         writer.append(Samples(stamps, q, np.zeros_like(q), commands=sent))
         writer.close()
-    before, after = responses(str(tmp_path), ["before", "after"], 4)["items"]
-    assert [one["control"]["law"] for one in (before, after)] == ["pid", "computed_torque"]
-    assert before["steps"][0]["rise"] == pytest.approx(before["steps"][0]["target_rise"], abs=1e-6)
-    late = before["steps"][0]["settling"] - after["steps"][0]["settling"]
+    before, after = responses(str(tmp_path), ["before", "after"], 4).items
+    assert [one.control.law for one in (before, after)] == ["pid", "computed_torque"]
+    assert before.steps[0].rise == pytest.approx(before.steps[0].target_rise, abs=1e-6)
+    late = before.steps[0].settling - after.steps[0].settling
     assert late == pytest.approx(8 / RATE)
-    assert before["moved"] == [4]
-    assert before["rms"] > 4 * after["rms"]
-    assert abs(before["time"][0] + 0.1) < 2 / RATE
-    still = responses(str(tmp_path), ["before"], 1)["items"][0]
-    assert (still["steps"], still["rms"]) == ([], 0.0)
+    assert before.moved == [4]
+    assert before.rms > 4 * after.rms
+    assert abs(before.time[0] + 0.1) < 2 / RATE
+    still = responses(str(tmp_path), ["before"], 1).items[0]
+    assert (still.steps, still.rms) == ([], 0.0)
     with pytest.raises(UserError, match="found 8, expected 1 to 7"):
         responses(str(tmp_path), ["before"], 8)

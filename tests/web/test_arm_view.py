@@ -111,9 +111,9 @@ def test_meshes_are_found_scaled_and_what_is_missing_is_said(tmp_path):
     (tmp_path / "flat.stl").write_text(STL)
     path = str(tmp_path / "two.urdf")
     seen = shape("", path)
-    assert [one["link"] for one in seen["meshes"]] == [-1, 0]
-    assert [one["triangles"] for one in seen["meshes"]] == [12, 1]
-    assert seen["notes"] == ["link a: its mesh package://anything/none.dae is not there"]
+    assert [one.link for one in seen.meshes] == [-1, 0]
+    assert [one.triangles for one in seen.meshes] == [12, 1]
+    assert seen.notes == ["link a: its mesh package://anything/none.dae is not there"]
     raw = base64.b64decode(mesh("", path, 1))
     assert np.frombuffer(raw[:8], "<u4").tolist() == [3, 1]
     corners = np.frombuffer(raw[8:44], "<f4").reshape(3, 3)

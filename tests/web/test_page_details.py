@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 import pa10d
+from pa10d.common.jsonable import plain
 from pa10d.daemon.daemon import MOVING
 from pa10d.profile import find_profile
 from pa10d.services.shape import shape
@@ -104,11 +105,11 @@ def boxed(tmp_path):
 
 def test_the_boxes_of_the_profile_are_drawn_where_they_stand(archive, boxed, visit):
     told = shape("", str(boxed))
-    assert told["floor"] == -0.1
-    assert [box["name"] for box in told["boxes"]] == ["table"]
+    assert told.floor == -0.1
+    assert [box.name for box in told.boxes] == ["table"]
     visitor = visit(archive[0])
     visitor.open("models")
-    found = visitor.page.evaluate(DRAWN, told["boxes"])
+    found = visitor.page.evaluate(DRAWN, plain(told.boxes))
     assert found["more"] >= 12, "triangles that the browser draws"
     drawn = np.array(found["corners"][0])
     cos, sin = np.cos(0.5), np.sin(0.5)

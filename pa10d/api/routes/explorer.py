@@ -12,8 +12,8 @@ from pa10d.api.deps import Span, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
-from pa10d.api.schemas import Channels
 from pa10d.services.fault_records import FaultList
+from pa10d.services.viewed import Channels
 
 router = APIRouter(tags=["explorer"])
 WRONG = responses("not-found", "refused")

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query
 
 from pa10d.api.deps import TheDaemon
 from pa10d.api.problems import responses
-from pa10d.api.schemas import Joint, Responses
+from pa10d.services.viewed import Joint, Responses
 
 router = APIRouter(prefix="/responses", tags=["profile"])
 

@@ -10,7 +10,7 @@ from fastapi.responses import Response
 
 from pa10d.api.deps import TheDaemon
 from pa10d.api.problems import responses
-from pa10d.api.schemas import Shape
+from pa10d.services.viewed import Shape
 
 router = APIRouter(prefix="/robot/shape", tags=["robot"])
 
