@@ -35,7 +35,20 @@ def clock_of(blocks: Sequence[BagRows]) -> tuple[bool, str]:
         said = _of_one(block)
         if said:
             return True, said
+    apart = _apart(blocks)
+    if apart > LATEST:
+        return True, f"clocks of the senders differ by {apart:.3g} s: times of reception are taken"
     return False, ""
+
+
+def _apart(blocks: Sequence[BagRows]) -> float:
+    """s between the senders' clocks, by how late each one's messages came."""
+    late = [
+        float(np.median(block.times(received=True) - block.times(received=False))) * 1e-9
+        for block in blocks
+        if len(block.stamps) >= FEW
+    ]
+    return max(late) - min(late) if late else 0.0
 
 
 def _of_one(block: BagRows) -> str:

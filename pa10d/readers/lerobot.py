@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers.archives import is_archive
 from pa10d.readers.arrays import damaged, spread_arrow
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.table import Table
@@ -44,6 +45,8 @@ def episodes_of(path: Path) -> dict[int, int]:
     """Episode -> its frames, of a data set's folder or of one of its files."""
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
+    if path.is_file() and is_archive(path):
+        raise UserError(f"{path}: packed; --episode all expects the data set's folder (unpack it)")
     if not is_data_set(path) and (path.is_dir() or not has_episodes(path)):
         raise UserError(f"{path}: no episodes; --episode all expects a LeRobot data set")
     return {episode: sum(held.values()) for episode, held in _where(_files(path)).items()}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -154,6 +156,16 @@ def test_others_have_no_episodes(tmp_path, robot):
         read_recording(path, *robot, part=Part(topic="/a"))
     with pytest.raises(UserError, match=r"--episode all expects a LeRobot data set"):
         episodes_of(path)
+
+
+def test_a_packed_data_set_gives_any_episode_and_not_all_at_once(tmp_path, robot):
+    path = data_set(tmp_path)
+    packed = Path(shutil.make_archive(str(tmp_path / "packed"), "gztar", tmp_path, "set"))
+    found = read_recording(packed, *robot, MAP, part=Part(episode=0))
+    np.testing.assert_allclose(found.samples.q, course(0, np.arange(150)), atol=1e-6)
+    with pytest.raises(UserError, match=r"packed; --episode all expects the data set's folder"):
+        episodes_of(packed)
+    assert episodes_of(path) == LENGTHS
 
 
 def test_each_episode_as_a_run(tmp_path, robot, capsys):

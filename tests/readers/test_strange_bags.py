@@ -177,6 +177,16 @@ def test_a_sender_that_pauses_leaves_a_gap(tmp_path, robot):
     np.testing.assert_allclose(found.samples.q[~gap], Q[~gap], atol=3e-5)
 
 
+def test_clocks_of_two_senders_differ(tmp_path, robot):
+    def say(bag, k):
+        bag.add(k, who=(0,))
+        bag.add(k, who=(1,), at=NS[k] - 400_000_000, came=NS[k] + 1000)
+
+    found = read_recording(made(tmp_path, say), *robot)
+    np.testing.assert_allclose(found.samples.q, Q[: len(found.samples)], atol=3e-5)
+    assert "clocks of the senders differ by 0.4 s: times of reception" in found.header_warnings[0]
+
+
 def test_a_slow_sender_is_said(tmp_path, robot):
     found = read_recording(made(tmp_path, two_senders(every=10)), *robot)
     assert "elbow.position comes at 20 Hz, others at 200 Hz" in found.header_warnings[0]
