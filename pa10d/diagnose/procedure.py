@@ -22,7 +22,7 @@ from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.steps import Judged, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.unknown.foretold import foretold
-from pa10d.diagnose.unknown.remaining import Unexplained, remaining, unnamed
+from pa10d.diagnose.unknown.remaining import Unexplained, material, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable
@@ -81,7 +81,8 @@ def diagnose(
     seen = held_out(versions[-1], state)
     given_error = judged(model.name, as_given)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
-    open_joints = _unsaid(left, maps) if only is None else []
+    maps, slight = material(left, maps)
+    open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
     more = [one.unnamed() for one in foretold(state, open_joints)]
     doubt = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
     unexplained: tuple[Unexplained, ...] = (
@@ -103,7 +104,7 @@ def diagnose(
         cutoff=model.cutoff,
         findings=findings,
         unexplained=unexplained,
-        remaining=remaining(left, again, unexplained, units, state.terms[given:]),
+        remaining=remaining(left, again, unexplained, units, state.terms[given:], slight),
         model=versions[-1],
         versions=versions,
         fitted=tuple(state.train.runs),

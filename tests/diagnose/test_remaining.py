@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pa10d.diagnose.unknown.remaining import Unnamed, remaining, unnamed
+from pa10d.diagnose.evidence.held_out import Evidence
+from pa10d.diagnose.unknown.remaining import Unnamed, material, remaining, unnamed
+from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, NoiseFloor, Repeatable
 from pa10d.model import Term
 
@@ -46,6 +48,31 @@ def test_a_map_of_a_small_part_does_not_speak_for_the_rest():
 
     assert "what the rest, 8.2 times that floor, depends on is not known" in sentence(0.08)
     assert "the rest" not in sentence(0.99)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "share", "claimed"),
+    [(1.0, 0.06, False), (1.0, 0.4, True), (1.4, 0.06, True), (float("nan"), 0.06, True)],
+)
+def test_a_trace_in_an_error_that_is_noise_is_told_and_not_claimed(ratio, share, claimed):
+    """A coarse encoder, nothing hidden: "unknown", at 1.0 times the floor."""
+    seen = judgement_of_a_map(share)
+    left = judged(ratio) if np.isfinite(ratio) else judged(1.0, source=None)
+    worth, slight = material(left, [seen])
+    assert [bool(worth), bool(slight)] == [claimed, not claimed]
+    if slight:
+        (said,) = remaining(left, [None], worth, ["N·m"], (), slight)
+        assert said.significant
+        assert said.material is False
+        assert "explained to the floor. 6 % of its squared error depends on dq2" in said.sentence
+
+
+def judgement_of_a_map(share: float) -> Structure:
+    nothing = np.zeros(1)
+    evidence = Evidence(1.0, 9.0, 1e-9, nothing, nothing, (), 9.0, nothing)
+    return Structure(
+        0, ("dq2",), share, 0.1, 1e-9, (nothing,), nothing, evidence, np.ones(1, bool), 0.01
+    )
 
 
 def test_findings_that_follow_the_angle_may_be_parts_of_the_curve_that_is_left():

@@ -84,6 +84,21 @@ class Remaining:
         }
 
 
+def material(
+    judged: Judgement, maps: Sequence[Structure]
+) -> tuple[list[Structure], list[Structure]]:
+    """Maps that are worth a claim, and slight ones: of a joint that stands at its noise floor
+    already, and whose error without what the map says would hardly be smaller. Coarse encoders and
+    the servo that answers to them leave such traces of the motion in an error that is noise."""
+    least = 1.0 - 1.0 / MATERIAL_REST**2
+    worth: list[Structure] = []
+    slight: list[Structure] = []
+    for m in maps:
+        little = judged.ratio[m.joint] < MATERIAL_REST and m.share < least
+        (slight if little else worth).append(m)
+    return worth, slight
+
+
 def unnamed(
     judged: Judgement,
     again: Sequence[Repeatable | None],
@@ -133,10 +148,12 @@ def remaining(
     unexplained: Sequence[Unexplained],
     units: Sequence[str],
     found: Sequence[Term] = (),
+    slight: Sequence[Structure] = (),
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
-    terms."""
+    terms; slight: what is significant there and too small for a claim."""
     of_joint = {one.joint: one for one in unexplained}
+    traces = {one.joint: one for one in slight}
     out = []
     for j, seen in enumerate(again):
         left = of_joint.get(j)
@@ -156,10 +173,20 @@ def remaining(
             sentence="",
         )
         line = _with_sentence(line, left, seen, units[j])
+        if left is None and j in traces:
+            line = _with_trace(line, traces[j])
         if parts := _of_one_curve(line, found):
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+def _with_trace(line: Remaining, trace: Structure) -> Remaining:
+    text = (
+        f" {percent(trace.share).capitalize()} of its squared error depends on "
+        f"{listed(trace.variables)}: too little to claim anything."
+    )
+    return replace(line, significant=True, sentence=line.sentence + text)
 
 
 def _of_one_curve(line: Remaining, found: Sequence[Term]) -> str:
