@@ -179,10 +179,31 @@ class Search:
             self.state.push(chosen.candidate.term)
             self.settle()
             dropped = self.prune()
-            if chosen.place not in dropped and not harmful(saved, self.state):
+            if chosen.place in dropped or spoils(saved, self.state):
+                continue
+            if not turns_worse(saved, self.state):
                 return dropped
+            beside = self._with_companion(saved, chosen)
+            if beside is not None:
+                return dropped | beside
         self.state = saved
         return None
+
+    def _with_companion(self, saved: SearchState, chosen: Judged) -> set[Place] | None:
+        """What holds in steady motion and makes only reversals worse may lack what happens there:
+        friction that is higher at low speed, and builds up over a way. Add the best other effect of
+        the same joint, if with both nothing is worse than before; says what became redundant."""
+        there = [(e, joints) for e, joints in self.suspects if joints == chosen.candidate.joints]
+        good = [j for j in replace(self, suspects=there).look() if j.acceptable]
+        if not good:
+            return None
+        best = max(good, key=lambda j: j.gain)
+        self.state.push(best.candidate.term)
+        self.settle()
+        dropped = self.prune()
+        if dropped & {chosen.place, best.place} or harmful(saved, self.state):
+            return None
+        return dropped
 
     def spring_beside(self, good: Sequence[Judged]) -> tuple[Judged, list[Judged]] | None:
         """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
@@ -499,9 +520,13 @@ def _seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> 
 
 
 def harmful(before: SearchState, after: SearchState) -> bool:
+    """Is anything worse, in steady motion or where the arm turns round?"""
+    return spoils(before, after) or turns_worse(before, after)
+
+
+def spoils(before: SearchState, after: SearchState) -> bool:
     """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
-    on one joint? The same with reversals, which no fit looks at, where a joint did not get worse
-    without them already.
+    on one joint?
 
     On short recordings a right effect may move what several joints share within its uncertainty,
     and away from where a joint happened to do well: that is no reason to go without it.
@@ -513,8 +538,14 @@ def harmful(before: SearchState, after: SearchState) -> bool:
     if np.max(ratio) > 1.0 + MUCH_WORSE:
         moved = {j: r0[j] - r1[j] for j in r0}
         worse = judge(after.held, r0, moved, doubt_of(after)).worse
-        if any(ratio[j] > 1.0 + MUCH_WORSE for j in worse):
-            return True
+        return any(ratio[j] > 1.0 + MUCH_WORSE for j in worse)
+    return False
+
+
+def turns_worse(before: SearchState, after: SearchState) -> bool:
+    """The same with reversals, which no fit looks at, where a joint did not get worse without them
+    already."""
+    ratio = rms(after.held_residual()) / np.maximum(rms(before.held_residual()), 1e-300)
     everywhere = after.moving_rms() / np.maximum(before.moving_rms(), 1e-300)
     beyond = everywhere / np.maximum(ratio, 1.0)
     return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
