@@ -83,10 +83,12 @@ def joint_delays(state: SearchState) -> tuple[Array, Array]:
 
 
 def shared(offset: float, delays: Array, errors: Array) -> bool:
-    """Do most joints agree with a common offset? Structure of another kind pulls them apart."""
+    """Do most joints agree with a common offset, and rather with it than with none? Structure of
+    another kind pulls them apart, and who may as well say nothing is no witness."""
     usable = np.isfinite(errors) & (errors > 0)
     room = np.maximum(3.0 * errors[usable], 0.5 * abs(offset))
-    agree = np.abs(delays[usable] - offset) < room
+    off = np.abs(delays[usable] - offset)
+    agree = (off < room) & (off < np.abs(delays[usable]))
     weight = np.minimum(1.0 / errors[usable], 3.0 / np.median(errors[usable]))
     return bool(weight[agree].sum() > TIMING_AGREE * weight.sum())
 
