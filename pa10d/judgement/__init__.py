@@ -6,6 +6,7 @@ from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
 from pa10d.judgement.scores import Scores, scores
+from pa10d.judgement.turning import Turning, turning
 from pa10d.judgement.worse import worse
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Repeatable",
     "RunResidual",
     "Scores",
+    "Turning",
     "band",
     "common_band",
     "in_band",
@@ -28,5 +30,6 @@ __all__ = [
     "residual_of",
     "run_residual",
     "scores",
+    "turning",
     "worse",
 ]

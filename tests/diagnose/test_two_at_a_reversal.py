@@ -3,24 +3,29 @@ make nothing worse where the joint turns round."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
+import pytest
+import scipy
 from two_links import COULOMB, RATE, V0, recordings, textbook
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.effects.base import smooth_sign
+from pa10d.judgement import run_residual, turning
 
-FS, VS, WAY = 4.0, 0.1, 1e-3  # N·m, rad/s, rad
 SUBSTEPS = 10
 
 
-def lugre(t, q, dq, ddq):
-    """The first joint's Coulomb friction in a bristle: ż = v - |v|·z/zs(v), F = σ0·z (Canudas de
-    Wit et al. 1995, without its dampings)."""
+def lugre(t, q, dq, ddq, fs=4.0, vs=0.1, way=1e-3):
+    """The first joint's friction in a bristle (fs N·m, vs rad/s, way rad): ż = v - |v|·z/zs(v),
+    F = σ0·z (Canudas de Wit et al. 1995, without its dampings)."""
     speed = np.interp(np.arange(SUBSTEPS * len(t)) / SUBSTEPS, np.arange(len(t)), dq[:, 0])
-    stiffness, step = COULOMB[0] / WAY, 1.0 / (RATE * SUBSTEPS)
+    stiffness, step = COULOMB[0] / way, 1.0 / (RATE * SUBSTEPS)
     force, z = np.zeros(len(speed)), 0.0
     for k, v in enumerate(speed):
-        level = COULOMB[0] + FS * np.exp(-((v / VS) ** 2))
+        level = COULOMB[0] + fs * np.exp(-((v / vs) ** 2))
         z = (z + step * v) / (1.0 + step * abs(v) * stiffness / level)
         force[k] = stiffness * z
     more = force[::SUBSTEPS] - COULOMB[0] * smooth_sign(dq[:, 0], V0)
@@ -36,3 +41,33 @@ def test_stribeck_friction_of_a_bristle_is_named_with_the_bristle():
     named = [(f.term.effect_id, f.term.joints) for f in found.findings]
     assert named == [("stribeck", (0,)), ("presliding_hysteresis", (0,))]
     assert found.left.rms[0] < 0.3 * found.as_given.rms[0]
+
+
+def test_what_is_there_only_after_reversals_is_no_noise():
+    """Friction that is over before the first sample counts: "none", at 18 times the floor."""
+    runs = recordings(4, partial(lugre, fs=2.8, vs=0.05, way=5e-4), 0.02)
+    found = diagnose(
+        textbook(runs), [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    )
+    assert found.verdict == "unknown"
+    assert [u.joint for u in found.unexplained] == [0]
+    assert "just after it has turned round" in found.remaining[0].sentence
+    assert not found.remaining[1].significant
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.9, 0.99, 0.9995])
+def test_noise_does_not_know_when_a_joint_turned_round(pole):
+    """Of any colour: no smaller p than chance gives, by Kolmogorov and Smirnov."""
+    runs = recordings(6)
+    seen = [run_residual(textbook(runs), runs[name]) for name in ("valid_a", "valid_b")]
+    rng = np.random.default_rng(7)
+    said = []
+    for _ in range(60):
+        noise = [scipy.signal.lfilter([1.0], [1.0, -pole], rng.standard_normal(run.error.shape),
+                                      axis=0) for run in seen]  # fmt: skip
+        drawn = [
+            replace(run, measured=run.modelled + n) for run, n in zip(seen, noise, strict=True)
+        ]
+        said += [one.p_value for one in turning(drawn) if one is not None]
+    assert len(said) == 120
+    assert scipy.stats.kstest(said, "uniform", alternative="greater").pvalue > 0.01
