@@ -13,8 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.ndimage
-import scipy.special
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.judgement.smoothing import shapes
@@ -33,6 +32,7 @@ DEEPEST = 1e-4  # of the strongest ordinate: what is weaker, a window lets throu
 NEXT = 0.1  # of the ordinates, that lie next to the band
 STEEPEST = 16.0  # times: a drive's own filter of first or second order costs four; what rolls off
 # by more, and has no notches, may be no noise but what the motion leaves
+FAR = 4.0  # times where one begins to look: what is flat up to there is not what the motion leaves
 BELOW = 0.1  # of what was smoothed, next to the band: more white noise beside it hides which of the
 # two was slow
 STEPS = 3  # of the level among ordinates of which some hold lines
@@ -71,7 +71,8 @@ def extrapolated(
     weight = np.exp(likely - likely.max())
     weight /= weight.sum()
     edge = float(at[0]) * lowpass.rate / length
-    rolls = np.isfinite(known.knee) & (expected[:, 0] > STEEPEST * expected[:, -1])
+    steep = expected[:, 0] > STEEPEST * expected[:, -1]
+    rolls = np.isfinite(known.knee) & (known.knee < FAR * edge) & steep
     if weight[rolls | (known.knee < edge)].sum() > UNSEEN:
         return None
     inside = np.log(level * known.passed)

@@ -452,7 +452,8 @@ class Search:
     def _worth_refining(self, index: int) -> bool:
         """Findings; and of the given terms those on joints that a finding can have changed."""
         found = self.state.terms[self.fixed :]
-        if index >= self.fixed or any(t.effect.reaches_other_joints for t in found):
+        reached = any(t.effect.reaches_other_joints for t in found) and not self.state.frozen
+        if index >= self.fixed or reached:
             return True
         return self.state.terms[index].joints[0] in {j for t in found for j in t.joints}
 
