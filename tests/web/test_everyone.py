@@ -125,8 +125,7 @@ def test_a_plot_is_there_in_numbers_too(archive, visit):
     assert heads == ["line", "points", "first", "last", "least", "greatest"]
     rows = table.get_by_role("rowheader").all_inner_texts()
     assert {"measured", "model"} <= {row.lower() for row in rows}, rows
-    shown = page.evaluate("""() => {
-      const canvas = document.querySelector("#compare .canvas");
+    shown = plot.locator(".canvas").first.evaluate("""(canvas) => {
       const [one] = canvas._fullData.filter((trace) => trace.visible === true);
       return [one.name, Math.max(...one.y.filter(Number.isFinite))];
     }""")
