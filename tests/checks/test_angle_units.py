@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_ur5e import recorded, ur5e
 
-from backends.virtual.datasets import make_runs
 from pa10d.checks import Known, check_recording
-from pa10d.profile import load_profile
 from pa10d.services.import_preview import preview_recording
 from pa10d.services.robots import load_robot
 
@@ -20,15 +19,12 @@ GEARED = " ".join(f"'q{j}[1/{ratio:g}]=q{j}'" for j, ratio in enumerate(RATIOS, 
 
 @pytest.fixture(scope="module")
 def robot():
-    return load_robot("ur5e")[1]
+    return ur5e()
 
 
 @pytest.fixture(scope="module")
 def clean():
-    runs, _ = make_runs(
-        5, [], "white", ("train_a",), load_profile("ur5e"), seconds=30.0, rate=200.0
-    )
-    return replace(runs["train_a"], dq=None)
+    return replace(recorded(30.0), dq=None)
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_ur5e import recorded, ur5e
 
-from backends.virtual.datasets import make_runs
 from pa10d.checks import check_recording
 from pa10d.checks.geometry import check_geometry
 from pa10d.measurement.counters import lost_sign
 from pa10d.measurement.recording import Recording
-from pa10d.profile import load_profile
 from pa10d.readers import read_recording
 from pa10d.services.robots import load_robot
 
@@ -22,15 +21,12 @@ CODES = {"turned", "torque_scale", "wrapped"}
 
 @pytest.fixture(scope="module")
 def robot():
-    return load_robot("ur5e")[1]
+    return ur5e()
 
 
 @pytest.fixture(scope="module")
 def clean():
-    runs, _ = make_runs(
-        5, [], "white", ("train_a",), load_profile("ur5e"), seconds=15.0, rate=200.0
-    )
-    return runs["train_a"]
+    return recorded(15.0)
 
 
 def _said(run, robot):

@@ -6,24 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_ur5e import recorded, ur5e
 
-from backends.virtual.datasets import make_runs
 from pa10d.checks.gravity import check_gravity
-from pa10d.profile import load_profile
-from pa10d.services.robots import load_robot
 
 
 @pytest.fixture(scope="module")
 def robot():
-    return load_robot("ur5e")[1]
+    return ur5e()
 
 
 @pytest.fixture(scope="module")
 def level():
-    runs, _ = make_runs(
-        5, [], "white", ("train_a",), load_profile("ur5e"), seconds=20.0, rate=200.0
-    )
-    return runs["train_a"]
+    return recorded(20.0)
 
 
 def tilted(robot, degrees, axis):

@@ -51,7 +51,7 @@ def test_what_is_there_only_after_reversals_is_no_noise():
     )
     assert found.verdict == "unknown"
     assert [u.joint for u in found.unexplained] == [0]
-    assert "just after it has turned round" in found.remaining[0].sentence
+    assert "around reversals and gone in the middle" in found.remaining[0].sentence
     assert not found.remaining[1].significant
 
 

@@ -571,25 +571,26 @@ class RobotProcess:
 
     def _being_started(self, do: str) -> Message:
         """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
-        return {
-            "ok": False,
-            "command": do,
-            "state": self.state,
-            "needed": [ArmState.INACTIVE.label],
-            "detail": f"{do}: the drives are being started",
-            "remedy": "wait a few seconds, then ask again",
-        }
+        return self._unheard(
+            do, "the drives are being started", "wait a few seconds, then ask again"
+        )
 
     def _no_control(self, do: str) -> Message:
+        remedy = (
+            "wait a few seconds, then look at the robot's state again"
+            if self._keepers
+            else "add 'drives' to the profile, one entry per joint"
+        )
+        return self._unheard(do, self.why_offline, remedy)
+
+    def _unheard(self, do: str, why: str, remedy: str) -> Message:
         return {
             "ok": False,
             "command": do,
             "state": self.state,
             "needed": [ArmState.INACTIVE.label],
-            "detail": f"{do}: {self.why_offline}",
-            "remedy": "wait a few seconds, then look at the robot's state again"
-            if self._keepers
-            else "add 'drives' to the profile, one entry per joint",
+            "detail": f"{do}: {why}",
+            "remedy": remedy,
         }
 
 

@@ -247,10 +247,10 @@ def _with_sentence(
         )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (
-            f"{size}; {percent(left.share)} of its squared error is there just after it has turned "
-            "round and gone in the middle of its strokes, which no noise knows: friction that "
-            "builds up over a way, or is higher at the lowest speeds. Slow reversals of this joint "
-            "would show which"
+            f"{size}; {percent(left.share)} of its squared error is there around reversals and "
+            "gone in the middle of the strokes, as no steady noise is: friction that builds up "
+            "over a way, or is higher at the lowest speeds. Slow reversals of this joint would "
+            "show which"
         )
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
