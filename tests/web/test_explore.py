@@ -72,6 +72,21 @@ def test_models_and_a_second_run_lie_over_it(page):
     page.get_by_text("Spectrum of model m0: torque of coulomb").wait_for()
 
 
+def test_a_list_that_is_filled_again_leaves_the_keyboard_where_it_was(archive, visit):
+    page, late = (visitor := visit(archive[0])).page, []
+    page.route("**/faults*", lambda route: late.append(route))
+    visitor.open("explore")
+    page.get_by_text("Recordings", exact=True).click()
+    page.get_by_label("train_a").check()
+    first = "document.querySelector('#explore .choices input')"
+    page.evaluate(f"{first}.dataset.old = 'yes'")
+    late[0].continue_()
+    until(page, f"!{first}.dataset.old")
+    page.keyboard.press("Escape")
+    assert page.locator("#explore details[open]").count() == 0
+    assert not visitor.errors
+
+
 def test_a_stretch_is_left_out_of_fits_and_used_again(page):
     leave = page.get_by_role("button", name="Leave this stretch out of fits")
     assert leave.is_disabled()

@@ -29,6 +29,13 @@ export function fill(box, ...children) {
   return box;
 }
 
+/** Fill a list of things to tick again, and leave the keyboard on the thing it was on. */
+export function refill(list, ...children) {
+  const held = list.contains(document.activeElement) ? document.activeElement.value : null;
+  fill(list, ...children);
+  if (held !== null) [...list.querySelectorAll("input")].find((one) => one.value === held)?.focus();
+}
+
 /** Change text only where it differs, so that nothing flickers. */
 export function say(box, text) {
   if (box.textContent !== text) box.textContent = text;

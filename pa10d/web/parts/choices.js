@@ -1,5 +1,5 @@
 // A folded list of things to tick.
-import { el, fill } from "../base/dom.js";
+import { el, fill, refill } from "../base/dom.js";
 
 /** items() gives [{id, label, note}]; chosen: a Set of ids, changed in place; then `changed()`. */
 export function choices(label, items, chosen, changed) {
@@ -12,11 +12,11 @@ export function choices(label, items, chosen, changed) {
   const refresh = () => {
     const all = items();
     sum();
-    fill(list, all.length ? all.map(({ id, label: name, note }) => el("label", {}, el("input", {
-      type: "checkbox", checked: chosen.has(id), onchange: (event) => {
+    refill(list, all.length ? all.map(({ id, label: name, note }) => el("label", {}, el("input", {
+      type: "checkbox", value: id, checked: chosen.has(id), onchange: (event) => {
         if (event.target.checked) chosen.add(id);
         else chosen.delete(id);
-        sum(); // and not the list: the key that ticked it would lose its place
+        sum();
         changed();
       } }), ` ${name} `, note ? el("small", {}, note) : null)) : el("p", { class: "muted" }, "There are none yet."));
   };

@@ -1,5 +1,5 @@
 // Choose a model, and runs: those marked 'fit' or 'judge' are chosen until somebody chooses others.
-import { el, fill } from "../base/dom.js";
+import { el, fill, refill } from "../base/dom.js";
 import { current, state, tagged, watch } from "../base/store.js";
 import { seconds, titled } from "../base/units.js";
 
@@ -41,15 +41,13 @@ export function runPicker(label, tag, onChange = () => {}) {
     const runs = state.runs.filter((run) => run.status !== "started");
     const names = runs.filter((run) => ids.includes(run.id)).reverse().map((run) => run.name);
     fill(summary, el("span", {}, label), el("b", {}, names.length ? names.join(", ") : "none yet"));
-    fill(list, runs.map((run) => el("label", {},
-      el("input", { type: "checkbox", checked: ids.includes(run.id), onchange: (event) => {
+    refill(list, runs.map((run) => el("label", {},
+      el("input", { type: "checkbox", value: run.id, checked: ids.includes(run.id), onchange: (event) => {
         const now = new Set(chosen());
         if (event.target.checked) now.add(run.id);
         else now.delete(run.id);
         own = [...now];
-        const place = [...list.querySelectorAll("input")].indexOf(event.target);
         refresh();
-        list.querySelectorAll("input")[place]?.focus(); // the key that ticked it keeps its place
       } }), `${run.name} `, el("small", {}, [run.kind && titled(run.kind), seconds(run.duration)].filter(Boolean).join(", ")))));
     onChange();
   };
