@@ -71,7 +71,7 @@ class Context:
         """The same with another torque of the whole model; what follows from motion and bodies
         alone is not computed again."""
         found = replace(self, total=total)
-        for name in ("load", "typical_inertia", "_kept"):
+        for name in ("load", "typical_inertia", "drawn", "_kept"):
             if name in self.__dict__:
                 found.__dict__[name] = self.__dict__[name]
         return found
@@ -108,6 +108,11 @@ class Context:
             self._kept["sensitivities"] = found
         by_q, by_dq, by_ddq = self._kept["sensitivities"]
         return by_q[joint], by_dq[joint], by_ddq[joint]
+
+    @cached_property
+    def drawn(self) -> dict[tuple[object, ...], Array]:
+        """Columns of effects that see the model's loads, made for its total (``columns_once``)."""
+        return {}
 
     @cached_property
     def _kept(self) -> dict[str, tuple[Array, Array, Array]]:

@@ -6,15 +6,14 @@ found (Newton's method on the whole motion): the first pass is first order about
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.dynamics import inverse_dynamics, sensitivities
 from pa10d.effects.context import Context
-from pa10d.effects.rotor import LIGHTEST
+from pa10d.effects.rotor import LIGHTEST, link_load
 
 Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]
@@ -40,42 +39,45 @@ class Swing:
         cls,
         context: Context,
         joint: int,
-        rigid: Array,
         stiffness: float,
         damping: float,
         rotor: float,
     ) -> Swing | None:
         """None: farther than any gear twists.
 
-        rigid (n, 10): bodies; N·m/rad, N·m·s/rad and kg·m² on the motor's side.
+        The context's rigid bodies; N·m/rad, N·m·s/rad and kg·m² on the motor's side.
         """
-        robot, lag = context.robot, np.zeros((3, len(context.q)))
-        for _ in range(PASSES):
-            motion = _behind(context, joint, lag)
-            load = inverse_dynamics(robot, rigid, *motion)[:, joint] - rotor * motion[2][:, joint]
-            by_q, by_dq, by_ddq = (by[joint] for by in sensitivities(robot, rigid, *motion))
+        behind, lag = context, np.zeros((3, len(context.q)))
+        for done in range(PASSES):
+            if done:
+                behind = _behind(context, joint, lag)
+            load = link_load(behind, joint, rotor)
+            by_q, by_dq, by_ddq = behind.sensitivity(joint)
             soft, drag, seen = (np.ascontiguousarray(by[:, joint]) for by in (by_q, by_dq, by_ddq))
             mass = np.maximum(seen - rotor, max(LIGHTEST * float(np.abs(seen).max()), 1e-6))
             push = load + soft * lag[0] + drag * lag[1] + mass * lag[2]
             equation = mass, drag + damping, np.maximum(soft + stiffness, SOFTEST * stiffness)
-            rest = still_load(context, joint, rigid, motion[0]) + soft[0] * lag[0, 0]
+            rest = still_load(behind, joint) + soft[0] * lag[0, 0]
             lag = driven_lag(push[:, None], rest, *equation, context.dt)[:, :, 0]
             if not np.all(np.abs(lag[0]) < FURTHEST):
                 return None
-        return cls(lag, _behind(context, joint, lag), (by_q, by_dq, by_ddq), equation)
+        there = _behind(context, joint, lag)
+        return cls(lag, (there.q, there.dq, there.ddq), (by_q, by_dq, by_ddq), equation)
 
 
-def still_load(context: Context, joint: int, rigid: Array, q: Array) -> Array:
-    """(1,) N·m that the joint bears where it hangs in the first of these poses."""
-    rest = np.zeros_like(q[:1])
-    return np.asarray(inverse_dynamics(context.robot, rigid, q[:1], rest, rest)[:, joint])
+def still_load(context: Context, joint: int) -> Array:
+    """(1,) N·m that the joint bears where it hangs in its first pose."""
+    rest = np.zeros_like(context.q[:1])
+    return np.asarray(context.rigid_torque(context.q[:1], rest, rest)[:, joint])
 
 
-def _behind(context: Context, joint: int, lag: Array) -> Three:
+def _behind(context: Context, joint: int, lag: Array) -> Context:
+    """The same with the link's motion in the motor's place."""
     moved = context.q.copy(), context.dq.copy(), context.ddq.copy()
     for x, behind in zip(moved, lag, strict=True):
         x[:, joint] -= behind
-    return moved
+    q, dq, ddq = moved
+    return replace(context, q=q, dq=dq, ddq=ddq)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})

@@ -33,14 +33,26 @@ class AtWork(Protocol):
     def shape(self) -> Shape: ...
 
 
-def torque_of(term: AtWork, context: Context) -> Array:
-    """(N, n) N·m at the raw rate."""
-    columns = term.effect.columns(context, term.joints, term.shape)
+def torque_of(term: AtWork, context: Context, columns: Array | None = None) -> Array:
+    """(N, n) N·m at the raw rate; columns: of the effect, where they are there already."""
+    if columns is None:
+        columns = term.effect.columns(context, term.joints, term.shape)
     if term.effect.reaches_other_joints:
         return np.asarray(columns @ term.coefficients)
     out = np.zeros_like(context.q)
     out[:, term.joints[0]] = columns @ term.coefficients
     return out
+
+
+def columns_once(term: AtWork, context: Context) -> Array:
+    """(N, k) or (N, n, k) columns of a term; those that ``contextualised`` has made are handed
+    over and forgotten."""
+    made = context.drawn.pop(_whose(term), None)
+    return term.effect.columns(context, term.joints, term.shape) if made is None else made
+
+
+def _whose(term: AtWork) -> tuple[object, ...]:
+    return term.effect, tuple(term.joints), *sorted(term.shape.items())
 
 
 def contextualised(
@@ -65,7 +77,10 @@ def contextualised(
     total = own.load + textbook
     for term in terms:
         if not term.effect.sensing and not term.effect.rubs:
-            total += torque_of(term, loaded)
+            columns = term.effect.columns(loaded, term.joints, term.shape)
+            total += torque_of(term, loaded, columns)
+            if term.effect.uses_model:  # whoever draws it next need not integrate it again
+                loaded.drawn[_whose(term)] = columns
     return loaded.with_total(total)
 
 

@@ -62,7 +62,7 @@ def twisted_torque(
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     if closely and not wide.any() and np.abs(twist[:, 0]).max() > SMALL:
         far = np.maximum.accumulate(np.abs(twist[:, 0, 0])) > SMALL
-        swing = Swing.of(context, joint, context.rigid, stiffness, damping, rotor)
+        swing = Swing.of(context, joint, stiffness, damping, rotor)
         if swing is not None:  # what comes later must not change what was
             whole = context.rigid_torque(*swing.motion) - context.load
             whole[:, joint] += rotor * swing.lag[2]

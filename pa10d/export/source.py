@@ -23,7 +23,7 @@ import numpy as np
 from pa10d.effects import Effect
 from pa10d.export import bodies
 
-FLAGS = ("sensing", "reaches_other_joints", "rubs", "is_rotor", "feels_own_heat")
+FLAGS = ("sensing", "reaches_other_joints", "rubs", "is_rotor", "feels_own_heat", "uses_model")
 """What the sum of a model's effects asks of each."""
 
 STOOD_IN_FOR = "pa10d.dynamics"

@@ -196,7 +196,8 @@ class Flexible:
 
 
 def _swing(context: Context, rigid: Array, spring: Spring) -> Swing | None:
-    return Swing.of(context, spring.joint, rigid, spring.stiffness, spring.damping, spring.rotor)
+    seen = replace(context, rigid=rigid)
+    return Swing.of(seen, spring.joint, spring.stiffness, spring.damping, spring.rotor)
 
 
 def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:

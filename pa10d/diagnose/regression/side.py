@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context, Effect, Shape
+from pa10d.effects.together import columns_once
 from pa10d.measurement.signals import delayed
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
@@ -87,7 +88,7 @@ class Side:
 
     def columns_of_term(self, term: Term) -> PerJoint:
         """Filtered columns of one term of a model, as exactly as the model predicts with it."""
-        raw = [term.effect.columns(c, term.joints, term.shape) for c in self.contexts]
+        raw = [columns_once(term, context) for context in self.contexts]
         return self._filtered(term.effect, term.joints, raw, own=False)
 
     def _filtered(
