@@ -83,3 +83,15 @@ def shared() -> Path:
 def shared_data(shared: Path) -> Path:
     """Recordings of real robots."""
     return shared / "data"
+
+
+@pytest.fixture(scope="session")
+def half_a_minute(shared_data: Path, tmp_path_factory) -> Path:
+    """robot.urdf, train.csv and valid.csv: the double pendulum, as much of it as shows every step
+    of a story without a long wait."""
+    source, folder = shared_data / "double_pendulum", tmp_path_factory.mktemp("half_a_minute")
+    (folder / "robot.urdf").symlink_to(source / "robot.urdf")
+    for name, samples in (("train", 5000), ("valid", 4000)):
+        lines = (source / f"{name}1.csv").read_text().splitlines(keepends=True)
+        (folder / f"{name}.csv").write_text("".join(lines[: samples + 1]))
+    return folder

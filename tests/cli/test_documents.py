@@ -22,13 +22,13 @@ def told(tmp_path_factory):
     return run
 
 
-def test_the_story_of_a_small_machine(told, shared_data, capsys):
-    source = shared_data / "double_pendulum"
+def test_the_story_of_a_small_machine(told, half_a_minute, capsys):
+    source = half_a_minute
     profile = ["--profile", str(source / "robot.urdf")]
     sides = ["--fit", "train", "--validate", "valid"]
     story = [
-        ("run-import", ["run", "import", str(source / "train1.csv"), *profile, "--name", "train"]),
-        ("run-import", ["run", "import", str(source / "valid1.csv"), *profile, "--name", "valid"]),
+        ("run-import", ["run", "import", str(source / "train.csv"), *profile, "--name", "train"]),
+        ("run-import", ["run", "import", str(source / "valid.csv"), *profile, "--name", "valid"]),
         ("run-show", ["run", "show", "train"]),
         ("identify", ["identify", "train", *profile, "--name", "m0"]),
         ("compare", ["compare", "m0", "valid"]),

@@ -13,12 +13,10 @@ import pa10d
 
 
 @pytest.fixture
-def beside(tmp_path, monkeypatch, shared_data):
+def beside(tmp_path, monkeypatch, half_a_minute):
     """A folder with a robot and two recordings, as the texts have them."""
-    source = shared_data / "double_pendulum"
-    files = {"robot.urdf": "robot.urdf", "train.csv": "train1.csv", "valid.csv": "valid1.csv"}
-    for name, there in files.items():
-        (tmp_path / name).symlink_to(source / there)
+    for name in ("robot.urdf", "train.csv", "valid.csv"):
+        (tmp_path / name).symlink_to(half_a_minute / name)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
