@@ -1,4 +1,4 @@
-"""``pa10d case-study --quick`` over HTTP and CAN, and, with --long, the whole of it."""
+"""``pa10d case-study`` over HTTP and CAN: the quick one and the whole of it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.long
 HELP = {"4s": {"pid", "computed_torque"}, "40s": {"pid", "computed_torque"}}
 
 
@@ -81,7 +82,6 @@ def test_the_report_stands_alone_and_has_every_step(quick):
     assert not re.search(r"\b(nan|None|inf)\b", page)
 
 
-@pytest.mark.long
 @pytest.mark.timeout(3000)
 def test_the_whole_study_meets_what_was_promised(tmp_path):
     found, _ = told(tmp_path, "--seed", "2")
