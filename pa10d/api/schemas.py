@@ -201,11 +201,21 @@ class ColumnChoice(Strict):
     )
 
 
+class FilePart(Strict):
+    """Which recording of a file that holds several; null: the reader takes one."""
+
+    topic: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
+        None, description="Of a bag, several with commas between them; a bus of a CAN log"
+    )
+    episode: Annotated[int, Field(ge=0)] | None = Field(None, description="Of a data set")
+
+
 class ColumnChoices(Strict):
     """All columns that have a meaning; null: guess."""
 
     columns: Annotated[list[ColumnChoice], Field(max_length=400)] | None = None
     thorough: bool = Field(True, description="Also what needs a fit: delay, signs, torque's size")
+    part: FilePart = FilePart()  # type: ignore[call-arg]
 
 
 class PreviewColumn(BaseModel):
@@ -226,6 +236,14 @@ class PreviewFinding(RecordingFinding):
     mends: list[ColumnChoice]
 
 
+class FileParts(BaseModel):
+    """What a file holds several of, and which one was read."""
+
+    kind: Literal["topic", "episode"]
+    options: dict[str, str] = Field(description="Value, as ``part`` takes it -> words for it")
+    taken: str
+
+
 class FilePreview(BaseModel):
     """A file before it is imported."""
 
@@ -241,6 +259,8 @@ class FilePreview(BaseModel):
     line: str = Field(description="The same for the command line")
     problem: str = Field(description="Why an import would be refused; '': it would not")
     remarks: list[str]
+    parts: FileParts | None = Field(description="Null where the file is one recording")
+    part: FilePart = Field(description="What was asked for")
     findings: list[PreviewFinding]
 
 
@@ -251,6 +271,7 @@ class ImportRequest(Strict):
     name: Name | None = None
     replace: bool = False
     force: bool = Field(False, description="Whatever the checks say")
+    part: FilePart = FilePart()  # type: ignore[call-arg]
 
 
 class RunChange(Strict):

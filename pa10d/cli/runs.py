@@ -250,7 +250,8 @@ def _part_options(parser: argparse.ArgumentParser, episodes: str) -> None:
     parser.add_argument(
         "--topic",
         metavar="NAME",
-        help="of a bag that has joint states on several; a bus of a CAN log",
+        help="of a bag that has joint states on several, joined by a comma: /left,/right; a bus of "
+        "a CAN log",
     )
     parser.add_argument(
         "--episode", metavar="N", type=_episode, help=f"of a LeRobot data set: {episodes}"

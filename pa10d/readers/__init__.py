@@ -1,7 +1,7 @@
 """Recordings from other programs: any file that people have, as samples of a robot."""
 
 from pa10d.readers.lerobot import episodes_of
-from pa10d.readers.part import WHOLE, Part
+from pa10d.readers.part import WHOLE, Part, Parts
 from pa10d.readers.read import read_recording, read_table
 from pa10d.readers.table import Table, recording_of
 from pa10d.readers.value_guess import guessed_by_value
@@ -9,6 +9,7 @@ from pa10d.readers.value_guess import guessed_by_value
 __all__ = [
     "WHOLE",
     "Part",
+    "Parts",
     "Table",
     "episodes_of",
     "guessed_by_value",

@@ -1,8 +1,8 @@
-"""A topic's rows as columns of one time: each joint by its name, senders joined while all speak."""
+"""Rows of topics as columns of one time: each joint by its name, senders joined while all speak."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,21 +24,24 @@ SLOW = 3.0  # times the usual step of the others: most of its samples are made u
 SECOND = 1_000_000_000  # ns
 
 
-def columns_of(path: Path, name: str, topic: BagTopic, joints: Sequence[str]) -> Table:
-    """The robot's joints as q1 …, all else by its own name; name: the topic's."""
+def columns_of(path: Path, topics: Mapping[str, BagTopic], joints: Sequence[str]) -> Table:
+    """The robot's joints as q1 …, all else by its own name; topics: each by its name, no joint on
+    two of them."""
     try:
-        return _Joined(name, topic, joints).table()
+        return _Joined(topics, joints).table()
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
 
 
 class _Joined:
-    def __init__(self, name: str, topic: BagTopic, joints: Sequence[str]) -> None:
-        self._name, self._blocks = name, topic.blocks
+    def __init__(self, topics: Mapping[str, BagTopic], joints: Sequence[str]) -> None:
+        self._name = ", ".join(topics)
+        self._blocks = [block for topic in topics.values() for block in topic.blocks]
         self._received, why = clock_of(self._blocks)
         self._remarks = [why] if why else []
         self._remarks += [
             f"{count} messages have not as many values of {kind} as names: these are left out"
+            for topic in topics.values()
             for kind, count in topic.uneven.items()
         ]
         self._sorted: dict[int, tuple[Stamps, NDArray[np.int64] | None]] = {}
@@ -126,9 +129,11 @@ class _Joined:
                 f"{first} messages of {(lead[first] - lead[0]) * 1e-9:.0f} s before: left out"
             )
         usual = _step(lead)
+        between: list[str] = []
         for name, (stamps, _) in needed.items():
             if stamps is lead or np.array_equal(stamps, lead):
                 continue
+            between.append(name)
             own = max(_step(stamps), usual)
             if own > SLOW * usual:
                 self._remarks.append(
@@ -144,6 +149,12 @@ class _Joined:
                     "left out"
                 )
             keep &= seen
+        if between:
+            clock = next(name for name, (stamps, _) in needed.items() if stamps is lead)
+            self._remarks.append(
+                f"{_joints(between)}: other stamps than {_joints([clock])}; taken at those of the "
+                "latter, by straight lines"
+            )
         return keep
 
     def _at(
@@ -175,6 +186,10 @@ def _prefixes(have: set[str], joints: Sequence[str]) -> list[str]:
     """What stands before every one of the joints' names, such as left_."""
     ends = {name.removesuffix(joints[0]) for name in have if name.endswith(joints[0])}
     return sorted(p for p in ends if all(f"{p}{joint}" in have for joint in joints))
+
+
+def _joints(names: Sequence[str]) -> str:
+    return ", ".join(dict.fromkeys(name.rpartition(".")[0] for name in names))
 
 
 def _step(stamps: Stamps) -> float:

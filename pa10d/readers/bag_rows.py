@@ -46,6 +46,11 @@ class BagTopic:
         """Those that say something."""
         return [block for block in self._blocks.values() if block.names]
 
+    def joints(self, known: Sequence[str]) -> set[str]:
+        """Those of a robot that it speaks of."""
+        there = {name.rpartition(".")[0] for block in self.blocks for name in block.names}
+        return there & set(known)
+
     def keep(self, found: Found, stamp: int, received: int) -> None:
         """One message; its joints may stand in any order, another one each time."""
         names: list[str] = []

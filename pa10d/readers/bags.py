@@ -1,14 +1,15 @@
-"""ROS 2 bags, folders or single files, and ROS 1's: joint states by name onto the joints."""
+"""ROS bags, folders or single files: joint states by name onto the joints."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.readers.bag_columns import FIELDS, columns_of
 from pa10d.readers.bag_rows import BagTopic, Found
+from pa10d.readers.part import Parts
 from pa10d.readers.table import Table
 from pa10d.store.column_guess import was_asked_for
 
@@ -27,11 +28,12 @@ def read_bag(
     progress: Progress = lambda share: None,
     topic: str | None = None,
 ) -> Table:
-    """The topic with the most samples of the robot's joints; each joint by its name.
+    """The topic with the most samples of the robot's joints; each joint by its name. Where it lacks
+    some, those that have them, as two controllers of one arm publish.
 
-    Where a message has only some of the joints (one topic, several senders) the others are taken
-    at its stamps by straight lines. progress: called with the share of messages that is read.
-    topic: the one that is meant, whatever the others hold.
+    Where a message has only some of the joints (several senders) the others are taken at its stamps
+    by straight lines. progress: called with the share of messages that is read. topic: the one that
+    is meant, or several with commas between them, whatever the others hold.
     """
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
@@ -42,10 +44,13 @@ def read_bag(
         with AnyReader(_opened(path), default_typestore=store) as reader:
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
             if not wanted:
-                there = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
-                raise UserError(f"{path}: no {STATES}; found {there}")
+                found = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
+                raise UserError(f"{path}: no {STATES}; found {found}")
+            there = {c.topic: 0 for c in wanted}
+            for c in wanted:
+                there[c.topic] += c.msgcount
             if topic is not None:
-                wanted = _of_topic(path, wanted, topic)
+                wanted = _of_topics(path, wanted, topic)
             count = max(sum(c.msgcount for c in wanted), 1)
             for k, (connection, stamp, raw) in enumerate(reader.messages(connections=wanted)):
                 message = reader.deserialize(raw, connection.msgtype)
@@ -62,28 +67,77 @@ def read_bag(
     except Exception as error:  # whatever a damaged bag makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a ROS 2 bag") from error
-    taken = max(seen, key=lambda name: _worth(name, seen[name], joints), default=None)
-    if taken is None or not seen[taken].blocks:
+    taken = list(seen) if topic is not None else _taken(seen, joints)
+    if not any(seen[name].blocks for name in taken):
         raise UserError(f"{path}: no message on its joint states; expected a recorded motion")
-    others = ", ".join(sorted(set(seen) - {taken}))
-    kept = seen.pop(taken)
+    _refuse_joints_twice(path, {name: seen[name].joints(joints) for name in taken})
+    others = ", ".join(sorted(set(seen) - set(taken)))
+    kept = {name: seen[name] for name in taken}
     seen.clear()
-    remark = f"taken from topic {taken}; left out: {others}; --topic NAME takes another"
+    remarks = []
+    if len(taken) > 1:
+        each = (f"{_listed(kept[name].joints(joints), joints)} from {name}" for name in taken)
+        remarks.append(f"joined: {'; '.join(each)}")
+    if others:
+        remarks.append(
+            f"taken from topic {', '.join(taken)}; left out: {others}; --topic NAME takes another"
+        )
     try:
-        table = columns_of(path, taken, kept, joints)
+        table = columns_of(path, kept, joints)
     except UserError as error:
-        raise UserError(f"{error}; {remark}" if others else str(error)) from error
-    table.remarks += [remark] if others else []
+        raise UserError("; ".join([str(error), *remarks])) from error
+    table.remarks += remarks
+    if len(there) > 1:
+        table.parts = _parts(there, taken)
     return table
 
 
-def _of_topic(path: Path, connections: Sequence[Any], topic: str) -> list[Any]:
-    """Those of one topic, with or without the stroke that its name begins with."""
-    there = sorted({connection.topic for connection in connections})
-    found = [c for c in connections if c.topic.lstrip("/") == topic.lstrip("/")]
-    if not found:
-        raise UserError(f"{path}: no joint states on topic {topic}; found {', '.join(there)}")
+def _parts(there: Mapping[str, int], taken: Sequence[str]) -> Parts:
+    options = {name: f"{name} · {count} messages" for name, count in there.items()}
+    if len(taken) > 1:
+        options = {",".join(taken): f"{' + '.join(taken)}, joined"} | options
+    return Parts("topic", options, ",".join(taken))
+
+
+def _of_topics(path: Path, connections: Sequence[Any], topics: str) -> list[Any]:
+    """Those of the topics, with or without the stroke that a name begins with."""
+    found = []
+    for topic in topics.split(","):
+        ones = [c for c in connections if c.topic.lstrip("/") == topic.strip().lstrip("/")]
+        if not ones:
+            there = ", ".join(sorted({connection.topic for connection in connections}))
+            raise UserError(f"{path}: no joint states on topic {topic}; found {there}")
+        found += [one for one in ones if one not in found]
     return found
+
+
+def _taken(seen: Mapping[str, BagTopic], joints: Sequence[str]) -> list[str]:
+    """The best one; where it lacks joints, others that have none of its own."""
+    order = sorted(seen, key=lambda name: _worth(name, seen[name], joints), reverse=True)
+    taken = order[:1]
+    have = seen[taken[0]].joints(joints) if taken else set()
+    for name in order[1:]:
+        more = seen[name].joints(joints)
+        if have and more and not have & more and not was_asked_for(name):
+            taken.append(name)
+            have |= more
+    return taken
+
+
+def _refuse_joints_twice(path: Path, topics: Mapping[str, set[str]]) -> None:
+    first: dict[str, str] = {}
+    for name, joints in topics.items():
+        for joint in sorted(joints):
+            if joint in first:
+                raise UserError(
+                    f"{path}: joint {joint} is on {first[joint]} and on {name}; expected each "
+                    "joint on one topic"
+                )
+            first[joint] = name
+
+
+def _listed(some: set[str], joints: Sequence[str]) -> str:
+    return ", ".join(joint for joint in joints if joint in some)
 
 
 def _opened(path: Path) -> list[Path]:

@@ -68,7 +68,7 @@ def read_can_log(path: Path, profile: Profile, kind: str = "", channel: str | No
                 f"of {TPDO.size} bytes; expected TPDO 1 with 0x6064, 0x6077 and 0x6041"
             )
     joints = [f"joint {j}" for j in range(1, len(profile.drives) + 1)]
-    return columns_of(path, "the bus", _topic(frames, profile, joints), joints)
+    return columns_of(path, {"the bus": _topic(frames, profile, joints)}, joints)
 
 
 def _buses(log: Iterable[can.Message], nodes: Mapping[int, int]) -> dict[str, Frames]:

@@ -13,6 +13,7 @@ from pa10d.common.errors import UserError
 from pa10d.readers.archives import is_archive
 from pa10d.readers.arrays import damaged, spread_arrow
 from pa10d.readers.packed import first_bytes
+from pa10d.readers.part import Parts
 from pa10d.readers.table import Table
 from pa10d.store.channels import Array
 
@@ -79,7 +80,14 @@ def read_data_set(path: Path, episode: int | None = None) -> Table:
     total = info.get("total_episodes")
     if isinstance(total, int) and total > len(frames) and path.is_dir():
         remarks.append(f"{total} episodes by meta/info.json, {len(frames)} of them are here")
-    return Table(columns, [which, *remarks, *_shares(columns)])
+    rate = float(fps) if isinstance(fps, int | float) and fps > 0 else 0.0
+    there = {str(number): _words(number, count, rate) for number, count in frames.items()}
+    parts = Parts("episode", there, str(taken)) if len(there) > 1 else None
+    return Table(columns, [which, *remarks, *_shares(columns)], parts)
+
+
+def _words(episode: int, frames: int, fps: float) -> str:
+    return f"{episode} · {frames / fps:.3g} s" if fps else f"{episode} · {frames} frames"
 
 
 def _files(path: Path) -> list[Path]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 from pa10d.common.errors import UserError
 
 
 @dataclass(frozen=True)
 class Part:
-    """topic: of a bag, or a bus of a CAN log; episode: of a data set, its own number. None: the
-    reader takes one and says so."""
+    """topic: of a bag, several with commas between them, or a bus of a CAN log; episode: of a data
+    set, its own number. None: the reader takes one and says so."""
 
     topic: str | None = None
     episode: int | None = None
@@ -27,3 +28,13 @@ class Part:
 
 
 WHOLE = Part()
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a file holds several of. options: the value of a ``Part``'s field -> words for it;
+    taken: the value that was read."""
+
+    kind: Literal["topic", "episode"]
+    options: dict[str, str]
+    taken: str

@@ -158,7 +158,7 @@ def _with_stamps(table: Table) -> Table:
         if "time" not in columns:
             whole = columns.pop(sec)
             columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
-    return Table(columns, table.remarks)
+    return Table(columns, table.remarks, table.parts)
 
 
 def _is_plain_csv(path: Path) -> bool:

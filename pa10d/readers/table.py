@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers.part import Parts
 from pa10d.readers.value_guess import guessed_by_value
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_choices import rules_of
@@ -21,10 +22,12 @@ from pa10d.store.equal_steps import equal_steps
 
 @dataclass
 class Table:
-    """columns: name -> (N,); remarks: what the reader has to say."""
+    """columns: name -> (N,); remarks: what the reader has to say; parts: where the file holds
+    several recordings."""
 
     columns: Mapping[str, Array]
     remarks: list[str] = field(default_factory=list)
+    parts: Parts | None = None
 
 
 def recording_of(

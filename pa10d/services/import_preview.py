@@ -20,7 +20,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import WHOLE, Part, Table, guessed_by_value, read_table, recording_of
+from pa10d.readers import WHOLE, Part, Parts, Table, guessed_by_value, read_table, recording_of
 from pa10d.services.mending import mends
 from pa10d.services.runs import findings_of, in_own_words
 from pa10d.store.column_choices import Choice, composed, field_of, rules_of
@@ -55,7 +55,8 @@ class Column:
 @dataclass(frozen=True)
 class Preview:
     """rules: the mapping, as ``--map`` takes it; problem: why an import would be refused; findings:
-    what to know before fitting, each with the choices that mend it."""
+    what to know before fitting, each with the choices that mend it; parts: what the file holds
+    several of; part: what was asked for."""
 
     file: str
     joints: tuple[str, ...]
@@ -68,11 +69,16 @@ class Preview:
     findings: list[dict[str, Any]] = field(default_factory=list)
     duration: float | None = None
     rate: float | None = None
+    parts: Parts | None = None
+    part: Part = WHOLE
 
     @property
     def line(self) -> str:
         """Ready to be typed; empty where the file needs none."""
-        return " ".join(["--map", *map(shlex.quote, self.rules)]) if self.rules else ""
+        asked = [] if self.part.topic is None else ["--topic", self.part.topic]
+        asked += [] if self.part.episode is None else ["--episode", str(self.part.episode)]
+        asked += ["--map", *self.rules] if self.rules else []
+        return shlex.join(asked)
 
     def document(self) -> dict[str, Any]:
         """As JSON."""
@@ -94,8 +100,8 @@ def preview_recording(
     whatever ``mapping`` (``COLUMN=FIELD`` options) does not say.
     thorough: also what needs a fit (delay, signs, size of the torque). part: of a file that holds
     several recordings. UserError where the file cannot be read at all."""
-    columns, remarks = _columns(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
-    look = _Look(file, columns, remarks, profile, robot)
+    table = _table(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
+    look = _Look(file, table, part, profile, robot)
     if choices is None:
         choices = look.guess(mapping)
     progress(0.9, "checking")
@@ -106,12 +112,13 @@ class _Look:
     def __init__(
         self,
         file: Path,
-        columns: Mapping[str, Array],
-        remarks: list[str],
+        table: Table,
+        part: Part,
         profile: Profile,
         robot: Robot,
     ) -> None:
-        self._file, self._columns, self._remarks = file, columns, remarks
+        self._file, self._columns, self._remarks = file, table.columns, [*table.remarks]
+        self._parts, self._part = table.parts, part
         self._profile, self._robot = profile, robot
         self._kept = profile.map or []
 
@@ -212,6 +219,8 @@ class _Look:
             rules=rules,
             problem=_without(self._file, problem),
             remarks=[*self._remarks],
+            parts=self._parts,
+            part=self._part,
         )
 
 
@@ -247,24 +256,22 @@ def _without(file: Path, text: str) -> str:
     return text.replace(f"{file.parent}/", "")
 
 
-def _columns(
+def _table(
     file: Path, profile: Profile, robot: Robot, progress: Callable[[float], None], part: Part
-) -> tuple[Mapping[str, Array], list[str]]:
+) -> Table:
     """The file's columns and what its reader said; the last small one's are remembered, because a
     mapping is corrected step by step."""
     if not file.is_file():
-        table = read_table(file, profile, robot, progress, part)
-        return table.columns, table.remarks
+        return read_table(file, profile, robot, progress, part)
     known = file.stat()
     version = (str(file), known.st_mtime_ns, known.st_size, part)
     if version in _remembered:
         return _remembered[version]
-    table = read_table(file, profile, robot, progress, part)
-    found = dict(table.columns), list(table.remarks)
+    found = read_table(file, profile, robot, progress, part)
     _remembered.clear()
-    if sum(values.nbytes for values in found[0].values()) < REMEMBERED:
+    if sum(values.nbytes for values in found.columns.values()) < REMEMBERED:
         _remembered[version] = found
     return found
 
 
-_remembered: dict[tuple[str, int, int, Part], tuple[dict[str, Array], list[str]]] = {}
+_remembered: dict[tuple[str, int, int, Part], Table] = {}

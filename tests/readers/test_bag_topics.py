@@ -7,7 +7,7 @@ import pytest
 from test_formats import JOINTS, URDF
 
 from pa10d.common.errors import UserError
-from pa10d.readers import Part, read_recording
+from pa10d.readers import Part, read_recording, read_table
 from pa10d.services.robots import load_robot
 
 SAMPLES = 300
@@ -78,3 +78,35 @@ def test_a_refusal_says_which_topic_it_is_about(tmp_path, robot):
     path = bag(tmp_path, left=(("shoulder",), 0.0, 1), right=(("wrist",), 0.0, 1))
     with pytest.raises(UserError, match=r"/left has no joint elbow; .*left out: /right; --topic"):
         read_recording(path, *robot)
+
+
+def test_an_arm_on_two_topics_is_joined_by_name(tmp_path, robot):
+    path = bag(tmp_path, left=(JOINTS[:1], 0.0, 1), right=(JOINTS[1:], 0.5, 1))
+    found = read_recording(path, *robot)
+    np.testing.assert_array_equal(found.samples.q, np.stack([Q[:, 0], Q[:, 0] + 0.5], axis=1))
+    [said] = found.header_warnings
+    assert f"joined: {JOINTS[0]} from /left; {JOINTS[1]} from /right" in said
+    again = read_recording(path, *robot, part=Part(topic="left,right"))
+    np.testing.assert_array_equal(again.samples.q, found.samples.q)
+
+
+def test_two_clocks_are_made_one_and_it_is_said(tmp_path, robot):
+    """The slower one's joint is taken at the stamps of the other."""
+    path = bag(tmp_path, left=(JOINTS[:1], 0.0, 1), right=(JOINTS[1:], 0.0, 2))
+    said = " ".join(read_recording(path, *robot).header_warnings)
+    assert f"{JOINTS[0]}: other stamps than {JOINTS[1]}; taken at those of the latter" in said
+
+
+def test_what_two_topics_both_say_is_not_joined(tmp_path, robot):
+    path = bag(tmp_path, arm=(JOINTS, 0.0, 1), other=(JOINTS[1:], 0.5, 1))
+    np.testing.assert_array_equal(read_recording(path, *robot).samples.q, Q)
+    with pytest.raises(UserError, match=f"joint {JOINTS[1]} is on /arm and on /other"):
+        read_recording(path, *robot, part=Part(topic="arm,other"))
+
+
+def test_what_a_bag_has_to_choose_from_is_known(tmp_path, robot):
+    path = bag(tmp_path, left=(JOINTS[:1], 0.0, 1), right=(JOINTS[1:], 0.5, 1))
+    parts = read_table(path, *robot).parts
+    assert parts.taken == "/left,/right"
+    assert list(parts.options) == ["/left,/right", "/left", "/right"]
+    assert parts.options["/left"] == "/left · 300 messages"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import io
+
 import httpx
 import numpy as np
 import pytest
@@ -11,6 +14,14 @@ from test_everyone import AXE, broken_rules
 DROP = """async ([name, text]) => {
   const data = new DataTransfer();
   for (const one of [].concat(name)) data.items.add(new File([text], one));
+  const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true });
+  document.querySelector(".drop").dispatchEvent(drop);
+}"""
+
+
+BYTES = """([name, text]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
   const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true });
   document.querySelector(".drop").dispatchEvent(drop);
 }"""
@@ -97,6 +108,40 @@ def test_a_guess_is_corrected_and_imported(page, archive, strange):
     known.get_by_role("button", name="Check it now").click()
     known.locator("li.info", has_text="2000 samples at 200 Hz").wait_for()
     httpx.delete(f"{archive[0]}/api/v1/runs/log", trust_env=False).raise_for_status()
+
+
+def test_an_episode_is_chosen_looked_at_and_imported(page, archive):
+    """Of a data set that has three; the longest is shown first."""
+    page.evaluate(BYTES, ["set.parquet", base64.b64encode(episodes(300, 900, 500)).decode()])
+    box = shown(page)
+    which = page.get_by_label("episode", exact=True)
+    assert which.input_value() == "1"
+    there = ["0 · 300 frames", "1 · 900 frames", "2 · 500 frames"]
+    assert which.locator("option").all_text_contents() == there
+    which.select_option("2")
+    box.locator("p", has_text="500 samples").wait_for()
+    shown(page)
+    assert "--episode 2" in box.locator("code").text_content()
+    box.get_by_role("button", name="Import").locator("visible=true").last.click()
+    page.locator("#runs tbody tr", has_text="set-2").wait_for()
+    run = httpx.get(f"{archive[0]}/api/v1/runs/set-2", trust_env=False).json()
+    assert run["samples"] == 500
+    httpx.delete(f"{archive[0]}/api/v1/runs/set-2", trust_env=False).raise_for_status()
+
+
+def episodes(*lengths: int) -> bytes:
+    """A file of a LeRobot data set, 100 frames a second."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    t = np.concatenate([np.arange(n) / 100.0 for n in lengths])
+    phase = t[:, None] * np.linspace(1.5, 3.0, 7)
+    columns = {f"q{j + 1}": 0.6 * np.sin(phase[:, j]) for j in range(7)}
+    columns |= {f"tau{j + 1}": 5.0 * np.sin(phase[:, j]) for j in range(7)}
+    number = np.repeat(np.arange(len(lengths)), lengths)
+    out = io.BytesIO()
+    parquet.write_table(pa.table({"timestamp": t, "episode_index": number, **columns}), out)
+    return out.getvalue()
 
 
 def test_it_goes_by_keyboard_and_can_be_left(page, archive, strange):

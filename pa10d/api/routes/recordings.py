@@ -50,7 +50,7 @@ async def send_recording(
     held = HeldFile(place, Path(place.name) / plain)
     try:
         await take(request, held.path, daemon)
-        seen = await _preview(daemon, held, None, thorough=False)
+        seen = await _preview(daemon, held, ColumnChoices(thorough=False))
     except BaseException:
         await held.clear()
         raise
@@ -67,8 +67,7 @@ async def preview_recording(
     daemon: TheDaemon, files: TheFiles, file: str, asked: ColumnChoices
 ) -> dict[str, Any]:
     """The same file with other choices: what an import with them would make of it."""
-    chosen = None if asked.columns is None else [one.model_dump() for one in asked.columns]
-    return await _preview(daemon, files.get(file), chosen, asked.thorough)
+    return await _preview(daemon, files.get(file), asked)
 
 
 @router.post(
@@ -89,7 +88,7 @@ async def import_recording(
         found = await daemon.answer(
             "import_file", file=str(held.path), profile=str(daemon.profile.path),
             mapping=asked.map, name=asked.name, replace=asked.replace, check=True,
-            force=asked.force,
+            force=asked.force, part=asked.part.model_dump(),
         )  # fmt: skip
     daemon.events.publish("run", found["run"])
     return {**found["run"], "mapping_kept": found["kept"]}
@@ -102,11 +101,10 @@ async def drop_recording(files: TheFiles, file: str) -> dict[str, str]:
     return {"id": held.id, "file": held.path.name}
 
 
-async def _preview(
-    daemon: TheDaemon, held: HeldFile, choices: list[dict[str, str]] | None, thorough: bool
-) -> dict[str, Any]:
+async def _preview(daemon: TheDaemon, held: HeldFile, asked: ColumnChoices) -> dict[str, Any]:
+    chosen = None if asked.columns is None else [one.model_dump() for one in asked.columns]
     found: dict[str, Any] = await daemon.answer(
-        "preview_file", file=str(held.path), profile=str(daemon.profile.path), choices=choices,
-        thorough=thorough,
+        "preview_file", file=str(held.path), profile=str(daemon.profile.path), choices=chosen,
+        thorough=asked.thorough, part=asked.part.model_dump(),
     )  # fmt: skip
     return {"id": held.id, **found}

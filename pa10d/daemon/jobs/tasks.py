@@ -29,8 +29,10 @@ def import_file(
     replace: bool,
     check: bool = False,
     force: bool = False,
+    part: Mapping[str, Any] | None = None,
 ) -> JsonObject:
     """A recording into the store → its description, and what became of the mapping."""
+    from pa10d.readers import Part
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import import_run
     from pa10d.store import RunStore
@@ -39,7 +41,7 @@ def import_file(
     try:
         result = import_run(
             RunStore(data), Path(file), found, robot, name=name, mapping=mapping, replace=replace,
-            check=check, force=force,
+            check=check, force=force, part=Part(**part or {}),
         )  # fmt: skip
     except (Taken, Unsound):
         raise
@@ -49,9 +51,15 @@ def import_file(
 
 
 def preview_file(
-    data: str, file: str, profile: str, choices: list[dict[str, str]] | None, thorough: bool
+    data: str,
+    file: str,
+    profile: str,
+    choices: list[dict[str, str]] | None,
+    thorough: bool,
+    part: Mapping[str, Any],
 ) -> JsonObject:
     """A file before it is imported → what ``pa10d run preview --json`` says."""
+    from pa10d.readers import Part
     from pa10d.services.import_preview import preview_recording
     from pa10d.services.robots import load_robot
     from pa10d.store.column_choices import Choice
@@ -59,7 +67,9 @@ def preview_file(
     found, robot = load_robot(profile)
     chosen = None if choices is None else [Choice(**one) for one in choices]
     try:
-        return preview_recording(Path(file), found, robot, chosen, thorough=thorough).document()
+        return preview_recording(
+            Path(file), found, robot, chosen, thorough=thorough, part=Part(**part)
+        ).document()
     except UserError as error:
         raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
 

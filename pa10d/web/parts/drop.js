@@ -8,8 +8,8 @@ const FILES = ".csv,.gz,.bz2,.zst,.xz,.zip,.txt,.tsv,.dat,.mcap,.db3,.bag,.parqu
 const LARGEST = 512 * 2 ** 20; // bytes, as the daemon takes them
 const WORDS = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
 
-async function bring(held, { rules, force }) {
-  const run = await post(`recordings/${held.id}/import`, { map: rules, force });
+async function bring(held, { rules, part, force }) {
+  const run = await post(`recordings/${held.id}/import`, { map: rules, part, force });
   const said = (run.findings ?? []).map((one) => one.sentence);
   const known = said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "";
   notice(`Imported ${run.name}.`, { detail: [known, run.mapping_kept && `${run.mapping_kept}.`].filter(Boolean).join(" ") });

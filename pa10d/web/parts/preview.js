@@ -16,7 +16,7 @@ const UNITS = {
 const kindOf = (field) => field.replace(/\d+$/, "");
 let count = 0;
 
-/** Ask what becomes of a file that was sent. Resolves with {rules, force, alike, seen} or null: leave it.
+/** Ask what becomes of a file that was sent. Resolves with {rules, part, force, alike, seen} or null: leave it.
     others: how many more files wait. */
 export function decide(box, seen, others = 0) {
   return new Promise((answered) => {
@@ -37,6 +37,7 @@ class View {
   constructor(seen, others, end) {
     this.seen = seen;
     this.turn = 0;
+    this.part = seen.part;
     const id = `preview-${++count}`;
     this.heading = el("h2", { id, tabIndex: -1 }, `Before ${seen.file} is imported`);
     this.extent = el("p", { class: "muted" });
@@ -44,22 +45,46 @@ class View {
     this.findings = el("div", {});
     this.status = el("p", { class: "muted", "aria-live": "polite" });
     this.line = el("code", {});
-    this.rows = new Map(seen.columns.map((column) => [column.name, this.row(column)]));
+    this.columns = el("tbody", {});
+    this.further = el("p", { class: "muted" });
+    this.list();
     const button = (label, kind, answer) => el("button", { type: "button", class: kind, onclick: guarded("It was not imported.", async () => {
       if (answer === null) await remove(`recordings/${seen.id}`).catch(() => {}); // gone already, or soon
-      end(answer && { ...answer, rules: this.seen.rules, seen: this.seen });
+      end(answer && { ...answer, rules: this.seen.rules, part: this.seen.part, seen: this.seen });
     }) }, label);
     this.go = button("Import", "primary", { force: false });
     this.forced = button("Import it all the same", "danger", { force: true });
     this.alike = others ? button(`Import this and the ${others} other${others > 1 ? "s" : ""} alike`, "", { force: false, alike: true }) : null;
-    this.box = el("section", { class: "panel preview", "aria-labelledby": id }, this.heading, this.extent, this.problem, this.findings, this.status,
+    this.box = el("section", { class: "panel preview", "aria-labelledby": id }, this.heading, this.which(), this.extent, this.problem, this.findings, this.status,
       el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": `columns of ${seen.file}` }, el("table", {},
         el("thead", {}, el("tr", {}, ["column", "read as", "unit", "course", "from … to", "first values in the file"].map((head) => el("th", { scope: "col" }, head)))),
-        el("tbody", {}, [...this.rows.values()].map((row) => row.box)))),
-      seen.left_out ? el("p", { class: "muted" }, `${seen.left_out} more columns are kept as further channels.`) : null,
+        this.columns)), this.further,
       el("details", {}, el("summary", {}, "The same on the command line"), el("p", {}, this.line)),
       el("div", { class: "row" }, this.go, this.alike, this.forced, button("Leave it", "", null)));
     this.tell();
+  }
+
+  /** Of a file that holds several recordings: which one. */
+  which() {
+    const { parts } = this.seen;
+    if (!parts) return null;
+    const box = el("select", { id: `part-${++count}`, onchange: () => this.another({ [parts.kind]: parts.kind === "episode" ? Number(box.value) : box.value }) },
+      Object.entries(parts.options).map(([value, words]) => el("option", { value, selected: value === parts.taken }, words)));
+    return el("div", { class: "field" }, el("label", { htmlFor: box.id }, parts.kind), box, el("small", {}, `${this.seen.file} holds ${Object.keys(parts.options).length} to choose from`));
+  }
+
+  /** Another recording may have other columns: they are guessed anew. */
+  another(part) {
+    this.part = part;
+    clearTimeout(this.timer);
+    this.ask(null, true);
+  }
+
+  /** The table, for the columns that there are. */
+  list() {
+    this.rows = new Map(this.seen.columns.map((column) => [column.name, this.row(column)]));
+    fill(this.columns, [...this.rows.values()].map((row) => row.box));
+    this.further.textContent = this.seen.left_out ? `${this.seen.left_out} more columns are kept as further channels.` : "";
   }
 
   row(column) {
@@ -111,14 +136,16 @@ class View {
   }
 
   /** The quick answer first, then what needs a fit. */
-  async ask(columns = null) {
+  async ask(columns = null, anew = false) {
     const turn = ++this.turn;
     this.busy(true);
     try {
-      for (const thorough of columns ? [false, true] : [true]) {
-        const seen = await post(`recordings/${this.seen.id}/preview`, { columns: columns ?? this.choices(), thorough });
+      for (const thorough of columns || anew ? [false, true] : [true]) {
+        const chosen = anew && !thorough ? null : columns ?? this.choices();
+        const seen = await post(`recordings/${this.seen.id}/preview`, { columns: chosen, thorough, part: this.part });
         if (turn !== this.turn || !this.box.isConnected) return;
         this.seen = { ...seen, thorough: thorough || Boolean(seen.problem) };
+        if (anew && !thorough) this.list();
         this.tell();
         if (seen.problem) break;
       }
