@@ -11,7 +11,10 @@ in motion, because then it is creep or braking. And never more than the error it
 that jumps at a reversal reaches above any cut-off.
 
 A spectrum whose smoothing cannot be told shows no noise of the band: one that falls on and on, or
-one whose steps are coarser than what wavers. Then the floor is not known.
+one whose steps are coarser than what wavers. Then the floor is not known. The torques of one robot
+come through one kind of electronics: where most joints' noise may roll off within the band, that
+of the others is not believed either. And a joint stands still only with all others: what they
+load it with, static friction takes off it, and nobody knows how much.
 """
 
 from __future__ import annotations
@@ -84,26 +87,31 @@ class _Seen:
 
 
 NOTHING = _Seen(0.0, 0, 0.0)
+ROLLED_OFF = _Seen(0.0, 0, 0.0, fall=float("inf"))
 
 
 def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     """Of several runs together, per joint the best way that they allow."""
     runs = list(runs)
     passes = differences(runs)
-    found = [_floor(runs, j, passes[j]) for j in range(len(passes))]
+    above = [[_above(run, j) for run in moving(runs, j)] for j in range(len(passes))]
+    smoothed = sum(ROLLED_OFF in parts for parts in above) > len(above) / 2
+    found = [
+        _floor(runs, j, passes[j], NOTHING if smoothed else _pooled(parts))
+        for j, parts in enumerate(above)
+    ]
     values, methods, errors, complete = zip(*found, strict=True)
     return NoiseFloor(np.array(values), tuple(methods), np.array(errors), tuple(complete))
 
 
 def _floor(
-    runs: list[RunResidual], joint: int, passes: list[Array]
+    runs: list[RunResidual], joint: int, passes: list[Array], above: _Seen
 ) -> tuple[float, str | None, float, bool]:
     together = np.concatenate(passes) if passes else np.empty(0)
     if len(together) >= FEWEST:
         value = float(np.sqrt(np.mean(together**2)))
         return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0)), True
     used = moving(runs, joint)
-    above = _pooled([_above(run, joint) for run in used])
     rest, left = _pooled([_at_rest(run, joint) for run in used]), float(scores(used).rms[joint])
     if not rest.looks or rest.variance >= left**2 or rest.variance <= 0.0:
         rest = NOTHING
@@ -147,7 +155,9 @@ def _above(run: RunResidual, joint: int) -> _Seen:
         return NOTHING
     length = segments[0].stop - segments[0].start
     found = extrapolated(power, length, above, lowpass, _repeated(torque))
-    if found is None or found.error > WIDEST:
+    if found is None:
+        return ROLLED_OFF
+    if found.error > WIDEST:
         return NOTHING
     scatter = found.error * float(np.sqrt(len(segments)))
     return _Seen(found.variance, len(segments), scatter, _fall(f[near], weaker[:, near]))
@@ -203,7 +213,7 @@ def _at_rest(run: RunResidual, joint: int) -> _Seen:
     settle = run.equation.lowpass.settle
     q = run.decimated(run.seen.q)[:, joint]
     reach = STILL * float(np.ptp(q))
-    still = ~run.equation.moving[:, joint]
+    still = ~run.equation.moving.any(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
     length = max(8, round(WINDOW * run.equation.rate / run.equation.lowpass.cutoff))
     variances = []
