@@ -65,6 +65,15 @@ def test_standstill_shows_slow_noise_that_the_spectrum_above_does_not():
     assert floor.values[1] == pytest.approx(truth(0.95), rel=0.25)
 
 
+def test_a_joint_that_stands_alone_shows_no_noise_but_what_friction_takes_off_it():
+    record = arm.recording(1, 60.0, SIGMA, slope)
+    q, tau = record.q.copy(), record.tau.copy()
+    rest = slice(6000, 12000)
+    q[rest, 1] = q[6000, 1]
+    tau[rest, 1] = 4.0 + np.sin(2 * np.pi * 3.0 * record.t[rest])
+    assert seen(type(record)("alone", record.t, q, tau)).methods[1] != STANDSTILL
+
+
 def test_period_and_shift_of_a_motion():
     repeated = arm.recording(1, 35.0, period=8.0)
     assert period(repeated.q, arm.RATE) == pytest.approx(8.0 * arm.RATE, abs=1)

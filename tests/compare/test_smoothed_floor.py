@@ -89,6 +89,14 @@ def test_noise_that_rolls_off_where_nobody_can_see_it_is_not_known(name):
     assert np.all(np.isnan(floor.errors))
 
 
+@pytest.mark.parametrize(("others", "known"), [(1, [1, 2]), (2, [])])
+def test_one_electronics_smooths_most_joints_or_none(others, known):
+    def some(x):
+        return np.hstack([low_pass(1.0)(x[:, :others]), x[:, others:]])
+
+    assert np.flatnonzero(np.isfinite(floor_of(some).values)).tolist() == known
+
+
 @pytest.mark.parametrize("corner", [20.0, 30.0, 50.0, 80.0])
 def test_behind_a_low_pass_it_is_found_or_not_known(corner):
     floor, truth = floor_of(low_pass(corner)), rms_in_band(low_pass(corner))
