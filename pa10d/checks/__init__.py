@@ -12,6 +12,7 @@ from pa10d.checks.delay import Delay, check_delay, estimate_delay
 from pa10d.checks.finding import Finding, Mend
 from pa10d.checks.geometry import check_geometry
 from pa10d.checks.gravity import check_gravity
+from pa10d.checks.held import check_held
 from pa10d.checks.timing import check_timing, unit_of_stamps
 from pa10d.checks.units import beyond_limits, check_units
 from pa10d.dynamics.robot import Robot
@@ -58,6 +59,7 @@ def check_recording(
             for f in check_channels(recording, names)
             if not (f.code == "jump" and f"q{f.joint}" in wraps)
         ),
+        *check_held(recording, names),
         *check_counters(wraps, names),
         *check_units(recording, robot),
     ]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import Finding, Mend, joint_label, percent
+from pa10d.checks.held import held_runs
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -58,7 +59,8 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Find
     steps = np.abs(np.diff(q))
     usual = float(np.quantile(steps, 0.999))
     worst = int(steps.argmax())
-    if steps[worst] > max(0.05, 10 * usual):
+    made_up = any(k + count == worst for k, count in held_runs(q))
+    if not made_up and steps[worst] > max(0.05, 10 * usual):
         mend = Mend(f"q{j + 1}", "wrap2pi*rad")
         turn = abs(steps[worst] - 2 * np.pi) < 0.1
         yield Finding(

@@ -200,9 +200,8 @@ def check(options: argparse.Namespace) -> Answer:
     from pa10d.services.robots import load_robot
     from pa10d.services.runs import check_run
 
-    findings: list[Finding] = check_run(
-        _store(options), options.run_, load_robot(options.profile)[1]
-    )
+    profile, robot = load_robot(options.profile)
+    findings: list[Finding] = check_run(_store(options), options.run_, robot, profile)
     document = {"findings": [finding.document() for finding in findings]}
     wrong = any(finding.severity == "error" for finding in findings)
     return Answer(document, "\n".join(map(str, findings)), status=1 if wrong else 0)

@@ -32,6 +32,7 @@ from pa10d.store.column_mapping import names_an_angle
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
+OF_THE_FILE = frozenset(("commanded", "jitter", "duplicate_stamps", "gaps"))  # gone once stored
 PACKED = (".tgz", ".gz", ".bz2", ".zst", ".xz", ".zip", ".tar")
 KNOWN = (
     ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".bag", ".parquet", ".feather", ".arrow",
@@ -88,6 +89,7 @@ def import_run(
         source=file.name,
         warnings=tuple(_without_folder(file, text) for text in said),
         findings=tuple(_kept(f) for f in findings if f.severity != "info"),
+        unit_given=tuple(sorted(stated_in(found, robot.n))),
         replace=replace,
         time_zero_ns=found.time_zero_ns,
     ) as writer:
@@ -96,9 +98,10 @@ def import_run(
     return Imported(writer.info, found.header_warnings, findings, kept)
 
 
-def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
-    """The checks of an import, for a run that is stored; what the import said in words of the file
-    stays so."""
+def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list[Finding]:
+    """The checks of an import, for a run that is stored, with what the import knew: the unit that
+    positions were given, and what only the file could tell. What it said in words of the file stays
+    so. What was recorded here is in radians."""
     info = store.find(run)
     recording, timing = store.read(info).recording(info.name)
     if recording.joints != robot.n:
@@ -107,10 +110,16 @@ def check_run(store: RunStore, run: str, robot: Robot) -> list[Finding]:
             f"{robot.name}"
         )
     told = {(one["code"], one["sentence"]): one["advice"] for one in info.findings or ()}
-    return [
+    stated = frozenset(info.unit_given if info.source else range(robot.n))
+    found = [
         dataclasses.replace(finding, advice=told.get(_key(finding), finding.advice))
-        for finding in check_recording(recording, timing, robot)
+        for finding in check_recording(
+            recording, timing, robot, known=Known(None, stated, _ratios(profile))
+        )
     ]
+    again = {finding.code for finding in found}
+    of_file = [one for one in info.findings or () if one["code"] in OF_THE_FILE - again]
+    return in_order([*found, *(Finding(**one) for one in of_file)])
 
 
 def _key(finding: Finding) -> tuple[str, str]:
@@ -122,15 +131,17 @@ def findings_of(
 ) -> list[Finding]:
     """What to know of a recording that was read, gravest first, with fields for columns."""
     recording = _recording(found, name)
-    drives = profile.drives
-    ratios = [drive.gear_ratio for drive in drives] if drives else None
     by_name = _demanded(found.called)
     wanted = _wanted(found.samples, robot)
     by_law = [] if wanted is None else check_commanded(recording, wanted, robot.joint_names)
     told = by_name or list(by_law)
-    known = Known(found.wraps, stated_in(found, robot.n), ratios)
+    known = Known(found.wraps, stated_in(found, robot.n), _ratios(profile))
     checked = check_recording(recording, found.timing, robot, delay=delay, known=known)
     return in_order([*told, *checked])
+
+
+def _ratios(profile: Profile) -> list[float] | None:
+    return [drive.gear_ratio for drive in profile.drives] if profile.drives else None
 
 
 def stated_in(found: CsvRecording, n: int) -> frozenset[int]:

@@ -171,7 +171,9 @@ def resolve(rules: Sequence[Rule], names: Sequence[str], n: int, where: str) -> 
             out.fields[column] = meant
             if unit != Unit():
                 out.units[column] = unit
-                out.said[column] = written[len(column) :].strip(" [()]") or own_unit(column)
+            said = written[len(column) :].strip(" [()]") or own_unit(column)
+            if said:  # rad, too: somebody answers for it
+                out.said[column] = said
     return out
 
 

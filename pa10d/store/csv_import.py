@@ -34,7 +34,7 @@ class CsvRecording:
     header_warnings: list[str]
     timing_warnings: list[str]
     called: Mapping[str, str] = field(default_factory=dict)  # field -> its column, if mapped
-    said: Mapping[str, str] = field(default_factory=dict)  # column -> its unit, where not SI
+    said: Mapping[str, str] = field(default_factory=dict)  # column -> its unit, as it was given
     wraps: Mapping[str, Wrap] = field(default_factory=dict)  # field -> how it began anew, as logged
 
 

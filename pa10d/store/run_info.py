@@ -57,6 +57,7 @@ class RunInfo:
     kind: str = ""  # the experiment it was recorded in
     warnings: tuple[str, ...] = ()
     findings: tuple[KeptFinding, ...] | None = None  # of the checks; None: not yet looked at
+    unit_given: tuple[Count, ...] = ()  # joints, from 0, whose positions came with a unit by name
     excluded: tuple[tuple[Amount, Amount], ...] = ()  # s since the first sample: in no fit
     repaired: bool = False
     software: str = f"pa10d {__version__}"

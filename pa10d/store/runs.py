@@ -132,6 +132,7 @@ class RunStore:
         source: str = "",
         warnings: tuple[str, ...] = (),
         findings: tuple[KeptFinding, ...] | None = None,
+        unit_given: tuple[int, ...] = (),
         tags: tuple[str, ...] = (),
         replace: bool = False,
         time_zero_ns: int = 0,
@@ -144,7 +145,7 @@ class RunStore:
             self._refuse_taken(checked_name(name))
         info = new_info(
             checked_name(name or stem), profile.name if profile else "", channels,
-            source=source, warnings=warnings, findings=findings, tags=tags,
+            source=source, warnings=warnings, findings=findings, unit_given=unit_given, tags=tags,
         )  # fmt: skip
         new = self._new_folder(info)
         try:

@@ -80,7 +80,8 @@ def check_stored(data: str, run: str, profile: str) -> list[JsonObject]:
     from pa10d.services.runs import check_run
     from pa10d.store import RunStore
 
-    return [one.document() for one in check_run(RunStore(data), run, load_robot(profile)[1])]
+    found, robot = load_robot(profile)
+    return [one.document() for one in check_run(RunStore(data), run, robot, found)]
 
 
 def export_file(data: str, run: str, format: str, file: str) -> None:
