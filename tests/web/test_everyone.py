@@ -6,7 +6,7 @@ import gzip
 from pathlib import Path
 
 import pytest
-from browsers import DROP
+from browsers import DROP, until
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
 SECTIONS = ("robot", "investigate", "experiments", "tune", "runs", "explore")
@@ -77,6 +77,23 @@ def test_with_text_twice_as_large_the_numbers_of_a_list_stay_in_their_panel(arch
       return [parseFloat(style.paddingLeft), pen.measureText("5. ").width];
     }""")
     assert room >= needed
+
+
+def test_with_text_twice_as_large_every_section_and_stop_are_in_sight(archive, visit):
+    visitor = visit(archive[0], bypass_csp=True)
+    page = visitor.page
+    visitor.open("runs")
+    page.evaluate("document.documentElement.style.fontSize = '200%'")
+    hidden = """() => [...document.querySelectorAll("nav a, #stop")].filter((one) => {
+      const box = one.getBoundingClientRect();
+      return [0.1, 0.9].some((x) => !one.contains(
+        document.elementFromPoint(box.left + x * box.width, box.top + box.height / 2)));
+    }).map((one) => one.textContent)"""
+    until(page, f"!({hidden})().length")
+    until(
+        page,
+        "document.documentElement.style.getPropertyValue('--head') === `${header.offsetHeight}px`",
+    )
 
 
 def test_tabs_go_by_arrow_keys(archive, visit):

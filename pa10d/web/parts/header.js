@@ -13,9 +13,11 @@ export function header(box) {
   const links = Object.entries(SECTIONS).map(([id, title]) => el("a", { href: `#/${id}` }, title));
   const arm = el("span", { class: "badge", id: "arm-state" }, "…");
   const lease = el("button", { class: "badge quiet", id: "lease", type: "button" });
-  fill(box,
+  fill(box, el("div", { class: "bar" },
     el("a", { class: "brand", href: "#/robot" }, "pa10d", el("small", { id: "profile" })),
-    el("nav", { "aria-label": "sections" }, links), el("div", { class: "now" }, arm, lease));
+    el("nav", { "aria-label": "sections" }, links), el("div", { class: "now" }, arm, lease)));
+  // what sticks below it, or is scrolled to, has to know how high it has become
+  new ResizeObserver(() => document.documentElement.style.setProperty("--head", `${box.offsetHeight}px`)).observe(box);
   lease.addEventListener("click", guarded("The command could not be given back.", giveBack));
   watch(["section"], () => {
     for (const link of links) {
