@@ -25,6 +25,7 @@ BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that mu
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
+SIZED_LEVEL = 0.05  # of coefficients that may as well be zero by their own errors
 AT_RANDOM = 0.05  # p from which on an error is said not to come again
 TIMING_SIGNIFICANT = 3.0  # standard errors of a common timing offset
 HARM_SIGNIFICANT = 3.0  # standard errors by which a joint's error must have risen

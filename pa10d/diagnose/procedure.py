@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
-from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS
+from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS, SIZED_LEVEL
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
@@ -217,8 +218,20 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         size=size,
         confounded_with=confusions,
         next_experiment=plan,
-        sentence=sentence(term, before, after, size, confusions, state.frozen, others),
+        sentence=sentence(
+            term, before, after, size, confusions, state.frozen, others, sized(versions[-1], index)
+        ),
     )
+
+
+def sized(model: TorqueModel, index: int) -> bool:
+    """Are a term's coefficients together other than zero by their own errors (Wald)?"""
+    where = model.term_slice(index)
+    values, covariance = model.terms[index].coefficients, model.covariance[where, where]
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    apart = values / scale
+    turned = np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True)
+    return bool(apart @ turned @ apart > scipy.special.chdtri(len(values), SIZED_LEVEL))
 
 
 def _size(state: SearchState, index: int, judged: Judged) -> Value:

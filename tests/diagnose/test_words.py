@@ -1,6 +1,14 @@
 """The verdict in words."""
 
-from pa10d.diagnose.outcome.words import nothing
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pa10d.diagnose.outcome.words import nothing, sentence
+from pa10d.diagnose.procedure import sized
+from pa10d.effects import Value
+from pa10d.model import Term
 
 
 def test_noise_is_noise():
@@ -35,3 +43,33 @@ def test_an_error_that_follows_nothing_is_owned_up_to():
 def test_no_noise_floor_is_no_claim():
     assert "keep" not in nothing([0.1, 0.47], [float("nan"), 0.4], frozen=False)
     assert "keep" not in nothing([0.1, 0.47], [0.0, 0.4], frozen=False)
+
+
+def test_a_size_that_reaches_zero_is_owned_up_to():
+    said = [
+        sentence(
+            Term("torque_offset", (0,), np.array([0.8])), np.array([1.0]), np.array([0.5]),
+            Value(0.8, 0.1, "N·m"), (), frozen=False, sized=so,
+        )
+        for so in (True, False)
+    ]  # fmt: skip
+    assert said[1].startswith(said[0])
+    assert "How large it is, this data hardly says" in said[1].removeprefix(said[0])
+
+
+@pytest.mark.parametrize(
+    ("values", "covariance", "expected"),
+    [
+        ([0.78], [[0.76**2]], False),
+        ([0.78], [[0.39**2]], True),
+        ([1.0, 1.0], [[1.0, 0.0], [0.0, 1.0]], False),
+        ([1.0, 1.0], [[1.0, -0.9], [-0.9, 1.0]], True),  # each as good as zero, their sum is not
+    ],
+)
+def test_coefficients_are_told_from_zero_together(values, covariance, expected):
+    model = SimpleNamespace(
+        terms=[SimpleNamespace(coefficients=np.array(values))],
+        term_slice=lambda _: slice(0, len(values)),
+        covariance=np.array(covariance),
+    )
+    assert sized(model, 0) is expected

@@ -24,11 +24,13 @@ def sentence(
     confusions: Sequence[Confusion],
     frozen: bool,
     others: Sequence[int] = (),
+    sized: bool = True,
 ) -> str:
     """What and where, how large, and what it takes away of the joint that it helps most.
 
     before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed;
-    others: joints (0-based) on which the same effect is not named
+    others: joints (0-based) on which the same effect is not named; sized: its coefficients are
+    other than nothing by their own errors
     """
     own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
     gone = 1.0 - (after / np.maximum(before, 1e-300)) ** 2
@@ -44,6 +46,11 @@ def sentence(
     if not frozen and others and term.effect.only_against_others:
         joints = f"joint{'s' if len(others) > 1 else ''} {listed([str(j + 1) for j in others])}"
         text += f" {term.effect.only_against_others.format(others=joints)}."
+    if not sized:
+        text += (
+            " How large it is, this data hardly says: other terms, or what the model still lacks, "
+            "can stand in for it."
+        )
     if confusions:
         rivals = sorted({_other(term, c) for c in confusions})
         text += f" This data cannot yet tell it from {listed(rivals, 'or')}."
