@@ -78,17 +78,18 @@ def held_runs(q: Array) -> Runs:
     likely = np.abs(caught_up) > level  # the few that are worth their neighbours
     first, count, behind = first[likely], count[likely], behind[likely]
     reach = np.arange(BESIDE)
-    beside = np.hstack([
+    beside = np.stack([
         steps[first[:, None] - 1 - reach],
         steps[behind[:, None] + BEHIND + reach],
     ])  # fmt: skip
-    sign = np.sign(caught_up[likely])
-    usual = np.median(beside, axis=1) * sign
-    moves_on = (beside * sign[:, None] > usual[:, None] / 2).all(axis=1) & (usual > 0)
+    beside *= np.sign(caught_up[likely])[:, None]
+    usual = np.median(beside, axis=2)  # (2, K): a joint may speed up or slow down meanwhile
+    slow = usual.min(axis=0)
+    moves_on = (beside > usual[:, :, None] / 2).all(axis=(0, 2)) & (slow > 0)
     noise = 1.4826 * float(np.median(np.abs(np.diff(steps))))  # σ of a step, or more
     sure = -NormalDist().inv_cdf(MISTAKEN / (2 * len(q)))
-    missed = count * usual > level + sure * max(noise, level)
-    made_up = np.abs(caught_up[likely]) > (count / 2 + BEHIND) * usual
+    missed = count * slow > level + sure * max(noise, level)
+    made_up = np.abs(caught_up[likely]) > (count / 2 + BEHIND) * usual.mean(axis=0)
     found = moves_on & missed & made_up
     return [(int(k), int(n)) for k, n in zip(first[found], count[found], strict=True)]
 

@@ -40,6 +40,13 @@ def test_one_repeated_sample_of_a_moving_joint_is_found():
     assert held_runs(held(smooth(), (5000, 1), (7000, 1))) == [(5000, 1), (7000, 1)]
 
 
+def test_a_joint_that_slows_down_meanwhile_is_found_too():
+    q = held(smooth(), (350, 60))
+    before, after = abs(q[350] - q[345]), abs(q[418] - q[413])
+    assert max(before, after) > 2 * min(before, after)
+    assert held_runs(q) == [(350, 60)]
+
+
 def test_rows_sent_again_are_one_finding():
     (said,) = check_held(recording(*(held(smooth(), (1000, 300)) for _ in range(3))), None)
     assert said.severity == "error"
