@@ -131,6 +131,8 @@ def _import_one(options: argparse.Namespace, name: str | None, episode: int | No
         "warnings": result.info.warnings,
         "findings": [finding.document() for finding in shown],
     }
+    if result.another and options.topic is None and episode is None:
+        note(result.another)
     if result.kept:
         note(result.kept)
     note(f"{result.info.name}: {_extent(result.info)}")
@@ -159,6 +161,8 @@ def preview(options: argparse.Namespace) -> Answer:
     ]  # fmt: skip
     lines = [table(head, rows), f"and {found.left_out} more columns" if found.left_out else ""]
     lines += ["", *found.remarks]
+    asked = options.topic is not None or options.episode is not None
+    lines += [found.parts.another] if found.parts and not asked else []
     lines += [f"{f['severity']}: {f['sentence']}{_advised(f['advice'])}" for f in found.findings]
     lines += [f"error: {found.problem}" if found.problem else "", found.line]
     wrong = found.problem or any(f["severity"] == "error" for f in found.findings)

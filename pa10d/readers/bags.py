@@ -79,16 +79,15 @@ def read_bag(
         each = (f"{_listed(kept[name].joints(joints), joints)} from {name}" for name in taken)
         remarks.append(f"joined: {'; '.join(each)}")
     if others:
-        remarks.append(
-            f"taken from topic {', '.join(taken)}; left out: {others}; --topic NAME takes another"
-        )
+        remarks.append(f"taken from topic {', '.join(taken)}; left out: {others}")
+    parts = _parts(there, taken) if len(there) > 1 else None
     try:
         table = columns_of(path, kept, joints)
     except UserError as error:
-        raise UserError("; ".join([str(error), *remarks])) from error
+        other = [parts.another] if parts and others else []
+        raise UserError("; ".join([str(error), *remarks, *other])) from error
     table.remarks += remarks
-    if len(there) > 1:
-        table.parts = _parts(there, taken)
+    table.parts = parts
     return table
 
 

@@ -73,10 +73,7 @@ def read_data_set(path: Path, episode: int | None = None) -> Table:
     which = f"a LeRobot data set ({info.get('codebase_version', 'without meta/info.json')})"
     which += f": episode {taken}"
     if episode is None and len(frames) > 1:
-        which += (
-            f", the longest of {len(frames)}; --episode N takes another, "
-            "--episode all each as a run of its own"
-        )
+        which += f", the longest of {len(frames)}"
     total = info.get("total_episodes")
     if isinstance(total, int) and total > len(frames) and path.is_dir():
         remarks.append(f"{total} episodes by meta/info.json, {len(frames)} of them are here")

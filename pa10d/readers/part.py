@@ -38,3 +38,10 @@ class Parts:
     kind: Literal["topic", "episode"]
     options: dict[str, str]
     taken: str
+
+    @property
+    def another(self) -> str:
+        """How the command line asks for another one."""
+        if self.kind == "topic":
+            return "--topic NAME takes another"
+        return "--episode N takes another, --episode all each as a run of its own"

@@ -85,8 +85,9 @@ def recording_of(
     remarks = [f"{path}: {remark}" for remark in table.remarks]
     called = {field: column for column, field in resolved.fields.items()}
     return CsvRecording(
-        samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said, wraps
-    )
+        samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said, wraps,
+        table.parts.another if table.parts else "",
+    )  # fmt: skip
 
 
 def _by_value(table: Table, n: int) -> str:

@@ -49,6 +49,7 @@ class Imported:
     header_warnings: list[str]
     findings: list[Finding]
     kept: str = ""  # what became of the mapping
+    another: str = ""  # how another recording of the same file is asked for
 
 
 def import_run(
@@ -95,7 +96,7 @@ def import_run(
     ) as writer:
         writer.append(found.samples)
     kept = keep_mapping(store.folder.parent, profile, mapping) if mapping else ""
-    return Imported(writer.info, found.header_warnings, findings, kept)
+    return Imported(writer.info, found.header_warnings, findings, kept, found.another)
 
 
 def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list[Finding]:

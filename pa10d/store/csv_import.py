@@ -36,6 +36,7 @@ class CsvRecording:
     called: Mapping[str, str] = field(default_factory=dict)  # field -> its column, if mapped
     said: Mapping[str, str] = field(default_factory=dict)  # column -> its unit, as it was given
     wraps: Mapping[str, Wrap] = field(default_factory=dict)  # field -> how it began anew, as logged
+    another: str = ""  # how another recording of the same file is asked for
 
 
 def read_csv(

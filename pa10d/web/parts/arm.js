@@ -95,4 +95,4 @@ export function armView(label, ...tools) {
 }
 
 /** Angles in words: for everybody who does not see the picture. */
-export const inWords = (q) => q.map((value, j) => `${j + 1}: ${value.toFixed(3)}`).join("   ");
+export const inWords = (q) => q.map((value, j) => `${j + 1}:\u00a0${value.toFixed(3)}`).join("   ");

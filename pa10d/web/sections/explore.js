@@ -27,7 +27,7 @@ export function mount(box) {
   const again = () => refresh().catch((error) => failed("It cannot be shown.", error));
   const recordings = choices("Recordings", sources, view.sources, () => { view.span = null; again(); });
   const models = choices("Models", () => state.models.filter((one) => !one.replaced).map((one) => ({ id: one.id, label: one.name, note: one.change })), view.models, again);
-  const against = el("select", { "aria-label": "against", onchange: () => { view.against = against.value; again(); } });
+  const against = el("select", { "aria-label": "against", onchange: () => { view.against = against.value; again(); } }, el("option", { value: "time" }, "time"));
   const arm = replay();
   const tools = el("div", { class: "row" },
     ["Whole", "Zoom in", "Zoom out", "Earlier", "Later"].map((label) => el("button", { type: "button", class: "small", onclick: () => step(label) }, label)),
