@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ def json_document(model: TorqueModel, about: str) -> tuple[str, list[str]]:
             "runs": list(model.runs),
             "cutoff_hz": float(model.cutoff),
             "torque_late_by_s": float(model.shift),
+            "torque_filter": None if model.channel is None else asdict(model.channel),
             "rms": model.noise,
             "held_out": model.held_out,
             "feasible": bool(model.feasible),

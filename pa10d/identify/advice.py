@@ -13,6 +13,7 @@ from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ def warnings_of(
     feasible: FeasibleModel,
     smoothing: Smoothing,
     shift: Shift,
+    channel: TorqueFilter | None,
     seen: Excitation,
 ) -> list[str]:
     """Sentences, the gravest first."""
@@ -41,7 +43,7 @@ def warnings_of(
         *_bounds(layout, fit, feasible),
         *_uncertain(layout, fit, seen),
         *_friction_sign(layout.robot, smoothing, seen),
-        *_timing(shift),
+        *_timing(shift, channel),
     ]
 
 
@@ -131,12 +133,17 @@ def _friction_sign(robot: Robot, smoothing: Smoothing, seen: Excitation) -> Iter
         )
 
 
-def _timing(shift: Shift) -> Iterator[str]:
+def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
     if shift.seconds:
         word = "late" if shift.seconds > 0 else "early"
         yield (
             f"torque is {abs(shift.seconds) * 1e3:.2f} ± {shift.std_error * 1e3:.2f} ms {word} "
             "against position on the whole robot; the fit and the model account for it"
+        )
+    if channel is not None:
+        yield (
+            f"the torque channel smooths: the recorded torque has passed {channel}, or something "
+            "like it; the fit and the model account for it"
         )
     if np.isfinite(shift.slow):
         yield (

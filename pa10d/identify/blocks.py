@@ -25,6 +25,7 @@ from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass
 from pa10d.measurement.standstill import fast_speed
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, decimation, prepare
 from pa10d.regression.layout import Layout
@@ -49,6 +50,7 @@ class Pieces:
     shift: float = 0.0
     tick: Callable[[], None] = lambda: None
     faster_than: Array | None = None
+    channel: TorqueFilter | None = None
     _kept: dict[int, Piece] = field(default_factory=dict)
     _bytes: int = 0
     _model: TorqueModel | None = None
@@ -90,6 +92,10 @@ class Pieces:
         """Take every torque ``seconds`` later from now on."""
         self.shift += seconds
         self._kept = {i: piece.shifted(seconds) for i, piece in self._kept.items()}
+
+    def pass_through(self, channel: TorqueFilter) -> None:
+        """Let columns pass what the torque has passed from now on."""
+        self.channel, self._kept, self._bytes = channel, {}, 0
 
     def look_through(self, model: TorqueModel) -> None:
         """Let loads and torques that effects depend on be those of this model from now on."""
@@ -139,6 +145,7 @@ class Pieces:
             self.shift,
             fast=self._fast[number],
             source=self._sources[number],
+            channel=self.channel,
         )
         own = np.zeros(len(run.tau), dtype=bool)
         own[first:last] = True

@@ -83,7 +83,7 @@ class _Spectra:
     def __init__(self, model: TorqueModel, recording: Recording) -> None:
         spare = max(0, len(recording.t) - LONGEST) // 2
         part = recording.part(spare, len(recording.t) - spare, "")
-        run = prepare(part, model.robot, model.cutoff, model.shift)
+        run = prepare(part, model.robot, model.cutoff, model.shift, channel=model.channel)
         context = model.contextualise(run.context)
         modelled = model.predict(run.context)
         length = min(len(part.t), int(SECONDS * part.rate))

@@ -11,6 +11,7 @@ from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.timing import Shift
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout
 
@@ -43,6 +44,7 @@ def model_of(
     feasible: FeasibleModel,
     cutoff: float,
     shift: Shift,
+    channel: TorqueFilter | None,
     recordings: Sequence[Recording],
     notes: dict[str, Any],
 ) -> TorqueModel:
@@ -63,6 +65,7 @@ def model_of(
         noise=fit.rms,
         cutoff=cutoff,
         shift=shift.seconds,
+        channel=channel,
         standard=feasible.standard if feasible.found else None,
         feasible=feasible.found,
         runs=tuple(r.name for r in recordings),

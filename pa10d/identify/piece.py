@@ -46,7 +46,7 @@ class Piece:
             return self
         run = self.equation
         raw = delayed(run.raw_tau, -seconds, run.lowpass.rate)
-        moved = replace(run, tau=run.lowpass(raw), raw_tau=raw, shift=run.shift + seconds)
+        moved = replace(run, tau=run.lowpass.of_torque(raw), raw_tau=raw, shift=run.shift + seconds)
         return replace(self, equation=moved)
 
     def through(self, model: TorqueModel) -> Piece:

@@ -12,6 +12,7 @@ from pa10d.common.errors import Cancelled
 from pa10d.dynamics import Robot
 from pa10d.identify.advice import warnings_of
 from pa10d.identify.blocks import Pieces, middle
+from pa10d.identify.channel import find_channel
 from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
@@ -110,12 +111,21 @@ def _identify(
         pieces.shift_by(shift.seconds)
         smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
         layout = with_smoothing(layout, smoothing)
+    say(0.5, "what the torque channel has passed")
+    channel = find_channel(pieces, layout, smoothing, shift)
+    if channel is not None:
+        pieces.pass_through(channel)
+        smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
+        layout = with_smoothing(layout, smoothing)
+        rest = find_shift(pieces, layout)
+        pieces.shift_by(rest.seconds)
+        shift = shift.later(rest)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
     fit = (robust_fit if robust else weighted_fit)(pieces, Problem(layout, known), smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout)
-    warnings = warnings_of(layout, fit, feasible, smoothing, shift, seen)
+    warnings = warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
     notes = {
         "condition_number": pieces.condition_number(),
         "warnings": warnings,
@@ -133,7 +143,7 @@ def _identify(
     if known is not None:
         notes["prior"] = known.document()
     say(1.0, "done")
-    return model_of(name, layout, fit, feasible, cutoff, shift, recordings, notes)
+    return model_of(name, layout, fit, feasible, cutoff, shift, channel, recordings, notes)
 
 
 def _cut_off(

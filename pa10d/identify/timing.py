@@ -52,6 +52,16 @@ class Shift:
     joints: Array
     slow: float = np.nan
 
+    def later(self, rest: Shift) -> Shift:
+        """With what was found beyond it, by columns that have passed what the torque has."""
+        return Shift(
+            self.seconds + rest.seconds,
+            self.seconds + rest.estimate,
+            rest.std_error,
+            self.seconds + rest.joints,
+            self.seconds + rest.slow,
+        )
+
 
 def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     """What all joints say; where fast parts of the motion say otherwise, what those say."""
@@ -82,7 +92,7 @@ def _iterated(pieces: Pieces, layout: Layout, seen: Callable[[Rows], Rows], leas
 
 def _with_slope(piece: Piece, layout: Layout) -> Rows:
     rows = rows_of(piece, layout)
-    slope = -piece.equation.lowpass(piece.equation.raw_tau, 1)
+    slope = -piece.equation.lowpass.of_torque(piece.equation.raw_tau, 1)
     columns = [np.column_stack([c, slope[:, j]]) for j, c in enumerate(rows.columns)]
     return Rows(columns, rows.tau, piece.keep & _steady(piece), rows.rest)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.effects import Context
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.signals import through_channel
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 
@@ -75,21 +76,22 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
             f"run {recording.name!r} has {recording.joints} joints, "
             f"expected {model.robot.n} as in model {model.name!r}"
         )
-    return residual_of(model, prepare(recording, model.robot, model.cutoff, model.shift))
+    equation = prepare(recording, model.robot, model.cutoff, model.shift, channel=model.channel)
+    return residual_of(model, equation)
 
 
 def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     """The same of a run whose torque was filtered already."""
     seen = model.contextualise(equation.context)
-    predicted = model.sensed(seen)
+    predicted, low = model.sensed(seen), equation.lowpass
     counts, clear, rested = _judged(equation)
     return RunResidual(
         name=equation.name,
         equation=equation,
         seen=seen,
         measured=equation.tau,
-        modelled=equation.lowpass(predicted),
-        raw_error=equation.raw_tau - predicted,
+        modelled=low(predicted),
+        raw_error=equation.raw_tau - through_channel(predicted, low.channel, low.rate),
         counts=counts,
         judged=clear,
         rested=rested,

@@ -8,7 +8,9 @@ filter (what forward-backward filtering amounts to, without its start-up transie
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numba
 import numpy as np
@@ -16,6 +18,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.measurement.torque_filter import TorqueFilter
 
 Array = NDArray[np.float64]
 
@@ -30,6 +33,7 @@ class Lowpass:
     factor: every factor-th sample is kept, the first one first
     blind: samples at each end that are not to be trusted (a derivative knows nothing of what lay
     beyond the end); the nearest trusted one stands in for them, so that their error stays there
+    channel: what the torque has passed already, and what is held against it has to pass as well
     """
 
     samples: int
@@ -38,6 +42,7 @@ class Lowpass:
     factor: int = 1
     order: int = 4
     blind: int = 0
+    channel: TorqueFilter | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.cutoff < 0.5 * self.rate:
@@ -59,6 +64,10 @@ class Lowpass:
     def __call__(self, signal: Array, derivative: int = 0) -> Array:
         """Filter along axis 0: (N, ...) -> (kept, ...); optionally the d-th time derivative."""
         return self._run(np.asarray(signal, dtype=float), (derivative,))[0]
+
+    def of_torque(self, torque: Array, derivative: int = 0) -> Array:
+        """The same for what comes out of the channel itself."""
+        return replace(self, channel=None)(torque, derivative)
 
     def derivatives(self, signal: Array) -> tuple[Array, Array, Array]:
         """(x, ẋ, ẍ), each filtered, from one transform."""
@@ -95,6 +104,7 @@ class Lowpass:
         coarse = length // self.factor
         frequency = np.arange(coarse // 2 + 1, dtype=np.float64) * (self.rate / length)
         gain = self.gain(frequency) / self.factor
+        passed = 1.0 if self.channel is None else self.channel.gain(frequency)
         if self.factor > 1 and coarse % 2 == 0:
             gain[-1] = 0.0
         blind = self.blind if self.blind < self.samples // 4 else 0
@@ -105,7 +115,7 @@ class Lowpass:
             whole, level, slope = np.empty((len(part), length)), *np.empty((2, len(part), 1))
             _continue(rows, part, pad, blind, whole, level[:, 0], slope[:, 0])
             spectrum = scipy.fft.rfft(whole, axis=1, overwrite_x=True)[:, : len(frequency)]
-            spectrum *= gain
+            spectrum *= gain * passed
             for out, order in zip(outs, orders, strict=True):
                 turned = spectrum if order == 0 else spectrum * (2j * np.pi * frequency) ** order
                 fine = scipy.fft.irfft(turned, n=coarse, axis=1)[:, lead : lead + self.kept]
@@ -142,8 +152,26 @@ class Lowpass:
 
 def delayed(signal: Array, delay: float, rate: float) -> Array:
     """The signal (N, n) as it would be ``delay`` seconds later: a linear-phase shift."""
+    return _passed(signal, lambda f: np.exp(-2j * np.pi * f * delay), delay, rate)
+
+
+def through_channel(signal: Array, channel: TorqueFilter | None, rate: float) -> Array:
+    """The signal (N, n) behind a torque channel, but for its delay."""
+    if channel is None:
+        return signal
+    return _passed(signal, channel.gain, 0.0, rate, 8.0 * channel.delay)
+
+
+def _passed(
+    signal: Array,
+    gain: Callable[[Array], NDArray[Any]],
+    delay: float,
+    rate: float,
+    memory: float = 0.0,
+) -> Array:
+    """What a filter of unit gain at rest makes of it; memory: s beyond its delay."""
     samples = len(signal)
-    pad = min(samples - 1, int(abs(delay) * rate) + 64)
+    pad = min(samples - 1, int((abs(delay) + memory) * rate) + 64)
     whole = np.concatenate(
         [
             2 * signal[:1] - signal[pad:0:-1],
@@ -153,8 +181,8 @@ def delayed(signal: Array, delay: float, rate: float) -> Array:
     )
     ramp = np.linspace(0, 1, len(whole))[:, None] * (whole[-1] - whole[0]) + whole[0]
     slope = (whole[-1] - whole[0]) / (len(whole) - 1) * rate
-    f = np.fft.rfftfreq(len(whole), 1 / rate)[:, None]
-    spectrum = np.fft.rfft(whole - ramp, axis=0) * np.exp(-2j * np.pi * f * delay)
+    f = np.asarray(np.fft.rfftfreq(len(whole), 1 / rate), dtype=np.float64)[:, None]
+    spectrum = np.fft.rfft(whole - ramp, axis=0) * gain(f)
     moved = np.fft.irfft(spectrum, n=len(whole), axis=0) + ramp - slope * delay
     return np.asarray(moved[pad : pad + samples])
 

@@ -19,6 +19,7 @@ from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model.term import Term, as_told
 from pa10d.model.unknowns import Unknowns
 
@@ -38,6 +39,8 @@ class TorqueModel:
     loads       (b,) base parameters from which effects take their loads where these are not h: a
                 model with knocks in it has the loads that most samples agree on
     shift       s, by which the torque channel was found late against position
+    channel     low-pass that the torque passed before it was recorded, None where none was found;
+                torques here are those before it
     standard    (n, 10) feasible standard parameters, or None where none were sought
     runs        names or ids of the runs it was fitted to
     held_out    run or split name -> RMS per joint (n,), N·m
@@ -52,6 +55,7 @@ class TorqueModel:
     noise: Array
     cutoff: float
     shift: float = 0.0
+    channel: TorqueFilter | None = None
     loads: Array | None = None
     standard: Array | None = None
     feasible: bool = False

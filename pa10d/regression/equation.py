@@ -19,6 +19,7 @@ from pa10d.measurement.motion import VelocitySource, motion, velocity_source
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed
 from pa10d.measurement.standstill import RESTING, held, standstill
+from pa10d.measurement.torque_filter import TorqueFilter
 
 Array = NDArray[np.float64]
 
@@ -34,7 +35,7 @@ class RunEquation:
     """One run, ready for fits.
 
     context  motion at the raw rate (model part empty until a model is known)
-    lowpass  raw -> decimated
+    lowpass  raw -> decimated, of columns; of_torque is for what was measured
     tau      (M, n) filtered torque
     keep     (M, n) False where joint i stands still, if only to turn round (friction is
              indeterminate there), or the sample is too near an end of the run
@@ -104,20 +105,22 @@ def prepare(
     edge: float | None = None,
     fast: Array | None = None,
     source: VelocitySource | None = None,
+    channel: TorqueFilter | None = None,
 ) -> RunEquation:
     """Make one run ready: differentiate, filter, mask.
 
     cutoff: Hz of the equation; shift: s by which the torque channel is late against position;
     edge: s cut off at both ends (default: what the filters need to settle);
     fast: (n,) rad/s, what counts as fast for each joint (default: from this recording);
-    source: which velocities to trust (default: from this recording).
+    source: which velocities to trust (default: from this recording);
+    channel: what the torque channel has passed: columns pass it, too.
     """
     rate = recording.rate
     light = Lowpass(len(recording.t), rate, motion_band(rate, cutoff))
     q, dq, ddq = motion(recording, light, source or velocity_source(recording, cutoff))
     factor = decimation(rate, cutoff)
     blind = int(np.ceil(MOTION_SETTLES / light.cutoff * rate))
-    lowpass = Lowpass(len(recording.t), rate, cutoff, factor, blind=blind)
+    lowpass = Lowpass(len(recording.t), rate, cutoff, factor, blind=blind, channel=channel)
     tau = recording.tau if shift == 0.0 else delayed(recording.tau, -shift, rate)
     ends = int(np.ceil((edge if edge is not None else edge_time(rate, cutoff)) * rate / factor))
     inside = np.zeros(lowpass.kept, dtype=bool)
@@ -141,7 +144,7 @@ def prepare(
         recording.name,
         context,
         lowpass,
-        lowpass(tau),
+        lowpass.of_torque(tau),
         keep,
         tau,
         shift,

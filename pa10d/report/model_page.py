@@ -136,6 +136,8 @@ def _identification(dossier: Dossier) -> Section:
         ("Samples", MASK),
         ("Effects in it", effects or "none"),
         ("Delay between angle and torque", shift),
+        ("Torque channel", f"{model.channel}; the model passes it, too" if model.channel
+         else "no low-pass found"),
         ("Bodies", "can exist (a feasible set is known)" if model.feasible
          else "no set of bodies that can exist is known for it"),
         ("Method", "weighted least squares on base parameters, joints weighted by their noise; "

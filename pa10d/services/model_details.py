@@ -29,6 +29,7 @@ def model_details(model: TorqueModel) -> dict[str, Any]:
         "parameters": parameter_list(model),
         "standard": standard,
         "shift_s": model.shift,
+        "torque_filter": None if model.channel is None else str(model.channel),
         "torque_units": [model.robot.torque_unit(j) for j in range(model.robot.n)],
         "delivery": model.notes.get("delivery"),
         "formats": ENDINGS,

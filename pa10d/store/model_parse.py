@@ -18,6 +18,7 @@ from pa10d.dynamics.base import parameter_name
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.effects.variables import at_joint
+from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel, label
 from pa10d.store.model_info import ModelInfo
 from pa10d.store.model_schema import EffectEntry, ModelFile
@@ -69,6 +70,7 @@ class _Parser:
 
     def model(self) -> TorqueModel:
         entry, fit = self._entry, self._entry.fit
+        passed = fit.torque_filter
         robot = self._robot()
         base = self._base()
         terms = tuple(self._term(k, e) for k, e in enumerate(entry.effects))
@@ -85,6 +87,7 @@ class _Parser:
             noise=self._per_joint(("fit", "rms"), fit.rms),
             cutoff=fit.cutoff_hz,
             shift=fit.shift_s,
+            channel=None if passed is None else TorqueFilter(passed.kind, passed.seconds),
             standard=self._standard(),
             feasible=fit.feasible,
             parent=entry.parent,

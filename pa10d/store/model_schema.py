@@ -68,12 +68,20 @@ class RobotEntry(_Strict):
     tool: list[Number] | None = None  # standard parameters added to the last link by the profile
 
 
+class Filter(_Strict):
+    """What the torque channel has passed."""
+
+    kind: Literal["first order", "second order", "mean"]
+    seconds: Positive
+
+
 class FitEntry(_Strict):
     """How the model came about."""
 
     runs: list[str]
     cutoff_hz: Positive
     shift_s: Number
+    torque_filter: Filter | None = None
     feasible: bool
     rms: list[NotNegative]
 

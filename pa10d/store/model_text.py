@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import xml.etree.ElementTree as ET
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,7 @@ def model_text(model: TorqueModel, info: ModelInfo) -> str:
             "runs": Row(info.runs),
             "cutoff_hz": float(model.cutoff),
             "shift_s": float(model.shift),
+            **({} if model.channel is None else {"torque_filter": asdict(model.channel)}),
             "feasible": bool(model.feasible),
             "rms": row(model.noise),
         },

@@ -232,6 +232,7 @@ def _coarse(run: RunEquation, context: Context) -> _Run:
         fine.factor // step,
         fine.order,
         -(-fine.blind // step),
+        fine.channel,
     )
     return _Run(thin, lowpass)
 

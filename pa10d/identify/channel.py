@@ -1,0 +1,111 @@
+"""What the torque channel has passed: a low-pass common to all joints, as far as motion tells it.
+
+A drive that smooths its torque smears every step of friction behind its reversal and bends what
+is fast. Columns that pass the same low-pass fit then what they do not fit without it. A real-time
+filter delays, so one is sought only where torque is late, with delays of about as much; what is
+left of the delay is refitted beside each. Only samples clear of reversals count: what a joint does
+while it sticks is nobody's filter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.identify.blocks import Pieces
+from pa10d.identify.rows import Rows, rows_of, triangles_of
+from pa10d.identify.smoothing import Smoothing
+from pa10d.identify.timing import CORRELATED, SIGNIFICANT, Shift
+from pa10d.measurement.signals import through_channel
+from pa10d.measurement.torque_filter import DELAYS, TorqueFilter
+from pa10d.regression.layout import Layout
+from pa10d.regression.solution import estimate_weights, solve, spread
+from pa10d.regression.triangle import Triangle
+
+Array = NDArray[np.float64]
+
+LEAST_DELAY = 0.02  # periods of the cut-off: a filter that fast bends less than a thousandth of
+# what passes
+DELAYED = (0.25, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)  # of the delay found, tried of each kind
+AGREED = 2.0  # standard errors of all joints but the one that asks most
+CLOSER = 2  # rounds of halving the distance between what was tried
+
+
+def find_channel(
+    pieces: Pieces, layout: Layout, smoothing: Smoothing, shift: Shift
+) -> TorqueFilter | None:
+    """None where torque is not late, where no low-pass is significant, or where the joints do not
+    agree without the one that asks for it most: that one may lack something of its own.
+
+    The speed over which friction turns round bends along with each: a smeared step had rounded it.
+    """
+    if shift.seconds * pieces.cutoff < LEAST_DELAY or layout.robot.n < 2:
+        return None
+    stretches = [(rows_of(p, layout, smoothing.found), p.keep, p.equation) for p in pieces.some()]
+    plain = [replace(rows, keep=keep) for rows, keep, _ in stretches]
+    slopes = [run.lowpass.of_torque(run.raw_tau, 1) for _, _, run in stretches]
+
+    def likelihood(channel: TorqueFilter | None) -> Array:
+        seen = (
+            _behind(rows, slope, channel, run.rate)
+            for rows, slope, (_, _, run) in zip(plain, slopes, stretches, strict=True)
+        )
+        return _likelihood(triangles_of(seen), layout)
+
+    none = likelihood(None)
+
+    def gain(kind: str, times: float) -> Array:
+        return likelihood(_of(kind, times * shift.seconds)) - none
+
+    tried = {kind: {d: gain(kind, d) for d in DELAYED} for kind in DELAYS}
+    kind = max(tried, key=lambda k: max(g.sum() for g in tried[k].values()))
+    known = tried[kind]
+    for _ in range(CLOSER):
+        for d in _between(sorted(known), _best(known)):
+            known[d] = gain(kind, d)
+    best = _best(known)
+    each = known[best]
+    if each.sum() < SIGNIFICANT**2 or each.sum() - each.max() < AGREED**2:
+        return None
+    return _of(kind, best * shift.seconds)
+
+
+def _of(kind: str, delay: float) -> TorqueFilter:
+    return TorqueFilter(kind, delay / DELAYS[kind])
+
+
+def _best(known: Mapping[float, Array]) -> float:
+    return max(known, key=lambda d: float(known[d].sum()))
+
+
+def _between(tried: Sequence[float], best: float) -> list[float]:
+    """Halfway to either neighbour."""
+    at = tried.index(best)
+    neighbours = [*tried[max(at - 1, 0) : at], *tried[at + 1 : at + 2]]
+    return [0.5 * (best + other) for other in neighbours]
+
+
+def _behind(rows: Rows, slope: Array, channel: TorqueFilter | None, rate: float) -> Rows:
+    """The columns behind the channel, and the delay's beside them."""
+    columns = [
+        np.column_stack([through_channel(c, channel, rate), -slope[:, j]])
+        for j, c in enumerate(rows.columns)
+    ]
+    return replace(rows, columns=columns)
+
+
+def _likelihood(triangles: list[Triangle], layout: Layout) -> Array:
+    """(n,) twice the logarithm, of each joint's rows."""
+    size, indices = layout.size, []
+    for t, own in zip(triangles, layout.of_joint, strict=True):  # last of a row is the torque
+        more = t.width - 1 - len(own)
+        indices.append(np.append(own, np.arange(size, size + more)))
+        size += more
+    none = [Triangle(t.width) for t in triangles]
+    sigma = estimate_weights(triangles, none, indices, size)
+    beta = solve(triangles, indices, size, sigma).beta
+    rows = np.array([t.rows for t in triangles]) / CORRELATED
+    return np.asarray(-2.0 * rows * np.log(spread(triangles, none, indices, beta)))
