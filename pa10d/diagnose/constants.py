@@ -64,6 +64,7 @@ TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
 CLOSER_LOOKS = 2  # starts of an effect whose gain is rough in its shape, looked around once more
 CLOSER_STEPS = (1.0, 0.25)  # parts of a step of those looks, each time they are settled again
 START_THIN = 10  # samples of which one is looked at for where a shape may start
+LINES_WORK = 1e9  # products of samples and orders of a spectrum against angle: some seconds
 ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
 MORE_ROUNDS = 4  # of settling, beyond the usual
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     HIGHEST_ORDER,
+    LINES_WORK,
     LOWEST_ORDER,
     ORDERS_PER_RESOLUTION,
     RIPPLE_LEAST_SPAN,
@@ -26,17 +27,45 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     at its momentary frequency N·|q̇|/2π, over a grid as fine as the range of q resolves.
     """
     q, v, r = _along(side, residual, joint)
-    span = float(q.max() - q.min())
-    if span < RIPPLE_LEAST_SPAN:
+    if float(np.ptp(q)) < RIPPLE_LEAST_SPAN:
         return []
-    step = max(0.12, np.pi / span / 3.0)
-    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, step)
     lowpass = side.runs[0].lowpass
     power = 2 * lowpass.order
-    score = _lines(q, (v / (2 * np.pi * lowpass.cutoff)) ** power, r, orders, power)
+    slowness = (v / (2 * np.pi * lowpass.cutoff)) ** power
+    first = slice(0, _affordable(q))
+    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, _fineness(q[first]))
+    found = _strongest(_lines(q[first], slowness[first], r[first], orders, power), count)
+    if first.stop == len(q):
+        return [float(orders[i]) for i in found]
+    return [_closer(q, slowness, r, orders[i], _fineness(q[first]), power) for i in found]
+
+
+def _fineness(q: Array) -> float:
+    """Cycles per revolution between orders that are looked at, of angles (m,)."""
+    return float(np.pi / np.ptp(q) / ORDERS_PER_RESOLUTION)
+
+
+def _affordable(q: Array) -> int:
+    """How many of these angles, from the first on: one that turns on and on has as many orders to
+    look at as turns."""
+    span = np.maximum.accumulate(q) - np.minimum.accumulate(q)
+    work = span * np.arange(1, len(q) + 1) * (HIGHEST_ORDER - LOWEST_ORDER)
+    within = int(np.searchsorted(work, LINES_WORK * np.pi / ORDERS_PER_RESOLUTION, side="right"))
+    return max(2, within)
+
+
+def _strongest(score: Array, count: int) -> list[int]:
     peaks = np.flatnonzero((score[1:-1] >= score[:-2]) & (score[1:-1] >= score[2:])) + 1
-    best = peaks[np.argsort(score[peaks])[::-1][:count]]
-    return [float(orders[i]) for i in best]
+    return [int(i) for i in peaks[np.argsort(score[peaks])[::-1][:count]]]
+
+
+def _closer(
+    q: Array, slowness: Array, r: Array, order: float, known_to: float, power: int
+) -> float:
+    """Of all angles, what was found in some of them."""
+    reach = ORDERS_PER_RESOLUTION * known_to
+    orders = np.arange(order - reach, order + reach, _fineness(q))
+    return float(orders[int(np.argmax(_lines(q, slowness, r, orders, power)))])
 
 
 def chance_of_line(side: Side, joint: int, power: float) -> float:
