@@ -91,18 +91,24 @@ def compare(
         floor = noise_floor(residuals)
         pooled = _of("pooled", residuals, model, floor)
     progress(0.8, "spectra")
+    orders = tuple(
+        None if slides else order_spectrum(residuals, j)
+        for j, slides in enumerate(model.robot.prismatic)
+    )
     joints = range(model.robot.n)
     return Comparison(
         model=model,
         residuals=tuple(residuals),
         runs=tuple(own),
         pooled=pooled,
-        orders=tuple(
-            None if model.robot.prismatic[j] else order_spectrum(residuals, j) for j in joints
-        ),
+        orders=orders,
         frequencies=tuple(frequency_spectrum(residuals, j) for j in joints),
         whiteness=tuple(whiteness(residuals, j) for j in joints),
-        warnings=(*_warnings(residuals), *map_warnings(model, residuals)),
+        warnings=(
+            *_warnings(residuals),
+            *_beyond_the_band(orders, model.cutoff, pooled.scores.rms),
+            *map_warnings(model, residuals),
+        ),
     )
 
 
@@ -111,6 +117,25 @@ def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloo
     where = places(runs, model.robot, floor.values, judged=judged)
     spread = failing(judged, floor.values, model.robot, where)
     return RunScores(name, judged, floor, tuple(where), tuple(spread))
+
+
+def _beyond_the_band(
+    orders: Sequence[OrderSpectrum | None], cutoff: float, rms: Array
+) -> list[str]:
+    """Joints with more torque in lines that the low-pass takes away than error (n,) N·m in all
+    that it leaves."""
+    said = []
+    for j, found in enumerate(orders):
+        above = found.above(cutoff) if found else []
+        if not found or sum(size**2 for _, size in above) / 2.0 <= rms[j] ** 2:
+            continue
+        largest, size = above[0]
+        said.append(
+            f"joint {j + 1}: an error that comes again {largest:.4g} times a turn ({size:.2g} N·m) "
+            f"lies above the low-pass of {cutoff:g} Hz, at about {found.frequency(largest):.0f} "
+            "Hz, and is not judged; a fit with a higher cut-off would see it"
+        )
+    return said
 
 
 def _warnings(residuals: Sequence[RunResidual]) -> list[str]:

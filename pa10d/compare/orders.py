@@ -29,12 +29,21 @@ HALVES = 1.0  # s: every other such stretch of time makes one half
 class OrderSpectrum:
     """order (K,) cycles/rev; amplitude (K,) N·m of the best sine at each order, as what it takes
     of the error's power; threshold (K,) N·m which noise passes anywhere with chance ALARM;
-    lines: (order, amplitude), largest first, one per peak."""
+    lines: (order, amplitude), largest first, one per peak; speed: typical, rad/s."""
 
     order: Array
     amplitude: Array
     threshold: Array
     lines: tuple[tuple[float, float], ...]
+    speed: float
+
+    def above(self, cutoff: float) -> list[tuple[float, float]]:
+        """Lines that a low-pass (Hz) takes away at the typical speed."""
+        return [line for line in self.lines if self.frequency(line[0]) > cutoff]
+
+    def frequency(self, order: float) -> float:
+        """Hz at the typical speed."""
+        return order * self.speed / (2 * np.pi)
 
 
 def order_spectrum(runs: Sequence[RunResidual], joint: int, most: int = 5) -> OrderSpectrum | None:
@@ -62,4 +71,5 @@ def order_spectrum(runs: Sequence[RunResidual], joint: int, most: int = 5) -> Or
         np.sqrt(2 * np.mean(whole**2) * periodogram(q, whole, order)[0]),
         np.sqrt(2 * np.mean(left**2) * bar),
         tuple(lines),
+        speed,
     )

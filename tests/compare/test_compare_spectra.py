@@ -6,7 +6,7 @@ import pytest
 import scipy.signal
 from scipy import stats
 
-from pa10d.compare import run_residual
+from pa10d.compare import compare, run_residual
 from pa10d.compare.angle_periodogram import periodogram
 from pa10d.compare.correlation import autocorrelation
 from pa10d.compare.frequencies import frequency_spectrum
@@ -39,6 +39,20 @@ def test_ripple_is_one_line_at_its_order_with_its_amplitude():
     assert len(lines) == 1
     assert lines[0] == (pytest.approx(37.5, abs=0.05), pytest.approx(0.3, rel=0.1))
     assert order_spectrum(runs, 0).lines == ()
+
+
+def test_what_the_low_pass_hides_is_told():
+    """Ripple of 0.5 N·m that the joint's speed takes above the cut-off."""
+
+    def extra(t, q, dq):
+        return arm.on_joint(1, 0.5 * np.sin(130.5 * q[:, 1] + 0.4))
+
+    warnings = [
+        compare(arm.model(), [arm.recording(1, 40.0, 0.1, more)]).warnings for more in (extra, None)
+    ]
+    (said,) = (w for w in warnings[0] if "comes again" in w)
+    assert said.startswith("joint 2: an error that comes again 130.5 times a turn (0.5")
+    assert not [w for w in warnings[1] if "comes again" in w]
 
 
 def test_a_vibration_in_hertz_is_no_order():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfreqz
@@ -10,6 +12,7 @@ from two_links import CUTOFF, RATE, recordings, state_of
 
 from pa10d.compare import noise_floor, residual_of
 from pa10d.diagnose.regression.side import Side
+from pa10d.diagnose.search import ripple
 from pa10d.diagnose.search.ripple import (
     HIGHEST_ORDER,
     LOWEST_ORDER,
@@ -17,6 +20,7 @@ from pa10d.diagnose.search.ripple import (
     chance_of_line,
     order_peaks,
 )
+from pa10d.measurement.signals import Lowpass
 
 
 @pytest.mark.parametrize("order", [12.0, 37.0, 50.5])
@@ -30,6 +34,21 @@ def test_the_strongest_line_is_at_the_order_of_the_ripple(order, joint):
     state = state_of(recordings(1, extra))
     peaks = order_peaks(state.train, state.train_residual(), joint)
     assert peaks[0] == pytest.approx(order, abs=0.6)
+
+
+@pytest.mark.parametrize("work", [1e9, 1e6])
+def test_the_order_of_many_turns_is_found_between_coarse_ones(work, monkeypatch):
+    """Thirty turns one way resolve a thirtieth of a cycle per turn; also where only the first of
+    them can be afforded at first."""
+    monkeypatch.setattr(ripple, "LINES_WORK", work)
+    t = np.arange(6000) / 200.0
+    q = 2.0 * np.pi * (t + 0.01 * np.sin(2.0 * t))
+    left = 0.2 * np.sin(71.69 * q + 0.4) + np.random.default_rng(1).normal(0.0, 0.2, len(t))
+    seen = SimpleNamespace(q=q[:, None], dq=np.gradient(q, t)[:, None])
+    run = SimpleNamespace(context=seen, lowpass=Lowpass(len(t), 200.0, 90.0))
+    side = SimpleNamespace(runs=[run], gathered=lambda parts, _: np.concatenate(parts))
+    (peak,) = order_peaks(side, {0: left[:: run.lowpass.factor]}, 0, 1)
+    assert peak == pytest.approx(71.69, abs=0.5 * 2.0 * np.pi / np.ptp(q))
 
 
 @pytest.mark.parametrize("order", [12.0, 37.0, 90.0])
