@@ -10,6 +10,9 @@ A delay is the same for slow and fast parts of the motion. What a model lacks is
 poses as another delay there. Where differenced samples, which weigh fast parts more, say otherwise
 (Hausman 1978, doi:10.2307/1913827), theirs is taken, if it is significant by itself, and both are
 told: a low-pass of the torque delays fast parts less, too.
+
+A servo answers what its encoder gets wrong, and it answers with a delay of its own: where that is
+much of the torque, it poses as the channel's. So only as much of the band is heard as motion fills.
 """
 
 from __future__ import annotations
@@ -23,6 +26,8 @@ from numpy.typing import NDArray
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, rows_of, triangles_of
+from pa10d.measurement.encoder_noise import motion_up_to
+from pa10d.measurement.signals import Lowpass
 from pa10d.regression.layout import Layout
 from pa10d.regression.solution import estimate_weights, solve
 from pa10d.regression.triangle import Triangle
@@ -65,9 +70,11 @@ class Shift:
 
 def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     """What all joints say; where fast parts of the motion say otherwise, what those say."""
-    found = _iterated(pieces, layout, lambda rows: rows, SIGNIFICANT)
+    motion = motion_up_to([(r.q, r.rate) for r in pieces.recordings])
+    band = min(1.0, motion / pieces.cutoff)
+    found = _iterated(pieces, layout, band, lambda rows: rows, SIGNIFICANT)
     if abs(found.estimate) > SIGNIFICANT * found.std_error:
-        fast = _iterated(pieces, layout, _differenced, 0.0)
+        fast = _iterated(pieces, layout, band, _differenced, 0.0)
         doubt = np.hypot(found.std_error, fast.std_error)
         if abs(fast.estimate - found.estimate) > AGREE * doubt:
             found = replace(fast, slow=found.estimate)
@@ -75,14 +82,17 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     return replace(found, seconds=found.estimate if significant else 0.0)
 
 
-def _iterated(pieces: Pieces, layout: Layout, seen: Callable[[Rows], Rows], least: float) -> Shift:
-    """A shift of several samples is not a first-order change; least: standard errors of a first
-    step that make it worth another."""
+def _iterated(
+    pieces: Pieces, layout: Layout, band: float, seen: Callable[[Rows], Rows], least: float
+) -> Shift:
+    """A shift of several samples is not a first-order change; band: part of the cut-off that is
+    heard; least: standard errors of a first step that make it worth another."""
     total = 0.0
     shift = Shift(0.0, 0.0, np.inf, np.zeros(layout.robot.n))
     for _ in range(ROUNDS):
-        shifted = [piece.shifted(total) for piece in pieces.some()]
-        shift = _shift_left(triangles_of(seen(_with_slope(p, layout)) for p in shifted), layout)
+        shifted = (piece.shifted(total) for piece in pieces.some())
+        rows = (seen(_within(_with_slope(p, layout), p, band)) for p in shifted)
+        shift = _shift_left(triangles_of(rows), layout, band)
         total += shift.estimate
         nothing = total == shift.estimate and abs(total) < least * shift.std_error
         if nothing or abs(total) > FARTHEST or abs(shift.estimate) < SETTLED:
@@ -94,7 +104,20 @@ def _with_slope(piece: Piece, layout: Layout) -> Rows:
     rows = rows_of(piece, layout)
     slope = -piece.equation.lowpass.of_torque(piece.equation.raw_tau, 1)
     columns = [np.column_stack([c, slope[:, j]]) for j, c in enumerate(rows.columns)]
-    return Rows(columns, rows.tau, piece.keep & _steady(piece), rows.rest)
+    return Rows(columns, rows.tau, piece.keep & _steady(_direction(piece)), rows.rest)
+
+
+def _within(rows: Rows, piece: Piece, band: float) -> Rows:
+    """What a low-pass at this part of the cut-off leaves, clear of reversals by its memory."""
+    if band == 1.0:
+        return rows
+    run = piece.equation
+    low = Lowpass(len(rows.tau), run.rate, band * run.lowpass.cutoff)
+    columns = [low(c) for c in rows.columns]
+    inner = np.zeros(len(rows.tau), dtype=bool)
+    inner[low.settle : -low.settle] = True
+    keep = rows.keep & _steady(low(_direction(piece))) & inner[:, None]
+    return Rows(columns, low(rows.tau), keep, rows.rest)
 
 
 def _differenced(rows: Rows) -> Rows:
@@ -107,21 +130,26 @@ def _differenced(rows: Rows) -> Rows:
     )
 
 
-def _steady(piece: Piece) -> NDArray[np.bool_]:
-    """(M, n) False where a joint turns round within the filter's memory."""
+def _steady(direction: Array) -> NDArray[np.bool_]:
+    """Where a filtered direction says that nothing turned round within the filter's memory."""
+    return np.asarray(np.abs(direction) > 0.99)
+
+
+def _direction(piece: Piece) -> Array:
+    """(M, n) where each joint goes, filtered."""
     dq = piece.context.dq
     direction = np.where(np.abs(dq) > SLOW * piece.fast, np.sign(dq), 0.0)
-    return np.asarray(np.abs(piece.equation.lowpass(direction)) > 0.99)
+    return piece.equation.lowpass(direction)
 
 
-def _shift_left(triangles: list[Triangle], layout: Layout) -> Shift:
+def _shift_left(triangles: list[Triangle], layout: Layout, band: float) -> Shift:
     n, size = len(triangles), layout.size
     indices = [np.append(i, size + j) for j, i in enumerate(layout.of_joint)]
     none = [Triangle(t.width) for t in triangles]
     sigma = estimate_weights(triangles, none, indices, size + n)
     solution = solve(triangles, indices, size + n, sigma)
     own = solution.beta[size:]
-    variance = CORRELATED * np.sum(solution.to_beta[size:] ** 2, axis=1)
+    variance = CORRELATED / band * np.sum(solution.to_beta[size:] ** 2, axis=1)
     known = (own != 0) & (variance > 0)
     if not known.any():
         return Shift(0.0, 0.0, np.inf, own)

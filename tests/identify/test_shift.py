@@ -38,6 +38,37 @@ def late(run: Recording, seconds: float) -> Recording:
     return replace(run, tau=np.interp(run.t - seconds, run.t, run.tau[:, 0])[:, None])
 
 
+def in_a_loop(seed: int, bits: int, rate: float = 200.0, parts: int = 10) -> Recording:
+    """The same pendulum behind a servo of 3 Hz that reads ``bits`` a turn and holds its torque for
+    a sample: what is rounded comes back as torque."""
+    rng = np.random.default_rng(seed)
+    w = 2 * np.pi * rng.uniform(0.07, 0.8, 5)
+    a, p = rng.uniform(0.1, 0.25, 5), rng.uniform(0, 6, 5)
+    t = np.arange(0, 40.0, 1 / rate)
+    s = np.outer(t, w) + p
+    target, speed, more = np.sin(s) @ a, np.cos(s) @ (a * w), -np.sin(s) @ (a * w**2)
+    ahead = 0.35 * more + 7.848 * np.sin(target) + 0.8 * np.tanh(speed / 0.05) + 0.3 * speed
+    servo, step = 2 * np.pi * 3.0, 2 * np.pi / 2**bits
+    read, tau = np.zeros(len(t)), np.zeros(len(t))
+    q, dq, before, dt = target[0], speed[0], target[0], 1 / rate / parts
+    for k in range(len(t)):
+        read[k] = np.floor(q / step + 0.5) * step
+        off = servo * (target[k] - read[k]) + 1.4 * (speed[k] - (read[k] - before) * rate)
+        tau[k], before = ahead[k] + 0.6 * servo * off, read[k]
+        for _ in range(parts):
+            dq += dt / 0.35 * (tau[k] - 7.848 * np.sin(q) - 0.8 * np.tanh(dq / 0.005) - 0.3 * dq)
+            q += dt * dq
+    noisy = tau + rng.normal(0, 0.02, len(t))
+    return Recording(t=t, q=read[:, None], tau=noisy[:, None], name=f"loop{seed}")
+
+
+@pytest.mark.parametrize("bits", [20, 14, 13])
+def test_what_a_servo_answers_to_its_encoder_is_no_delay(bits):
+    """Torque acts half a sample after its angle: 2.5 ms, less half a step of this simulation."""
+    model = identify([in_a_loop(1, bits)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert model.shift == pytest.approx(-2.25e-3, abs=1e-3)
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_delay_is_found(seed):
     model = identify([late(pendulum(seed), 8e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)

@@ -2,7 +2,9 @@
 
 A torque held over a sample period is half a period late, stamps come from different clocks: such
 an offset shows in every joint alike and is no finding. It is taken out before the search, as the
-weighted median over the joints, so that a delay of one joint alone stays where it is.
+weighted median over the joints, so that a delay of one joint alone stays where it is. Where an
+encoder's noise is more than the motion, only the motion is asked: a servo answers both, each with a
+delay of its own.
 """
 
 from __future__ import annotations
@@ -20,6 +22,8 @@ from pa10d.diagnose.evidence.held_out import quadratic_form
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import effect
+from pa10d.measurement.encoder_noise import motion_up_to
+from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
 
@@ -63,23 +67,41 @@ def joint_delays(state: SearchState) -> tuple[Array, Array]:
     kind, n = effect("torque_delay"), state.train.n
     delays, errors = np.zeros(n), np.full(n, np.inf)
     residual = state.train.scatter(state.train_residual())
+    motion = motion_up_to([(run.context.q, run.lowpass.rate) for run in state.train.runs])
     for j in range(n):
         columns = state.train.columns(kind, (j,), [{}])
         one = partials(state.fit, columns, kind, 1)[0]
         if not one.identifiable:
             continue
-        delays[j] = one.rhs[0] / one.gram[0, 0]
         left = columns[j][:, 0] / state.fit.sigma[j]
         left = left - state.fit.basis[j] @ one.seen[:, 0]
-        per_run = state.train.scatter({j: left})
+        asked = _slow(state, j, left, motion)  # an instrumental variable, if it is not left itself
+        knows = float(asked @ left)
+        if knows <= 0.0:
+            continue
+        delays[j] = asked @ state.fit.residual[j] / knows
+        per_run = state.train.scatter({j: asked})
         variance = sum(
             quadratic_form(p[:, j], r[:, j] / state.fit.sigma[j], k[:, j], run.rate)
             for p, r, k, run in zip(
                 per_run, residual, state.train.keep, state.train.runs, strict=True
             )
         )
-        errors[j] = np.sqrt(variance) / one.gram[0, 0]
+        errors[j] = np.sqrt(variance) / knows
     return delays, errors
+
+
+def _slow(state: SearchState, joint: int, rows: Array, band: float) -> Array:
+    """What is left of rows (m_j,) of one joint below ``band`` Hz, and by the model."""
+    if band >= state.train.runs[0].lowpass.cutoff:
+        return rows
+    stretches = state.train.stretches(joint, rows)
+    slow = [
+        Lowpass(len(x), run.rate, band)(x)[keep]
+        for (x, keep), run in zip(stretches, state.train.runs, strict=True)
+    ]
+    found, basis = np.concatenate(slow), state.fit.basis[joint]
+    return np.asarray(found - basis @ (basis.T @ found))
 
 
 def shared(offset: float, delays: Array, errors: Array) -> bool:

@@ -1,0 +1,48 @@
+"""Up to which frequency a torque's slope is made by motion, and not by an encoder's noise.
+
+Steps and noise of an encoder have a flat spectrum, which is seen alone far above the motion. In a
+third derivative, which a delay of a torque of inertia is seen by, it grows with the sixth power of
+frequency. A servo answers noise as it answers motion, with a delay of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SECONDS = 4.0  # of one segment
+LONGEST = 60_000  # samples of a run that are looked at
+ALONE = (0.12, 0.2)  # of the sampling rate, where nothing of the motion is left, and what is
+HIGHEST = (60.0, 96.0)  # Hz at most: a light low-pass of the motion leaves it as it was
+ABOVE = 10.0  # times the noise: what is less is not all motion
+SHARE = 1e-3  # of the motion's third derivative (power), that noise may add
+
+
+def motion_up_to(runs: Sequence[tuple[Array, float]]) -> float:
+    """Hz, of most joints: runs are angles (N, n) and their rate, no joint's noise being more than
+    ``SHARE`` below; inf where there is none to be seen."""
+    made, noise = (sum(part) for part in zip(*(_powers(q, rate) for q, rate in runs), strict=True))
+    moves = made > 0.0
+    if not moves.any():
+        return np.inf
+    with np.errstate(divide="ignore"):
+        highest = (7.0 * SHARE * made[moves] / ((2.0 * np.pi) ** 6 * noise[moves])) ** (1.0 / 7.0)
+    return float(np.median(highest))
+
+
+def _powers(q: Array, rate: float) -> tuple[Array, Array]:
+    """(n,) power of the motion's third derivative, rad²/s⁶, and (n,) density of the noise, rad²/Hz,
+    both times the duration."""
+    spare = max(0, len(q) - LONGEST) // 2
+    part = q[spare : len(q) - spare]
+    f, power = scipy.signal.welch(part, rate, nperseg=min(len(part), int(SECONDS * rate)), axis=0)
+    low, high = (min(a * rate, b) for a, b in zip(ALONE, HIGHEST, strict=True))
+    noise = np.median(power[(f > low) & (f < high)], axis=0)
+    motion = np.where((power > ABOVE * noise) & (f[:, None] < low), power, 0.0)
+    made = (2.0 * np.pi * f) ** 6 @ motion * f[1]
+    return made * len(q) / rate, noise * len(q) / rate
