@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 LEAST_DELAY = 0.02  # periods of the cut-off: a filter that fast bends less than a thousandth of
 # what passes
 DELAYED = (0.25, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)  # of the delay found, tried of each kind
-AGREED = 2.0  # standard errors of all joints but the one that asks most
+AGREED = 2.0  # standard errors of all joints but the one that asks most (chosen: see 0195)
 CLOSER = 2  # rounds of halving the distance between what was tried
 
 
