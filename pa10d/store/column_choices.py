@@ -11,6 +11,7 @@ from pa10d.store.column_mapping import FIELD, PER_JOINT, UNITS, own_unit
 _NUMBER = re.compile(r"\d+")
 _OPERATORS = re.compile(r"[*/-]")
 MARKS = (("{n}", 0), ("{n-1}", 1))
+NOTHING = ("", "1", "1.0")  # a unit that says no more than SI
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def rules_of(choices: Sequence[Choice], n: int) -> list[str]:
 
 def composed(old: str, new: str) -> str:
     """The unit of numbers in ``old`` whose values are ``new`` of what they were taken for."""
-    if not old or UNITS.get(old) == 1.0:
+    if old in NOTHING or UNITS.get(old) == 1.0:
         return new
     if new in UNITS and new in _OPERATORS.split(old):
         return old  # said already, of this column
@@ -55,7 +56,7 @@ def composed(old: str, new: str) -> str:
         return f"{old}*{new}"
     turned = old[1:] if old.startswith("-") else f"-{old}"
     rest = new[1:]
-    turned = "" if turned in ("1", "1.0") else turned
+    turned = "" if turned in NOTHING else turned
     return turned if rest == "1" else f"{turned}*{rest}" if turned else rest
 
 

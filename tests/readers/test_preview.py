@@ -204,6 +204,7 @@ def test_units_are_put_together():
         both = composed(old, new)
         factor = (read_unit(old).factor if old else 1.0) * read_unit(new).factor
         assert (read_unit(both).factor if both else 1.0) == pytest.approx(factor)
+    assert composed("1", "deg") == composed("", "deg") == "deg"
     assert composed("-deg", "deg") == "-deg"  # a finding on other joints says it once more
     assert rules_of([Choice("q[deg]", "q1"), Choice("tau", "tau1", "Nmm")], 1) == [
         "q[deg][1]=q1", "tau[Nmm]=tau1",
