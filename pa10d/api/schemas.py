@@ -185,6 +185,20 @@ class ImportedRun(Run):
     mapping_kept: str = Field("", description="A sentence for a person; empty: nothing to keep")
 
 
+class RefusedEpisode(BaseModel):
+    """One that is no run, and why."""
+
+    episode: int
+    detail: str
+
+
+class ImportedEpisodes(BaseModel):
+    """Of every episode of a data set: the runs, and what was refused."""
+
+    runs: list[ImportedRun]
+    refused: list[RefusedEpisode]
+
+
 class RecordingFindings(BaseModel):
     """All that the checks say, gravest first."""
 
@@ -239,9 +253,11 @@ class PreviewFinding(RecordingFinding):
 class FileParts(BaseModel):
     """What a file holds several of, and which one was read."""
 
-    kind: Literal["topic", "episode"]
+    kind: Literal["topic", "bus", "episode"] = Field(
+        description="Asked for as ``part``'s episode, or as its topic (topic, bus)"
+    )
     options: dict[str, str] = Field(description="Value, as ``part`` takes it -> words for it")
-    taken: str
+    taken: str = Field(description="Empty: it is to be chosen first")
 
 
 class FilePreview(BaseModel):
@@ -272,6 +288,15 @@ class ImportRequest(Strict):
     replace: bool = False
     force: bool = Field(False, description="Whatever the checks say")
     part: FilePart = FilePart()  # type: ignore[call-arg]
+
+
+class ImportEveryRequest(Strict):
+    """With which mapping every episode of a data set becomes a run."""
+
+    map: Annotated[list[Annotated[str, Field(max_length=1100)]], Field(max_length=400)] = []
+    name: Name | None = Field(None, description="Of the runs, before their numbers: NAME-0 …")
+    replace: bool = False
+    force: bool = Field(False, description="Whatever the checks say")
 
 
 class RunChange(Strict):
@@ -476,6 +501,11 @@ class IdentifyRequest(Strict):
         None, gt=0, le=1000,
         description="Bodies are the URDF's, give or take this many % of what is usual for a link "
         "(one standard deviation); default: nothing is known of them",
+    )  # fmt: skip
+    given: Annotated[list[Annotated[str, Field(max_length=200)]], Field(max_length=100)] = Field(
+        [], examples=[["Fc3=12±2"]],
+        description="Parameters that somebody knows, NAME=VALUE±ERROR in SI: a name from the table "
+        "of parameters, Fc3 for short, or a link's own figure (link J7: m)",
     )  # fmt: skip
     left_out: Annotated[list[LeftOut], Field(max_length=200)] = Field(
         [], description="Stretches that this fit does not use, beside those of the runs themselves"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Commands, force_option, profile_option, replace_option
@@ -25,6 +25,7 @@ def add_commands(commands: Commands) -> None:
             "pa10d identify train --profile robot.urdf --name m0",
             "pa10d identify monday tuesday --with torque_offset --name m0",
             "pa10d identify monday --leave-out monday 12 14.5 --prior 30 --name m0",
+            "pa10d identify monday --prior 'Fc3=12±2' --prior 'link J7: m = 1.5 +- 1 %' --name m0",
         ),
     )
     _runs(parser)
@@ -51,9 +52,10 @@ def add_commands(commands: Commands) -> None:
         default=[], help="seconds of a run that this fit does not use; may be given several times",
     )  # fmt: skip
     parser.add_argument(
-        "--prior", type=float, metavar="PERCENT",
-        help="bodies are the URDF's, give or take this much of what is usual for a link: decides "
-        "what the motion leaves open",
+        "--prior", action="append", default=[], metavar="PERCENT|NAME=VALUE±ERROR",
+        help="what is known beforehand: bodies are the URDF's, give or take this much of what is "
+        "usual for a link; or one parameter and its standard error in SI, Fc3=12±2 (or +-): a name "
+        "from the table of parameters, or a link's own (link J7: m); may be given several times",
     )  # fmt: skip
     force_option(parser)
     replace_option(parser, "the model of this name (the old one stays under its id)")
@@ -84,7 +86,7 @@ def identify(options: argparse.Namespace) -> Answer:
     made = identify_runs(
         _library(options), options.runs, options.profile, name=options.name,
         cutoff=options.cutoff, with_effects=options.effects,
-        robust=options.robust, faster_than=options.faster_than, prior=options.prior,
+        robust=options.robust, faster_than=options.faster_than, **_known(options.prior),
         left_out=_stretches(options.left_out), replace=options.replace, force=options.force,
         progress=progress_line(),
     )  # fmt: skip
@@ -102,6 +104,22 @@ def identify(options: argparse.Namespace) -> Answer:
         ),
     ]
     return Answer(found, "\n".join(lines))
+
+
+def _known(said: Sequence[str]) -> dict[str, Any]:
+    """A number is the share of the URDF's bodies, all else single parameters."""
+    from pa10d.common.errors import UserError
+
+    shares = [word for word in said if "=" not in word]
+    if len(shares) > 1:
+        raise UserError(f"--prior {' '.join(shares)}: expected one share of the URDF's bodies")
+    try:
+        percent = float(shares[0].removesuffix("%")) if shares else None
+    except ValueError as error:
+        raise UserError(
+            f"--prior {shares[0]}: expected a share in %, or NAME=VALUE±ERROR, such as Fc3=12±2"
+        ) from error
+    return {"prior": percent, "given": [word for word in said if "=" in word]}
 
 
 def _stretches(given: Sequence[Sequence[str]]) -> list[tuple[str, float, float]]:

@@ -66,16 +66,20 @@ def feasible_fit(
     prior: Array,
     lower: Array,
     upper: Array,
+    bodies: tuple[Array, Array] | None = None,
 ) -> Feasible:
     """argmin ‖T·[M·h; c] - y‖² over feasible h and lower ≤ c ≤ upper; where that leaves a choice,
     the h nearest to the prior.
 
     triangle (m, b+k), target (m,): weighted least-squares problem in base parameters and k more
     unknowns, in units of the noise's standard deviation; prior: (n, 10) standard parameters
+    bodies: rows (r, 10n) and target (r,) of what is known of single ones, in the same units
     """
     quality = float(np.linalg.norm(target)) / np.sqrt(max(len(target), 1))
     coarser = min(1.0, FINEST / max(quality, 1e-300))
     problem = _Problem(triangle * coarser, target * coarser, base, prior, lower, upper)
+    if bodies is not None:
+        problem.know(bodies[0] * coarser, bodies[1] * coarser)
     first, status = problem.nearest_to_data()
     if status in GOOD:
         second, refined = problem.nearest_to_prior(first)
@@ -105,7 +109,19 @@ class _Problem:
         self.scale = np.concatenate([*sizes, 1.0 / np.where(norms > 0, norms, 1.0)])
         self.data, self.target = whole * self.scale, target
         self.wanted = prior.reshape(-1) / self.scale[: self.inertial]
-        self.size, self.rows = self.data.shape[1], len(self.data)
+        self.size = self.data.shape[1]
+
+    @property
+    def rows(self) -> int:
+        """How many equations there are."""
+        return len(self.data)
+
+    def know(self, rows: Array, target: Array) -> None:
+        """Equations (r,) of the standard parameters beside those of the data."""
+        wide = np.zeros((len(rows), self.size))
+        wide[:, : self.inertial] = rows * self.scale[: self.inertial]
+        self.data = np.vstack([self.data, wide])
+        self.target = np.append(self.target, target)
 
     def split(self, x: Array) -> tuple[Array, Array]:
         """Standard parameters (n, 10) and further unknowns of a scaled solution."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from pa10d.compare import comparison
 from pa10d.diagnose import procedure
@@ -23,6 +23,7 @@ def identify(
     cutoff_hz: float | None = None,
     extra: Sequence[str] = (),
     prior: float | None = None,
+    given: Mapping[str, tuple[float, float]] | None = None,
     name: str = "model",
     progress: Progress | None = None,
     cancel: Cancel | None = None,
@@ -31,12 +32,14 @@ def identify(
 
     cutoff_hz: of the low-pass on both sides; default: from the data. extra: ids of further effects,
     on every joint, such as ``"torque_offset"``. prior: % of what is usual for a link, by which its
-    body may differ from the URDF's; default: nothing is known of it. progress(share done, what is
-    being done); cancel: asked now and then, True raises ``Cancelled``.
+    body may differ from the URDF's; default: nothing is known of it. given: single parameters
+    that you know, as value and standard error (SI): ``{"Fc3": (12.0, 2.0)}``. progress(share done,
+    what is being done); cancel: asked now and then, True raises ``Cancelled``.
     """
     made, _ = identified(
         recordings(runs), robot.tree, name=name, cutoff=cutoff_hz, with_effects=tuple(extra),
-        prior=prior, progress=progress, cancel=cancel,
+        prior=prior, given=[(one, *known) for one, known in (given or {}).items()],
+        progress=progress, cancel=cancel,
     )  # fmt: skip
     return Model(made)
 

@@ -12,8 +12,10 @@ from pa10d.dynamics import Robot
 from pa10d.dynamics.feasible import Feasible, feasible_fit
 from pa10d.dynamics.pseudo_inertia import definiteness
 from pa10d.identify.fit import Fit
+from pa10d.identify.prior import Beside
 from pa10d.model import Unknowns
 from pa10d.regression.layout import Layout
+from pa10d.regression.solution import solve
 
 Array = NDArray[np.float64]
 
@@ -32,15 +34,21 @@ class FeasibleModel:
     found: bool
 
 
-def find_feasible(fit: Fit, layout: Layout) -> FeasibleModel:
-    """Least squares again, on the same weighted data, with every link a possible body."""
-    solution = fit.solution
+def find_feasible(fit: Fit, layout: Layout, known: Beside | None = None) -> FeasibleModel:
+    """Least squares again, on the same weighted data and what is known besides, with every link a
+    possible body."""
+    solution, bodies = fit.solution, None
+    if known is not None:  # of bodies themselves, not of what torque shows of them
+        own = known.of_bodies()
+        bodies = (own.rows, own.target)
+        solution = solve(fit.factors, layout.of_joint, layout.size, solution.sigma, known.unknowns)
     return nearest_feasible(
         solution.triangle,
         solution.target,
         layout,
         layout.robot,
         lambda beta: fit.rms_of(beta, layout.of_joint),
+        bodies,
     )
 
 
@@ -50,12 +58,14 @@ def nearest_feasible(
     unknowns: Unknowns,
     robot: Robot,
     rms: Callable[[Array], Array],
+    bodies: tuple[Array, Array] | None = None,
 ) -> FeasibleModel:
-    """The same of any weighted fit, ‖triangle·β - target‖²; rms: (n,) N·m that another β leaves."""
+    """The same of any weighted fit, ‖triangle·β - target‖²; rms: (n,) N·m that another β leaves;
+    bodies: rows and target of what is known of standard parameters (10n,)."""
     base = unknowns.base
     bounded = [c for term in unknowns.terms for c in term.effect.coefficients]
     lower, upper = (np.array([getattr(c, side) for c in bounded]) for side in ("lower", "upper"))
-    answer: Feasible = feasible_fit(triangle, target, base, robot.parameters, lower, upper)
+    answer: Feasible = feasible_fit(triangle, target, base, robot.parameters, lower, upper, bodies)
     inner = definiteness(answer.standard)
     return FeasibleModel(
         standard=answer.standard,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,7 @@ from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.covariance import Seen, Uncertainty, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout, has_sign
-from pa10d.regression.problem import Knowledge, Problem
+from pa10d.regression.problem import Problem
 from pa10d.regression.solution import Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
@@ -84,8 +84,8 @@ def weighted_fit(
     sigma = problem.sigma
     if sigma is None:
         sigma = estimate_weights(plain, still, inner, size)
-    solution = _solved(plain, inner, size, sigma, known)
-    wide = _solved(moving, outer, size + len(found), sigma, known)
+    solution = solve(plain, inner, size, sigma, known)
+    wide = solve(moving, outer, size + len(found), sigma, known)
     residuals, keeps, peaks = [], [], np.zeros((len(inner), size))
     for rows in stretches():
         residuals.append(rows.residual(inner, solution.beta))
@@ -105,7 +105,7 @@ def weighted_fit(
         wide.sigma,
         _leverage(moving, outer, wide),
         pieces.lowpass,
-        None if known is None else inverse @ known.information(len(inverse)) @ inverse,
+        None if known is None else inverse @ known.scatter(len(inverse)) @ inverse,
     )
     errors = _v0_errors(layout, smoothing, solution.beta, uncertain.covariance)
     rms = rms_of(plain, inner, solution.beta)
@@ -116,17 +116,6 @@ def weighted_fit(
     open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
     open_[solution.open] = True
     return Fit(solution, stated, rms, torque, errors, plain, open_)
-
-
-def _solved(
-    factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array, known: Knowledge | None
-) -> Streamed:
-    if known is None:
-        return solve(factors, indices, size, sigma)
-    found = solve(
-        [*factors, known.triangle], [*indices, known.unknowns()], size, np.append(sigma, 1.0)
-    )
-    return replace(found, sigma=sigma)
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:

@@ -19,7 +19,7 @@ from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import weighted_fit
 from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
-from pa10d.identify.prior import urdf_prior
+from pa10d.identify.prior import Prior
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
@@ -44,6 +44,7 @@ def identify(
     robust: bool = False,
     faster_than: Sequence[float] | None = None,
     prior: float | None = None,
+    given: Sequence[tuple[str, float, float]] = (),
     progress: Callable[[float, str], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> TorqueModel:
@@ -56,6 +57,7 @@ def identify(
     friction is linear there (set A of Vuong & Ang 2009)
     prior: %, how near the bodies are to the URDF's, of what is usual for a link (one standard
     deviation); default: nothing is known of them
+    given: name, value and standard error (SI) of single parameters that somebody knows
     progress: called with (share done, what is being done)
     cancel: asked now and then; True raises ``Cancelled``
     """
@@ -73,8 +75,9 @@ def identify(
     # the matrices are many and small: threads of the linear algebra would mostly wait
     with threadpool_limits(limits=1, user_api="blas"):
         return _identify(
-            recordings, robot, name, cutoff, with_effects, robust, speeds, prior, say, tick
-        )
+            recordings, robot, name, cutoff, with_effects, robust, speeds,
+            prior, given, say, tick,
+        )  # fmt: skip
 
 
 def _identify(
@@ -86,12 +89,13 @@ def _identify(
     robust: bool,
     faster_than: Array | None,
     prior: float | None,
+    given: Sequence[tuple[str, float, float]],
     say: Callable[[float, str], None],
     tick: Callable[[], None],
 ) -> TorqueModel:
     say(0.0, "base parameters")
     layout = textbook(robot, with_effects)
-    known = None if prior is None else urdf_prior(layout, prior)
+    known = Prior.of(layout, prior, given)
     why: Cutoff | None = None
     if cutoff is None:
         say(0.05, "cut-off")
@@ -122,10 +126,16 @@ def _identify(
         shift = shift.later(rest)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
-    fit = (robust_fit if robust else weighted_fit)(pieces, Problem(layout, known), smoothing)
+    fitted = robust_fit if robust else weighted_fit
+    fit = fitted(pieces, Problem(layout), smoothing)
+    beside, contradicted = None, []
+    if known is not None:
+        say(0.75, "least squares with what is known")
+        beside, contradicted = known.beside(fit), list(known.contradicted(fit))
+        fit = fitted(pieces, Problem(layout, beside.whole()), smoothing)
     say(0.9, "feasible parameters")
-    feasible = find_feasible(fit, layout)
-    warnings = warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
+    feasible = find_feasible(fit, layout, beside)
+    warnings = contradicted + warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
     notes = {
         "condition_number": pieces.condition_number(),
         "warnings": warnings,

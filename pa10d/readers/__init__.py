@@ -1,7 +1,7 @@
 """Recordings from other programs: any file that people have, as samples of a robot."""
 
 from pa10d.readers.lerobot import episodes_of
-from pa10d.readers.part import WHOLE, Part, Parts
+from pa10d.readers.part import WHOLE, Part, Parts, Undecided
 from pa10d.readers.read import read_recording, read_table
 from pa10d.readers.table import Table, recording_of
 from pa10d.readers.value_guess import guessed_by_value
@@ -11,6 +11,7 @@ __all__ = [
     "Part",
     "Parts",
     "Table",
+    "Undecided",
     "episodes_of",
     "guessed_by_value",
     "read_recording",

@@ -18,6 +18,7 @@ from pa10d.measurement.counters import unwrapped
 from pa10d.profile import Profile
 from pa10d.readers.bag_columns import columns_of
 from pa10d.readers.bag_rows import BagTopic
+from pa10d.readers.part import Parts, Undecided
 from pa10d.readers.table import Table
 
 SYNC, ANSWER = 0x80, 0x180
@@ -60,7 +61,7 @@ def read_can_log(path: Path, profile: Profile, kind: str = "", channel: str | No
     except Exception as error:  # whatever a damaged log makes of its reader
         said = (str(error).strip() or type(error).__name__).splitlines()[0][:160]
         raise UserError(f"{path}: cannot be read ({said}); expected a CAN log") from error
-    frames = _bus(path, buses, channel, len(profile.drives))
+    frames, parts = _bus(path, buses, channel, len(profile.drives))
     for j, found in enumerate(frames.answers):
         if len(found) < FEWEST:
             raise UserError(
@@ -68,7 +69,9 @@ def read_can_log(path: Path, profile: Profile, kind: str = "", channel: str | No
                 f"of {TPDO.size} bytes; expected TPDO 1 with 0x6064, 0x6077 and 0x6041"
             )
     joints = [f"joint {j}" for j in range(1, len(profile.drives) + 1)]
-    return columns_of(path, {"the bus": _topic(frames, profile, joints)}, joints)
+    table = columns_of(path, {"the bus": _topic(frames, profile, joints)}, joints)
+    table.parts = parts
+    return table
 
 
 def _buses(log: Iterable[can.Message], nodes: Mapping[int, int]) -> dict[str, Frames]:
@@ -95,23 +98,28 @@ def _buses(log: Iterable[can.Message], nodes: Mapping[int, int]) -> dict[str, Fr
     return buses
 
 
-def _bus(path: Path, buses: Mapping[str, Frames], channel: str | None, joints: int) -> Frames:
-    """The one that the drives speak on."""
+def _bus(
+    path: Path, buses: Mapping[str, Frames], channel: str | None, joints: int
+) -> tuple[Frames, Parts | None]:
+    """The one that the drives speak on, and which there are where they speak on several."""
+    whole = sorted(name for name, frames in buses.items() if frames.whole)
+    options = {name: f"{name} · {len(buses[name].answers[0])} answers" for name in whole}
+    parts = Parts("bus", options, channel or "") if len(whole) > 1 else None
     if channel is not None:
         if channel not in buses:
             there = ", ".join(sorted(buses)) or "none"
             raise UserError(f"{path}: no bus {channel}; found {there}")
-        return buses[channel]
-    whole = sorted(name for name, frames in buses.items() if frames.whole)
-    if len(whole) > 1:
-        raise UserError(
+        return buses[channel], parts
+    if parts:
+        raise Undecided(
             f"{path}: the drives speak on {len(whole)} buses, {', '.join(whole)}; expected one: "
-            f"--topic {whole[0]}"
+            f"--topic {whole[0]}",
+            parts,
         )
     if whole:
-        return buses[whole[0]]
+        return buses[whole[0]], None
     most = max(buses.values(), key=lambda one: sum(map(len, one.answers)), default=None)
-    return most or Frames(joints)
+    return most or Frames(joints), None
 
 
 def _topic(frames: Frames, profile: Profile, joints: Sequence[str]) -> BagTopic:

@@ -33,15 +33,23 @@ WHOLE = Part()
 @dataclass(frozen=True)
 class Parts:
     """What a file holds several of. options: the value of a ``Part``'s field -> words for it;
-    taken: the value that was read."""
+    taken: the value that was read, empty where none was."""
 
-    kind: Literal["topic", "episode"]
+    kind: Literal["topic", "bus", "episode"]
     options: dict[str, str]
     taken: str
 
     @property
     def another(self) -> str:
         """How the command line asks for another one."""
-        if self.kind == "topic":
+        if self.kind != "episode":
             return "--topic NAME takes another"
         return "--episode N takes another, --episode all each as a run of its own"
+
+
+class Undecided(UserError):
+    """Several recordings, and nothing that tells which one is meant."""
+
+    def __init__(self, message: str, parts: Parts) -> None:
+        super().__init__(message)
+        self.parts = parts

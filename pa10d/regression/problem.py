@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.model import Term, Unknowns
-from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 U = TypeVar("U", bound=Unknowns)
@@ -24,19 +23,20 @@ U = TypeVar("U", bound=Unknowns)
 @dataclass(frozen=True)
 class Knowledge:
     """What is known of the first b unknowns before the data: ‖rows·β - target‖² joins the weighted
-    squares; rows (k, b), target (k,)."""
+    squares; rows (k, b), target (k,).
+
+    spread: (k,) standard deviation of what each row may be off by; one where it counts as it is
+    known
+    """
 
     rows: Array
     target: Array
+    spread: Array
 
     @classmethod
     def about(cls, mean: Array, root: Array) -> Knowledge:
         """That β is near ``mean`` (b,): ‖root·(β - mean)‖², root (k, b)."""
-        return cls(root, root @ mean)
-
-    def unknowns(self) -> NDArray[np.int64]:
-        """Which of all unknowns it is about."""
-        return np.arange(self.rows.shape[1])
+        return cls(root, root @ mean, np.ones(len(root)))
 
     def wide(self, size: int) -> Array:
         """(k, size): its rows as equations for all unknowns."""
@@ -44,17 +44,10 @@ class Knowledge:
         out[:, : self.rows.shape[1]] = self.rows
         return out
 
-    def information(self, size: int) -> Array:
-        """(size, size): what it adds to the normal matrix of all unknowns."""
-        wide = self.wide(size)
+    def scatter(self, size: int) -> Array:
+        """(size, size) covariance of what it brings to the normal equations of all unknowns."""
+        wide = self.wide(size) * self.spread[:, None]
         return np.asarray(wide.T @ wide)
-
-    @property
-    def triangle(self) -> Triangle:
-        """Beside those of the joints, with weight 1."""
-        made = Triangle(self.rows.shape[1] + 1)
-        made.add(np.column_stack([self.rows, self.target]))
-        return made
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from pa10d.regression.problem import Knowledge
 from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
@@ -22,6 +23,7 @@ Indices = Sequence[NDArray[np.int64]]
 NEAR_NULL = 1e-5  # of the largest singular value: motion too poor to tell
 NUMERICAL = 1e-10  # of the largest singular value: nothing but rounding
 DEMANDED = 10.0  # standard deviations of the noise by which data must ask for a near-null direction
+HELD = 0.5**0.5  # of a singular value: half of what is known of a direction was known beforehand
 MOVED = 1e-3  # share of a truncated direction; what rounding mixes into it is a millionth of that
 ROUNDS = 2
 
@@ -110,20 +112,31 @@ def spread(
     return np.asarray(np.sqrt(np.maximum(variance, floor)))
 
 
-def solve(factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array) -> Streamed:
-    """Least squares over all joints, joint j weighted by 1/σ_j².
+def solve(
+    factors: Sequence[Triangle],
+    indices: Indices,
+    size: int,
+    sigma: Array,
+    known: Knowledge | None = None,
+) -> Streamed:
+    """Least squares over all joints, joint j weighted by 1/σ_j², with what is known beforehand.
 
     factors[j]: of [columns, torque] of joint j
 
     Rank: a direction is solved for if its singular value, in the weighted matrix with columns
     scaled to unit length, exceeds NEAR_NULL of the largest, or if it is at least NUMERICAL of it
-    and the torque has a part along it far above the noise. Structural dependencies are gone before
+    and the torque has a part along it far above the noise, or most of it is known beforehand, so
+    that noise cannot run along it. Structural dependencies are gone before
     (base parameters); what is left near null is motion that was too poor, along which noise would
     be amplified without bound. Orthogonal reduction keeps singular values down to 1e-15 of the
     largest, where a Gram matrix would end at 1e-8.
     """
-    stacked = np.zeros((max(sum(len(f.r) for f in factors), size + 1), size + 1))
-    start = 0
+    told = np.zeros((0, size)) if known is None else known.wide(size)
+    count = len(told) + sum(len(f.r) for f in factors)
+    stacked = np.zeros((max(count, size + 1), size + 1))
+    start = len(told)  # the firmest rows come first: the reduction then loses no digits to them
+    if known is not None:
+        stacked[:start] = np.column_stack([told, known.target])
     for factor, index, s in zip(factors, indices, sigma, strict=True):
         part = slice(start, start + len(factor.r))
         stacked[part, index] = factor.r[:, :-1] / s
@@ -137,7 +150,8 @@ def solve(factors: Sequence[Triangle], indices: Indices, size: int, sigma: Array
     left, values, right = np.linalg.svd(triangle)
     along = left.T @ target
     demanded = (values > NUMERICAL * values[0]) & (np.abs(along) > DEMANDED)
-    solved = strong(values) | demanded
+    held = np.linalg.norm(told / scale @ right.T, axis=0) > HELD * values
+    solved = strong(values) | demanded | ((values > NUMERICAL * values[0]) & held)
     turn = right[solved].T / values[solved] / scale[:, None]
     beta = turn @ along[solved]
     return Streamed(beta, sigma, turn, triangle * scale, target, right[~solved].T, values, scale)

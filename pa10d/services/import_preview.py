@@ -20,7 +20,16 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import WHOLE, Part, Parts, Table, guessed_by_value, read_table, recording_of
+from pa10d.readers import (
+    WHOLE,
+    Part,
+    Parts,
+    Table,
+    Undecided,
+    guessed_by_value,
+    read_table,
+    recording_of,
+)
 from pa10d.services.mending import mends
 from pa10d.services.runs import findings_of, in_own_words
 from pa10d.store.column_choices import Choice, composed, field_of, rules_of
@@ -100,7 +109,13 @@ def preview_recording(
     whatever ``mapping`` (``COLUMN=FIELD`` options) does not say.
     thorough: also what needs a fit (delay, signs, size of the torque). part: of a file that holds
     several recordings. UserError where the file cannot be read at all."""
-    table = _table(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
+    try:
+        table = _table(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
+    except Undecided as error:
+        problem = f"it holds {len(error.parts.options)} recordings: choose the {error.parts.kind}"
+        return Preview(
+            file.name, robot.joint_names, 0, [], 0, [], problem, parts=error.parts, part=part
+        )
     look = _Look(file, table, part, profile, robot)
     if choices is None:
         choices = look.guess(mapping)

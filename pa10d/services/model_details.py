@@ -12,6 +12,7 @@ from pa10d.model import TorqueModel
 from pa10d.model.impossible import impossible
 
 WEAK = 0.3  # of a value: a standard error above that
+ROUNDING = 1e-6
 UNCHANGED = 0.9  # of the standard error before the data: they told next to nothing
 NEAR = 1e-6  # of a range: as good as at its end
 
@@ -42,7 +43,9 @@ def parameter_list(model: TorqueModel) -> list[dict[str, Any]]:
     ``urdf``: the same base parameter of the bodies that the URDF has, null for effects;
     ``flags``: what is to be known of the value, in words."""
     sentences, urdf = model.base.sentences(), model.base.of(model.robot.parameters)
-    before = (model.notes.get("prior") or {}).get("std_errors") or [None] * len(urdf)
+    before = (model.notes.get("prior") or {}).get("std_errors") or []
+    before = [*before, *[None] * (sum(t.width for t in model.terms) + len(urdf) - len(before))]
+    places = iter(before[len(urdf) :])
     found = [
         {
             "name": parameter_name(int(k)),
@@ -55,13 +58,14 @@ def parameter_list(model: TorqueModel) -> list[dict[str, Any]]:
     ]
     for i, term in enumerate(model.terms):
         bounds = {shape.name: (shape.lower, shape.upper) for shape in term.effect.shapes}
+        doubts = {c.name: next(places) for c in term.effect.coefficients}
         found += [
             {
                 "name": term.named(name),
                 **value.document(),
                 "meaning": EXPLAINS_NOTHING if term.over else term.effect.equation,
                 "urdf": None,
-                "flags": flags(value, bounds.get(name)),
+                "flags": flags(value, bounds.get(name), doubts.get(name)),
             }
             for name, value in model.term_values(i).items()
         ]
@@ -74,13 +78,15 @@ def flags(
     """``not determined``, ``at its bound``, ``weak`` (a standard error above 30 % of the value),
     ``from the prior``: as unsure as before any data.
 
-    before: standard error that the value had then"""
+    before: standard error that the value had then; the torque constants' own is not the data's"""
     said = [] if value.determined else ["not determined"]
     if bounds is not None and min(abs(value.value - bound) for bound in bounds) <= NEAR * (
         bounds[1] - bounds[0]
     ):
         said.append("at its bound")
-    if value.determined and before is not None and value.std_error > UNCHANGED * before:
+    error = value.std_error if value.random is None else value.random
+    rounding = ROUNDING * value.std_error  # of a difference of squares
+    if value.determined and before is not None and error + rounding >= UNCHANGED * before:
         said.append("from the prior")
     elif value.determined and value.std_error > WEAK * abs(value.value):
         said.append("weak")

@@ -81,6 +81,7 @@ def identify_runs(
     robust: bool = False,
     faster_than: Sequence[float] | None = None,
     prior: float | None = None,
+    given: Sequence[str] = (),
     left_out: Sequence[Stretch] = (),
     replace: bool = False,
     force: bool = False,
@@ -89,10 +90,14 @@ def identify_runs(
 ) -> Identified:
     """Fit the textbook model to stored runs and store it; nothing is stored where that fails.
 
-    prior: % of what is usual for a link, by which bodies may differ from the URDF's; left_out: what
-    this fit does not use, beside what the runs themselves leave out; force: also to runs that the
-    checks have an error against."""
+    prior: % of what is usual for a link, by which bodies may differ from the URDF's; given:
+    single parameters that somebody knows, such as ``Fc3=12±2``; left_out: what this fit does not
+    use, beside what the runs themselves leave out; force: also to runs that the checks have an
+    error against."""
     from pa10d.identify import summary
+    from pa10d.identify.given import read_given
+
+    stated = [read_given(text) for text in given]
 
     if not replace:
         library.models.refuse_taken(name)
@@ -109,6 +114,7 @@ def identify_runs(
         robust=robust,
         faster_than=faster_than,
         prior=prior,
+        given=stated,
         progress=progress,
         cancel=cancel,
     )

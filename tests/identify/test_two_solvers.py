@@ -14,7 +14,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.identify import identify
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.fit import weighted_fit
-from pa10d.identify.prior import urdf_prior
+from pa10d.identify.prior import Prior
 from pa10d.identify.smoothing import Smoothing, with_smoothing
 from pa10d.regression.layout import textbook
 from pa10d.regression.problem import Problem
@@ -39,7 +39,7 @@ def test_two_solvers_of_one_problem_agree(colour, percent):
     known = Smoothing(v0, np.zeros(2, dtype=bool))  # no v0 is one more unknown
     layout = with_smoothing(textbook(truth.robot), known)
     sigma = np.array([1.0, 0.7])
-    prior = None if percent is None else urdf_prior(layout, percent)
+    prior = None if percent is None else Prior.of(layout, percent).beside().whole()
     problem = Problem(layout, prior, sigma)
     pieces = Pieces([run], truth.robot, layout, CUTOFF)
     streamed = weighted_fit(pieces, problem, known)

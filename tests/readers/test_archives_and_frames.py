@@ -16,6 +16,7 @@ from test_formats import DRIVES, FILES, URDF, can_log
 from pa10d.common.errors import UserError
 from pa10d.profile import Can, Drive
 from pa10d.readers import Part, read_recording
+from pa10d.services.import_preview import preview_recording
 from pa10d.services.robots import load_robot
 from pa10d.services.runs import import_run
 from pa10d.store import RunStore
@@ -263,6 +264,13 @@ def test_two_buses_are_not_one(tmp_path, robot):
         read_recording(path, *robot)
     found = read_recording(path, *robot, part=Part(topic="can1"))
     np.testing.assert_allclose(found.samples.q, q + 1, atol=1e-5)
+    seen = preview_recording(path, *robot)
+    assert seen.problem == "it holds 2 recordings: choose the bus"
+    assert (seen.parts.kind, list(seen.parts.options), seen.parts.taken) == (
+        "bus", ["can0", "can1"], ""
+    )  # fmt: skip
+    chosen = preview_recording(path, *robot, part=Part(topic="can1"))
+    assert (chosen.problem, chosen.parts.taken) == ("", "can1")
     with pytest.raises(UserError, match=r"no bus can7; found can0, can1"):
         read_recording(path, *robot, part=Part(topic="can7"))
 

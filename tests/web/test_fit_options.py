@@ -16,6 +16,7 @@ def test_what_is_chosen_is_what_is_asked_for(archive, visit):
     page.locator("#models summary", has_text="Options").click()
     page.get_by_label("cut-off").fill("8")
     page.get_by_label("bodies as in the URDF within").fill("30")
+    page.get_by_label("parameters you know").fill("Fc3 = 12 ± 2\nlink J7: m = 1.5 +- 1 %\n")
     page.get_by_label("only faster than").fill("0.1")
     page.get_by_text("Further terms").click()
     page.get_by_role("checkbox", name="Torque offset").check()
@@ -43,6 +44,7 @@ def test_what_is_chosen_is_what_is_asked_for(archive, visit):
         (run,) = [run["id"] for run in client.runs() if run["name"] == "train_a"]
     assert asked == {
         "runs": [run], "name": "m1", "cutoff": 8, "with_effects": ["torque_offset"], "prior": 30,
+        "given": ["Fc3 = 12 ± 2", "link J7: m = 1.5 +- 1 %"],
         "faster_than": [0.1], "left_out": [{"run": run, "begin": 10, "end": 20}],
     }  # fmt: skip
     assert not [one for one in visitor.errors if "409" not in one]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 
 import httpx
 import numpy as np
@@ -122,11 +123,49 @@ def test_an_episode_is_chosen_looked_at_and_imported(page, archive):
     box.locator("p", has_text="500 samples").wait_for()
     shown(page)
     assert "--episode 2" in box.locator("code").text_content()
-    box.get_by_role("button", name="Import").locator("visible=true").last.click()
+    this_one = re.compile("^Import( it all the same)?$")
+    box.get_by_role("button", name=this_one).locator("visible=true").last.click()
     page.locator("#runs tbody tr", has_text="set-2").wait_for()
     run = httpx.get(f"{archive[0]}/api/v1/runs/set-2", trust_env=False).json()
     assert run["samples"] == 500
     httpx.delete(f"{archive[0]}/api/v1/runs/set-2", trust_env=False).raise_for_status()
+
+
+def test_every_episode_becomes_a_run(page, archive):
+    """But one that is too short to be one."""
+    page.evaluate(BYTES, ["set.parquet", base64.b64encode(episodes(300, 2, 500)).decode()])
+    shown(page).get_by_role("button", name="Import all 3 episodes").click()
+    said = page.locator(".notice", has_text="Imported 2 of 3 episodes.")
+    said.get_by_text("Episode 1: set.parquet").wait_for()
+    for name, samples in (("set-0", 300), ("set-2", 500)):
+        page.locator("#runs tbody tr", has_text=name).wait_for()
+        run = httpx.get(f"{archive[0]}/api/v1/runs/{name}", trust_env=False).json()
+        assert run["samples"] == samples
+        httpx.delete(f"{archive[0]}/api/v1/runs/{name}", trust_env=False).raise_for_status()
+
+
+def test_a_log_of_two_buses_asks_for_one(page):
+    lines = []
+    for k in range(400):
+        for c in (0, 1):
+            at = 1000.0 + 0.005 * k + 0.001 * c
+            lines.append(f"({at:.6f}) can{c} 080#")
+            for j in range(7):
+                count = round(1e5 * np.sin(0.02 * k + j) + 1e5 * c).to_bytes(
+                    4, "little", signed=True
+                )
+                data = (count + bytes([k % 50, 0, 0x27, 6])).hex().upper()
+                lines.append(f"({at + 1e-4 * (j + 1):.6f}) can{c} {0x181 + j:03X}#{data}")
+    page.evaluate(DROP, ["bus.log", "\n".join(lines) + "\n"])
+    box = page.locator(".preview")
+    box.locator("p.bad", has_text="it holds 2 recordings: choose the bus").wait_for()
+    assert box.get_by_role("button", name="Import", exact=True).is_disabled()
+    page.get_by_label("bus", exact=True).select_option("can1")
+    box.locator("p", has_text="400 samples").wait_for()
+    shown(page)
+    assert not box.locator("p.bad").is_visible()
+    assert "--topic can1" in box.locator("code").text_content()
+    box.get_by_role("button", name="Leave it").click()
 
 
 def episodes(*lengths: int) -> bytes:

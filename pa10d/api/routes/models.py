@@ -83,6 +83,11 @@ async def identify(
     await _check(daemon, request.runs, request)
     for effect_id in request.with_effects:
         refuse_wrong_effect(effect_id)
+    if request.given:
+        from pa10d.identify.given import read_given
+
+        for text in request.given:
+            read_given(text)
     job = daemon.compute(
         "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
     )

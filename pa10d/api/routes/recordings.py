@@ -12,8 +12,16 @@ from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.held import HeldFile, HeldFiles
 from pa10d.api.problems import responses
 from pa10d.api.routes.runs import refuse_taken_run
-from pa10d.api.schemas import ColumnChoices, FilePreview, ImportedRun, ImportRequest
+from pa10d.api.schemas import (
+    ColumnChoices,
+    FilePreview,
+    ImportedEpisodes,
+    ImportedRun,
+    ImportEveryRequest,
+    ImportRequest,
+)
 from pa10d.api.uploads import BODY, new_place, plain_name, take
+from pa10d.common.errors import UserError
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -92,6 +100,46 @@ async def import_recording(
         )  # fmt: skip
     daemon.events.publish("run", found["run"])
     return {**found["run"], "mapping_kept": found["kept"]}
+
+
+@router.post(
+    "/{file}/import-every",
+    response_model=ImportedEpisodes,
+    status_code=201,
+    responses=responses("refused", "conflict", "not-found"),
+)
+async def import_every_episode(
+    daemon: TheDaemon,
+    files: TheFiles,
+    may_replace: MayReplace,
+    file: str,
+    asked: ImportEveryRequest,
+) -> dict[str, Any]:
+    """Every episode of a data set becomes a run, NAME-0 …; those that are refused are told, the
+    others are stored all the same. Where none could be stored, the file waits on."""
+    may_replace(asked.replace)
+    runs: list[dict[str, Any]] = []
+    refused: list[dict[str, Any]] = []
+    async with files.taken(file) as held:
+        for episode in await daemon.answer("episodes_of_file", file=str(held.path)):
+            try:
+                found = await daemon.answer(
+                    "import_file", file=str(held.path), profile=str(daemon.profile.path),
+                    mapping=asked.map, name=asked.name and f"{asked.name}-{episode}",
+                    replace=asked.replace, check=True, force=asked.force,
+                    part={"episode": episode},
+                )  # fmt: skip
+            except UserError as error:
+                refused.append({"episode": episode, "detail": str(error)})
+                continue
+            daemon.events.publish("run", found["run"])
+            runs.append({**found["run"], "mapping_kept": found["kept"]})
+        if not runs:
+            raise UserError(
+                f"{held.path.name}: none of its {len(refused)} episodes can be imported; "
+                f"{refused[0]['detail']}"
+            )
+    return {"runs": runs, "refused": refused}
 
 
 @router.delete("/{file}", responses=responses("conflict", "not-found"))

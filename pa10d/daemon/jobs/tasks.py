@@ -50,6 +50,16 @@ def import_file(
     return {"run": result.info.document(), "kept": result.kept}
 
 
+def episodes_of_file(data: str, file: str) -> list[int]:
+    """Numbers of the episodes of a data set's file."""
+    from pa10d.readers import episodes_of
+
+    try:
+        return sorted(episodes_of(Path(file)))
+    except UserError as error:
+        raise UserError(str(error).replace(f"{Path(file).parent}/", "")) from error
+
+
 def preview_file(
     data: str,
     file: str,
@@ -106,6 +116,7 @@ def identify(
     progress: Progress,
     force: bool = False,
     prior: float | None = None,
+    given: Sequence[str] = (),
     left_out: Sequence[Mapping[str, Any]] = (),
 ) -> JsonObject:
     """The textbook model → what ``pa10d identify --json`` says."""
@@ -114,7 +125,8 @@ def identify(
 
     return identify_runs(
         open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
-        robust=robust, faster_than=faster_than, prior=prior, replace=replace, force=force,
+        robust=robust, faster_than=faster_than, prior=prior, given=given,
+        replace=replace, force=force,
         left_out=[(one["run"], one["begin"], one["end"]) for one in left_out],
         progress=progress,
     ).summary  # fmt: skip

@@ -8,12 +8,21 @@ const FILES = ".csv,.gz,.bz2,.zst,.xz,.zip,.txt,.tsv,.dat,.mcap,.db3,.bag,.parqu
 const LARGEST = 512 * 2 ** 20; // bytes, as the daemon takes them
 const WORDS = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
 
-async function bring(held, { rules, part, force }) {
+/** Every episode of a data set: what was stored, and why the others were not. */
+async function bringEvery(held, { rules, force }) {
+  const { runs, refused } = await post(`recordings/${held.id}/import-every`, { map: rules, force });
+  const why = refused.map((one) => `Episode ${one.episode}: ${one.detail}`).join(" ");
+  notice(`Imported ${runs.length} of ${runs.length + refused.length} episodes.`, { detail: why });
+  return runs;
+}
+
+async function bring(held, { rules, part, force, every }) {
+  if (every) return bringEvery(held, { rules, force });
   const run = await post(`recordings/${held.id}/import`, { map: rules, part, force });
   const said = (run.findings ?? []).map((one) => one.sentence);
   const known = said.length ? `${said.length} thing${said.length > 1 ? "s" : ""} to know of it: ${said[0]}${said.length > 1 ? " …" : "."}` : "";
   notice(`Imported ${run.name}.`, { detail: [known, run.mapping_kept && `${run.mapping_kept}.`].filter(Boolean).join(" ") });
-  return run;
+  return [run];
 }
 
 /** `then(run)` is called with every run that was stored. */
@@ -35,15 +44,15 @@ export function dropZone(id, then = () => {}) {
         if (file.size > LARGEST) throw new Error(`${Math.ceil(file.size / 1e6)} MB, at most ${Math.floor(LARGEST / 1e6)} MB come through the page: on the machine of the daemon, pa10d run import ${file.name} takes it.`);
         let held = await send(file);
         text.textContent = `${file.name} waits for you below. `;
-        let run = alike && await bring(held, alike).catch(() => null);
-        while (!run) {
+        let runs = alike && await bring(held, alike).catch(() => null);
+        while (!runs) {
           const answer = await decide(asked, held, files.length - k - 1);
           if (!answer) break;
           held = answer.seen; // asked again, it stands as it was left
           alike = answer.alike ? answer : alike;
-          run = await bring(held, answer).catch((error) => { failed(`${file.name} was not imported.`, error); });
+          runs = await bring(held, answer).catch((error) => { failed(`${file.name} was not imported.`, error); });
         }
-        if (run) brought.push(run);
+        if (runs) brought.push(...runs);
       } catch (error) {
         failed(`${file.name} was not imported.`, error);
       }

@@ -16,7 +16,7 @@ const UNITS = {
 const kindOf = (field) => field.replace(/\d+$/, "");
 let count = 0;
 
-/** Ask what becomes of a file that was sent. Resolves with {rules, part, force, alike, seen} or null: leave it.
+/** Ask what becomes of a file that was sent. Resolves with {rules, part, force, alike, every, seen} or null: leave it.
     others: how many more files wait. */
 export function decide(box, seen, others = 0) {
   return new Promise((answered) => {
@@ -53,6 +53,7 @@ class View {
       end(answer && { ...answer, rules: this.seen.rules, part: this.seen.part, seen: this.seen });
     }) }, label);
     this.go = button("Import", "primary", { force: false });
+    this.every = seen.parts?.kind === "episode" ? button(`Import all ${Object.keys(seen.parts.options).length} episodes`, "", { force: false, every: true }) : null;
     this.forced = button("Import it all the same", "danger", { force: true });
     this.alike = others ? button(`Import this and the ${others} other${others > 1 ? "s" : ""} alike`, "", { force: false, alike: true }) : null;
     this.box = el("section", { class: "panel preview", "aria-labelledby": id }, this.heading, this.which(), this.extent, this.problem, this.findings, this.status,
@@ -60,7 +61,7 @@ class View {
         el("thead", {}, el("tr", {}, ["column", "read as", "unit", "course", "from … to", "first values in the file"].map((head) => el("th", { scope: "col" }, head)))),
         this.columns)), this.further,
       el("details", {}, el("summary", {}, "The same on the command line"), el("p", {}, this.line)),
-      el("div", { class: "row" }, this.go, this.alike, this.forced, button("Leave it", "", null)));
+      el("div", { class: "row" }, this.go, this.every, this.alike, this.forced, button("Leave it", "", null)));
     this.tell();
   }
 
@@ -68,7 +69,8 @@ class View {
   which() {
     const { parts } = this.seen;
     if (!parts) return null;
-    const box = el("select", { id: `part-${++count}`, onchange: () => this.another({ [parts.kind]: parts.kind === "episode" ? Number(box.value) : box.value }) },
+    const pick = () => this.another(parts.kind === "episode" ? { episode: Number(box.value) } : { topic: box.value });
+    const box = el("select", { id: `part-${++count}`, onchange: pick }, parts.taken ? null : el("option", { value: "", selected: true, disabled: true }, "choose …"),
       Object.entries(parts.options).map(([value, words]) => el("option", { value, selected: value === parts.taken }, words)));
     return el("div", { class: "field" }, el("label", { htmlFor: box.id }, parts.kind), box, el("small", {}, `${this.seen.file} holds ${Object.keys(parts.options).length} to choose from`));
   }
@@ -162,7 +164,7 @@ class View {
 
   tell() {
     const { seen } = this;
-    this.extent.textContent = `${seen.samples} samples${seen.duration ? `, ${seconds(seen.duration)} at ${number(seen.rate, 4)} Hz` : ""}. ${seen.remarks.join(". ")}`;
+    this.extent.textContent = !seen.samples ? "" : `${seen.samples} samples${seen.duration ? `, ${seconds(seen.duration)} at ${number(seen.rate, 4)} Hz` : ""}. ${seen.remarks.join(". ")}`;
     this.problem.textContent = seen.problem;
     this.problem.hidden = !seen.problem;
     const told = seen.findings.filter((one) => one.code !== "rate");
@@ -170,6 +172,7 @@ class View {
     const wrong = seen.findings.some((one) => one.severity === "error");
     this.go.disabled = Boolean(seen.problem) || wrong;
     if (this.alike) this.alike.disabled = this.go.disabled;
+    if (this.every) this.every.disabled = Boolean(seen.problem); // what is wrong with one is not with all
     this.forced.hidden = Boolean(seen.problem) || !wrong;
     this.line.textContent = `pa10d run import ${seen.file}${seen.line ? ` ${seen.line}` : ""}`;
     for (const column of seen.columns) {
