@@ -177,7 +177,6 @@ def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     import numpy as np
 
-    from pa10d.diagnose.outcome.next_experiment import as_command
     from pa10d.diagnose.outcome.words import nothing
 
     n = len(found.rms)
@@ -203,7 +202,7 @@ def in_words(found: Diagnosis) -> str:
         for would, names in open_.items():
             lines.append(f"   not determined: {listed(names)}; would be by: {would}")
         if finding.next_experiment is not None:
-            lines.append(f"   settle the doubt with: {as_command(finding.next_experiment)}")
+            lines.append(f"   settle the doubt with: {finding.next_experiment.command}")
     maps = {s.joint: s for s in found.mapped}
     for line in found.remaining:
         lines.append(line.sentence)

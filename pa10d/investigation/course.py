@@ -12,8 +12,8 @@ from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.investigation.state import ArmMotion, Investigation, Step
-from pa10d.services.doubts import new_plan
 
 MOST = 2  # experiments to settle doubts; what is then still in doubt stays so
 FIRST = ("joints", "fit", "judge")
@@ -139,11 +139,13 @@ def spent(state: Investigation, step: Step) -> bool:
 def doubt(state: Investigation) -> Mapping[str, Any] | None:
     """The first finding whose settling experiment was not run yet."""
     tried = [
-        {"kind": s.motion.kind, "parameters": s.motion.parameters}
+        NextExperiment(s.motion.kind, s.motion.parameters)
         for s in state.steps
         if s.motion is not None and s.motion.purpose == "settle" and s.status != "waiting"
     ]
-    return new_plan(state.findings, tried)
+    asked = (one for one in state.findings if one["next_experiment"] is not None)
+    new = (one for one in asked if NextExperiment.read(one["next_experiment"]) not in tried)
+    return next(new, None)
 
 
 def _after_search(state: Investigation, step: Step) -> None:
@@ -164,11 +166,10 @@ def _after_search(state: Investigation, step: Step) -> None:
 
 def _settling(state: Investigation, finding: Mapping[str, Any], number: int) -> list[Step]:
     """The experiment and another search; where the budget does not reach, one that is left out."""
-    plan = finding["next_experiment"]
+    plan = NextExperiment.read(finding["next_experiment"])
     seconds, why = float(finding["settling"]["seconds"]), str(finding["settling"]["says"])
     motion = ArmMotion(
-        purpose="settle", kind=plan["kind"], parameters=dict(plan.get("parameters") or {}),
-        seconds=seconds, why=why,
+        purpose="settle", kind=plan.kind, parameters=plan.parameters, seconds=seconds, why=why,
     )  # fmt: skip
     step = Step(id=f"settle-{number}", kind="motion", title=_title(motion), motion=motion)
     if seconds > budget_left(state):

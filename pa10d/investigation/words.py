@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.words import listed, percent, times
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.outcome.words import nothing
 from pa10d.effects import all_effects
 from pa10d.report.verdict import more_or_less, place_words
@@ -96,13 +97,13 @@ def doubt_words(finding: Document) -> str:
         f"{all_effects()[rival['effect']].named}{place_words(rival['joints'])}"
         for rival in finding["confounded_with"]
     )
-    plan = finding["next_experiment"]
-    joints = (plan.get("parameters") or {}).get("joints")
+    plan = NextExperiment.read(finding["next_experiment"])
+    joints = plan.parameters.get("joints")
     where = f", joint {' and '.join(map(str, joints))}" if joints else ""
-    title = KINDS[plan["kind"]].title
+    title = KINDS[plan.kind].title
     return (
         f"{named(finding)} could also be {listed(list(rivals))}. The experiment that settles it: "
-        f"{plan['kind']}{where} ({title[0].lower()}{title[1:]})."
+        f"{plan.kind}{where} ({title[0].lower()}{title[1:]})."
     )
 
 

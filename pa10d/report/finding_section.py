@@ -8,7 +8,6 @@ from typing import Any
 
 from pa10d.common.words import listed, percent
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
-from pa10d.diagnose.outcome.next_experiment import as_command
 from pa10d.effects import all_effects
 from pa10d.figures.diagnosis_texts import BEFORE_AFTER, COURSE, EVIDENCE
 from pa10d.figures.of_diagnosis import OVER_TIME, shown_joint
@@ -103,11 +102,10 @@ def _settle(finding: Finding) -> list[Block]:
     if finding.next_experiment is None:
         return []
     plan = finding.next_experiment
-    sure = plan.get("about", {}).get("expected_standard_errors")
     says = "The experiment that would settle the doubt"
-    if sure is not None:
-        says += f" (the two explanations should then be {sure:.0f} standard errors apart)"
-    return [Command(says + ":", [as_command(plan)])]
+    if plan.apart is not None:
+        says += f" (the two explanations should then be {plan.apart:.0f} standard errors apart)"
+    return [Command(says + ":", [plan.command])]
 
 
 def _parameters(finding: Finding) -> Table:

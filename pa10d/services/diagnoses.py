@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +11,9 @@ from pa10d.common.errors import UserError
 from pa10d.diagnose.asked.adding import add_asked, refuse_slips
 from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.procedure import diagnose, suspicion
 from pa10d.model import TorqueModel
-from pa10d.services.doubts import new_plan
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.models import read_runs, write_file
@@ -31,13 +31,13 @@ Cancel = Callable[[], bool]
 class Improved:
     """The stored versions, the given model's successor first, and the diagnosis behind them.
 
-    doubt: the plan of an experiment that should be run first; then nothing was stored
+    doubt: the experiment that should be run first; then nothing was stored
     maps: versions with smooth maps over what the diagnosis could not explain, after its own
     """
 
     infos: tuple[ModelInfo, ...]
     diagnosis: Diagnosis
-    doubt: dict[str, Any] | None = None
+    doubt: NextExperiment | None = None
     maps: tuple[TorqueModel, ...] = ()
 
     @property
@@ -57,7 +57,7 @@ class Improved:
             "id": last.id if last else None,
             "name": last.name if last else None,
             "versions": made,
-            "doubt": self.doubt,
+            "doubt": self.doubt and self.doubt.document(),
             **self.diagnosis.document(),
         }
 
@@ -131,7 +131,7 @@ def improve_model(
     *,
     name: str,
     replace_model: bool = False,
-    tried: Sequence[Mapping[str, Any]] | None = None,
+    tried: Sequence[NextExperiment] | None = None,
     smooth: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -140,8 +140,8 @@ def improve_model(
     """Diagnose and add until nothing significant is left; every step is a stored version.
 
     The last version has the given name, the ones before it NAME.1, NAME.2 …
-    tried: plans that were run to settle doubts; where the diagnosis asks for another one, nothing
-    is stored. None: doubts are left as they are.
+    tried: what was run to settle doubts; where the diagnosis asks for anything else, nothing is
+    stored. None: doubts are left as they are.
     smooth: what no effect explains is taken away by smooth maps.
     """
     if not replace_model:
@@ -150,9 +150,10 @@ def improve_model(
         library, model, fit, validate, force=force, progress=progress, cancel=cancel
     )
     if tried is not None:
-        doubtful = new_plan([finding.document() for finding in found.findings], tried)
-        if doubtful is not None:
-            return Improved((), found, dict(doubtful["next_experiment"]))
+        asked = [one.next_experiment for one in found.findings if one.next_experiment is not None]
+        new = next((one for one in asked if one not in tried), None)
+        if new is not None:
+            return Improved((), found, new)
     maps = _maps_over_unexplained(library, found, fit, validate) if smooth else ()
     infos = store_versions(
         library, model, found, name=name, replace_model=replace_model, further=maps

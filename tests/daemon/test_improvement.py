@@ -10,6 +10,7 @@ from loops import run_apart
 
 from pa10d.common.errors import UserError
 from pa10d.daemon.motions import improvement
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.experiments.outcome import Outcome
 from pa10d.services import diagnoses
 
@@ -89,16 +90,15 @@ def test_whoever_stops_the_arm_stops_the_improvement(monkeypatch):
 
 
 def test_nothing_is_stored_while_an_experiment_is_asked_for(monkeypatch, tmp_path):
-    doubtful = SimpleNamespace(
-        findings=[SimpleNamespace(document=lambda: {"next_experiment": SWEEP})]
-    )
+    sweep = NextExperiment.read(SWEEP)
+    doubtful = SimpleNamespace(findings=[SimpleNamespace(next_experiment=sweep)])
     stored = []
     monkeypatch.setattr(diagnoses, "diagnose_runs", lambda *_, **__: doubtful)
     monkeypatch.setattr(diagnoses, "store_versions", lambda *_, **__: stored.append(1) or ())
     library = SimpleNamespace(models=SimpleNamespace(refuse_taken=lambda name: None))
     asked = {"name": "new", "fit": ["a"]}
-    assert diagnoses.improve_model(library, "m", tried=[], **asked).doubt == SWEEP
+    assert diagnoses.improve_model(library, "m", tried=[], **asked).doubt == sweep
     assert not stored
-    assert diagnoses.improve_model(library, "m", tried=[SWEEP], **asked).doubt is None
+    assert diagnoses.improve_model(library, "m", tried=[sweep], **asked).doubt is None
     assert diagnoses.improve_model(library, "m", **asked).doubt is None
     assert len(stored) == 2

@@ -11,7 +11,8 @@ import pytest
 from two_links import recordings, robot, textbook
 
 from pa10d.cli.daemon_client import read_plan
-from pa10d.diagnose.outcome.next_experiment import as_command, requests, settle_doubt
+from pa10d.diagnose.outcome.next_experiment import requests, settle_doubt
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.effects import effect
 from pa10d.trajectory.kinds import KINDS, validated
@@ -34,9 +35,9 @@ def test_an_offset_and_a_spring_are_told_apart_by_moving_farther(model):
     plan = settle_doubt(model, spring, [offset])
     if plan is None:
         pytest.fail("no experiment would tell 0.5 N·m of offset from a spring")
-    assert plan["kind"] in KINDS
-    assert plan["about"]["expected_standard_errors"] >= 3.0
-    built = validated(KINDS[plan["kind"]], plan["parameters"]).build(Surroundings.of(robot()))
+    assert plan.kind in KINDS
+    assert plan.apart >= 3.0
+    built = validated(KINDS[plan.kind], plan.parameters).build(Surroundings.of(robot()))
     moved = built.sample(50.0)
     assert np.all(np.abs(moved.q) <= robot().upper + 1e-9)
 
@@ -73,7 +74,17 @@ def test_an_effect_far_below_the_noise_is_not_worth_an_experiment(model):
     "given", [{}, {"joints": [4, 5]}, {"pose": [0.1, -2.0], "name": "it's odd", "slow": True}]
 )
 def test_a_plan_is_told_as_the_command_that_runs_it(given):
-    plan = {"kind": "velocity_sweep", "parameters": given, "about": {"expected": 9.0}}
-    program, verb, kind, *rest = shlex.split(as_command(plan))
+    plan = NextExperiment("velocity_sweep", given, apart=9.0)
+    program, verb, kind, *rest = shlex.split(plan.command)
     assert (program, verb) == ("pa10d", "experiment")
     assert read_plan(kind, None, rest[1:]) == {"kind": kind, "parameters": given}
+
+
+def test_what_is_written_into_a_file_is_read_as_it_was():
+    asked = {"kind": "chirp", "parameters": {"joints": [4]}}
+    told = {**asked, "about": {"expected_standard_errors": 9.0}}
+    plan = NextExperiment.read(told)
+    assert plan.document() == told
+    assert plan.apart == 9.0
+    assert NextExperiment.read(asked).document() == asked
+    assert NextExperiment.read(asked) == plan, "the same motion, whatever is expected of it"

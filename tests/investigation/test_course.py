@@ -8,7 +8,6 @@ from made_up import SET, answer, finding, investigation, motion, walk
 from pa10d.common.errors import UserError
 from pa10d.investigation import course
 from pa10d.investigation.words import doubt_words
-from pa10d.services.doubts import new_plan
 
 SWEEP = {"kind": "velocity_sweep", "parameters": {"joints": [4]}}
 CHIRP = {"kind": "chirp", "parameters": {"joints": [4]}}
@@ -153,10 +152,10 @@ def test_motions_that_cannot_be_planned_are_left_out_with_their_reason():
 
 
 def test_a_plan_is_known_by_what_it_does_not_by_what_is_said_about_it():
-    plan = {**SWEEP, "about": {"expected": 9.0}}
-    doubt = finding({**SWEEP, "about": {"expected": 3.0}})
-    assert new_plan([finding(), doubt], []) is doubt
-    assert new_plan([finding(), doubt], [plan]) is None
+    nine, three = ({"about": {"expected_standard_errors": value}} for value in (9.0, 3.0))
+    state = investigation()
+    made = walk(state, answer(finding(SWEEP | nine)), answer(finding(), finding(SWEEP | three)))
+    assert [m for m in made if m.startswith("settle")] == ["settle-1"]
 
 
 def test_what_took_longer_than_expected_is_taken_from_what_can_be_spared():

@@ -11,7 +11,7 @@ import pytest
 
 from backends.virtual.datasets import make_runs
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
-from pa10d.diagnose.outcome.next_experiment import as_command
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import all_effects
@@ -30,10 +30,7 @@ from pa10d.report.verdict import headline
 STRIBECK = {"effect": "stribeck", "joint": 4, "Fs": 3.5, "vs": 0.08, "delta": 1.0}
 CROSSED = {"effect": "cross_friction", "joints": [5, 6], "amplitude": 0.43, "cycles": 0.8}
 ASKED = Asked("arm", ["train_a"], ["valid_a"], "arm.yaml")
-PLAN = {
-    "kind": "velocity_sweep", "parameters": {"joints": [4]},
-    "about": {"expected_standard_errors": 41.0},
-}  # fmt: skip
+PLAN = NextExperiment("velocity_sweep", {"joints": [4]}, apart=41.0)
 
 
 def diagnosed(hidden, seconds=16.0, **options):
@@ -115,7 +112,7 @@ def test_a_reader_is_led_from_the_plot_to_the_decision(stribeck):
     assert "Missing in the model: Stribeck friction in joint 4." in words
     assert "pa10d add arm stribeck --joint 4 --fit train_a --name arm.1" in words
     assert "Pre-sliding hysteresis in joint 4: both act after a <reversal>." in words
-    assert as_command(PLAN) in words
+    assert PLAN.command in words
     assert "41 standard errors apart" in words
     assert found.judged_on in words
 

@@ -276,12 +276,14 @@ def improve(
     force: bool = False,
 ) -> JsonObject:
     """New versions until nothing significant is left; tried: as ``improve_model`` has it."""
+    from pa10d.diagnose.outcome.settling import NextExperiment
     from pa10d.services.diagnoses import improve_model
     from pa10d.services.library import open_library
 
+    known = None if tried is None else [NextExperiment.read(one) for one in tried]
     return improve_model(
         open_library(data), model, fit, validate, name=name, replace_model=replace,
-        tried=tried, smooth=smooth, force=force, progress=progress,
+        tried=known, smooth=smooth, force=force, progress=progress,
     ).document()  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.experiment import Experiment
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.experiments.request import MotionRequest
 
 if TYPE_CHECKING:
@@ -34,16 +35,15 @@ class ImprovementRequest:
 
 @dataclass(frozen=True)
 class Settled:
-    """What was run to settle a doubt, or why it could not be. plan: JSON, as a diagnosis gave it
-    and shall know it again."""
+    """What was run to settle a doubt, or why it could not be."""
 
-    plan: JsonObject
+    plan: NextExperiment
     runs: list[str]
     error: str | None = None
 
     def document(self) -> JsonObject:
         """For clients."""
-        said = {"plan": self.plan, "runs": self.runs}
+        said = {"plan": self.plan.document(), "runs": self.runs}
         return said if self.error is None else {**said, "error": self.error}
 
 
@@ -61,7 +61,7 @@ async def _improve(daemon: Daemon, request: ImprovementRequest, report: Report) 
     settled: list[Settled] = []
     share = 1.0 / (2 * MOST + 1)
     for number in range(MOST + 1):
-        tried = [one.plan for one in settled] if number < MOST else None
+        tried = [one.plan.document() for one in settled] if number < MOST else None
         looking = part(report, 2 * number * share, (2 * number + 1) * share)
         made: JsonObject = await daemon.compute_now(
             "improve", looking, model=request.model, fit=fit, validate=validate, tried=tried,
@@ -72,16 +72,17 @@ async def _improve(daemon: Daemon, request: ImprovementRequest, report: Report) 
         if made["doubt"] is None:
             return {**made, "experiments": experiments, "fit": fit, "validate": validate}
         moving = part(report, (2 * number + 1) * share, (2 * number + 2) * share)
-        settled.append(await _settle(daemon, made["doubt"], moving))
+        settled.append(await _settle(daemon, NextExperiment.read(made["doubt"]), moving))
         report.job.result = {"experiments": [one.document() for one in settled]}
         fit += settled[-1].runs
         validate += settled[-1].runs if validate else []  # a run in both lists is split by time
     raise AssertionError("the last look takes doubts as they are")
 
 
-async def _settle(daemon: Daemon, plan: JsonObject, report: Progress) -> Settled:
+async def _settle(daemon: Daemon, plan: NextExperiment, report: Progress) -> Settled:
     """Run it; one that this arm cannot run settles nothing, and is not tried again."""
-    experiment = Experiment(daemon, MotionRequest.of_plan(plan, TAGS), report)
+    request = MotionRequest(plan.kind, plan.parameters, tags=TAGS)
+    experiment = Experiment(daemon, request, report)
     try:
         found = await experiment.carry_out()
     except UserError as error:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.jsonable import plain
 from pa10d.common.words import listed
 from pa10d.diagnose.evidence.tails import tails
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
 from pa10d.diagnose.unknown.structure import Structure
@@ -49,7 +50,7 @@ class Finding:
     slope: float
     size: Value
     confounded_with: tuple[Confusion, ...]
-    next_experiment: dict[str, Any] | None
+    next_experiment: NextExperiment | None
     sentence: str
 
     def document(self) -> dict[str, Any]:
@@ -71,7 +72,7 @@ class Finding:
                 {"effect": c.effect, "joints": [j + 1 for j in c.joints], "why": c.why}
                 for c in self.confounded_with
             ],
-            "next_experiment": self.next_experiment,
+            "next_experiment": self.next_experiment and self.next_experiment.document(),
             "sentence": self.sentence,
         }
 

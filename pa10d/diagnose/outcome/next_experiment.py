@@ -7,16 +7,14 @@ the first one's torque, and what they cannot imitate, over the noise, is the evi
 
 from __future__ import annotations
 
-import json
-import shlex
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.diagnose.constants import LONGEST_PLAN, PLAN_RATE, WORTH_AN_EXPERIMENT
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.candidates import Candidate
 from pa10d.dynamics import regressor
 from pa10d.effects import Context
@@ -29,9 +27,8 @@ Array = NDArray[np.float64]
 
 def settle_doubt(
     model: TorqueModel, first: Candidate, rivals: Sequence[Candidate]
-) -> dict[str, Any] | None:
-    """The request {kind, parameters} that best separates a finding from its rivals, with the
-    expected evidence (in standard errors) under ``about``; None where nothing would."""
+) -> NextExperiment | None:
+    """The one that best separates a finding from its rivals; None where nothing would."""
     best: tuple[float, Kind] | None = None
     around = Surroundings.of(model.robot)
     for request in requests(model, first, rivals):
@@ -58,18 +55,8 @@ def settle_doubt(
             best = (evidence, request)
     if best is None or best[0] < WORTH_AN_EXPERIMENT:
         return None
-    about = {"expected_standard_errors": float(best[0])}
-    return {**best[1].request(), "about": about}
-
-
-def as_command(plan: Mapping[str, Any]) -> str:
-    """What runs a plan from the command line."""
-    given = plan.get("parameters") or {}
-    words = [
-        shlex.quote(f"{key}={json.dumps(value, separators=(',', ':'))}")
-        for key, value in given.items()
-    ]
-    return " ".join(["pa10d experiment", plan["kind"], *(["--set", *words] if words else [])])
+    evidence, chosen = best
+    return NextExperiment(**chosen.request(), apart=float(evidence))
 
 
 def requests(model: TorqueModel, first: Candidate, rivals: Sequence[Candidate]) -> list[Kind]:
