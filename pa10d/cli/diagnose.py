@@ -120,7 +120,7 @@ def add(options: argparse.Namespace) -> Answer:
         "parent": model.parent,
         "change": model.change,
         "held_out": [float(v) for v in held],
-        **delivered(model),
+        **vars(delivered(model)),
         "warnings": warnings,
     }
     text = f"{info.name} ({info.id}): {model.change}; held-out RMS " + " ".join(

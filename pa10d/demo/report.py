@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pa10d.common.jsonable import parsed
 from pa10d.common.words import listed
 from pa10d.demo.story import Told, settling
 from pa10d.investigation.archive import Archive
 from pa10d.investigation.report import report_text
+from pa10d.investigation.results import Searched
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Section, Text
 from pa10d.report.facts import Facts, Verdict
@@ -43,11 +45,12 @@ def _story(told: Told) -> Section:
 
 def _facts(told: Told) -> list[tuple[str, str]]:
     asked = ("What is missing in the model?", "What has changed since?")
-    answers = [(q, found_words(c)) for q, c in zip(asked, told.chapters, strict=False)]
+    found = [parsed(Searched, chapter) for chapter in told.chapters]
+    answers = [(q, found_words(one)) for q, one in zip(asked, found, strict=False)]
     tried = [step["experiment"]["kind"] for chapter in told.chapters for step in settling(chapter)]
     return [
         ("Hidden", told.hidden.in_words()),
-        ("Found", listed([named(f) for f in told.last["findings"]]) or "nothing"),
+        ("Found", listed([named(f) for f in found[-1].findings]) or "nothing"),
         *answers,
         ("Run to settle a doubt", listed(tried)),
         ("To see it again", f"pa10d demo --seed {told.seed}"),

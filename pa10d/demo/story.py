@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from pa10d.client import Client
+from pa10d.common.jsonable import parsed
 from pa10d.demo.bench import Bench
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.truth import judged, verdict_on
+from pa10d.investigation.results import Searched
 
 Document = dict[str, Any]
 Tell = Callable[[str], None]
@@ -83,9 +85,9 @@ def play(bench: Bench, hidden: Hidden, seed: int, tell: Tell, progress: Progress
         tell("3. Time passes; the arm is switched on again. Has it changed?")
         bench.time_passes()
         chapters.append(chapter(bench.client, tell, progress, since=chapters[0]["model"]))
-    found = chapters[-1]
-    right = judged(hidden, found["findings"], found["unexplained"])
-    truth = verdict_on(hidden, found["findings"], found["unexplained"])
+    found = parsed(Searched, chapters[-1])
+    right = judged(hidden, found.findings, found.unexplained)
+    truth = verdict_on(hidden, found.findings, found.unexplained)
     tell(f"Now the simulator tells what was hidden: {hidden.in_words()}.")
     tell(truth)
     return Told(hidden, tuple(chapters), right, truth, seed)

@@ -6,13 +6,13 @@ a step that was interrupted is simply the next one again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
 from pa10d.diagnose.outcome.settling import NextExperiment
+from pa10d.investigation.results import NamedEffect, Outcome
 from pa10d.investigation.state import ArmMotion, Investigation, Step
 
 MOST = 2  # experiments to settle doubts; what is then still in doubt stays so
@@ -93,12 +93,11 @@ def put_back(state: Investigation, status: str, error: str = "") -> None:
     state.status, state.error = status, error[:4000]  # type: ignore[assignment]
 
 
-def done(state: Investigation, step: Step, outcome: Mapping[str, Any]) -> None:
-    """It ended well. outcome: ``runs``, ``models``, ``moved``, ``result``, ``said`` where it has
-    them. What follows from it is added to the steps."""
-    step.runs, step.models = list(outcome.get("runs", ())), list(outcome.get("models", ()))
-    step.moved, step.result = float(outcome.get("moved", 0.0)), dict(outcome.get("result", {}))
-    step.said, step.status, step.finished = str(outcome.get("said", ""))[:4000], "done", _now()
+def done(state: Investigation, step: Step, outcome: Outcome) -> None:
+    """It ended well. What follows from that is added to the steps."""
+    step.runs, step.models = list(outcome.runs), list(outcome.models)
+    step.moved, step.result = outcome.moved, outcome.result
+    step.said, step.status, step.finished = outcome.said[:4000], "done", _now()
     if step.kind == "diagnose":
         _after_search(state, step)
     if next_step(state) is None:
@@ -136,16 +135,15 @@ def spent(state: Investigation, step: Step) -> bool:
     return state.moved + motion.seconds > 60.0 * state.minutes
 
 
-def doubt(state: Investigation) -> Mapping[str, Any] | None:
+def doubt(state: Investigation) -> NamedEffect | None:
     """The first finding whose settling experiment was not run yet."""
     tried = [
         NextExperiment(s.motion.kind, s.motion.parameters)
         for s in state.steps
         if s.motion is not None and s.motion.purpose == "settle" and s.status != "waiting"
     ]
-    asked = (one for one in state.findings if one["next_experiment"] is not None)
-    new = (one for one in asked if NextExperiment.read(one["next_experiment"]) not in tried)
-    return next(new, None)
+    asked = (one for one in state.findings if one.next_experiment is not None)
+    return next((one for one in asked if one.next_experiment not in tried), None)
 
 
 def _after_search(state: Investigation, step: Step) -> None:
@@ -164,15 +162,17 @@ def _after_search(state: Investigation, step: Step) -> None:
                 left_out(other, "Nothing was added that fresh motion could judge.")
 
 
-def _settling(state: Investigation, finding: Mapping[str, Any], number: int) -> list[Step]:
+def _settling(state: Investigation, finding: NamedEffect, number: int) -> list[Step]:
     """The experiment and another search; where the budget does not reach, one that is left out."""
-    plan = NextExperiment.read(finding["next_experiment"])
-    seconds, why = float(finding["settling"]["seconds"]), str(finding["settling"]["says"])
+    plan, way = finding.next_experiment, finding.settling
+    assert plan is not None
+    assert way is not None
     motion = ArmMotion(
-        purpose="settle", kind=plan.kind, parameters=plan.parameters, seconds=seconds, why=why,
+        purpose="settle", kind=plan.kind, parameters=plan.parameters,
+        seconds=way.seconds, why=way.says,
     )  # fmt: skip
     step = Step(id=f"settle-{number}", kind="motion", title=_title(motion), motion=motion)
-    if seconds > budget_left(state):
+    if way.seconds > budget_left(state):
         left_out(step, _beyond(motion, state.minutes))
         return [step]
     again = Step(id=f"diagnose-{number + 1}", kind="diagnose", title="Ask again, with that motion")

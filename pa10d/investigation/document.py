@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.jsonable import plain
 from pa10d.investigation.archive import REPORT
 from pa10d.investigation.doubts import FOLDER
+from pa10d.investigation.results import NamedEffect, Way
 from pa10d.investigation.state import Investigation, Step
 from pa10d.store.location import data_folder
 
@@ -57,7 +59,7 @@ def document(state: Investigation, data: str) -> dict[str, Any]:
         "promised": promise.get("promised"),
         "achieved": promise.get("achieved"),
         "judged": judged[-1].result if judged else None,
-        "doubts": [_doubt(finding, place) for finding in state.findings if "settling" in finding],
+        "doubts": [_doubt(one, one.settling, place) for one in state.findings if one.settling],
         "left_out": [s.said for s in state.steps if s.status == "left_out" and s.kind == "motion"],
         "report": str(report) if state.done("report") and report.is_file() else None,
     }
@@ -82,14 +84,11 @@ def _step(step: Step) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _doubt(finding: dict[str, Any], place: Path) -> dict[str, Any]:
-    way = finding["settling"]
-    files = {
-        key: None if way[key] is None else str(place / FOLDER / way[key])
-        for key in ("plan", "motion")
-    }
+def _doubt(finding: NamedEffect, way: Way, place: Path) -> dict[str, Any]:
     return {
-        "effect": finding["effect"], "joints": finding["joints"],
-        "confounded_with": finding["confounded_with"], "seconds": way["seconds"],
-        "says": way["says"], "problem": way["problem"] or None, **files,
+        "effect": finding.effect, "joints": finding.joints,
+        "confounded_with": plain(finding.confounded_with), "seconds": way.seconds,
+        "says": way.says, "problem": way.problem or None,
+        "plan": str(place / FOLDER / way.plan),
+        "motion": None if way.motion is None else str(place / FOLDER / way.motion),
     }  # fmt: skip

@@ -11,6 +11,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.investigation.archive import REPORT, SHEET
+from pa10d.investigation.results import LastWord, Searched
 from pa10d.investigation.state import Investigation
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Lines, Section, Table, Text
@@ -40,12 +41,13 @@ def report_text(
     title: str = "",
 ) -> str:
     """The page. first: what stands before everything else."""
-    found = state.done("diagnose")[-1].result
+    found = state.searched
+    assert found is not None
     sections = [
         *first,
         Section(
             "In short",
-            [Verdict(found_words(found), found["verdict"]), Facts(_facts(state, found))],
+            [Verdict(found_words(found), found.verdict), Facts(_facts(state, found))],
         ),
         *_delivery(state),
         *_doubts(state),
@@ -68,9 +70,9 @@ def _model(library: Library, state: Investigation) -> list[Section]:
     return dossier_sections(dossier(library, state.versions[-1], fresh))
 
 
-def _facts(state: Investigation, found: dict[str, Any]) -> list[tuple[str, str]]:
+def _facts(state: Investigation, found: Searched) -> list[tuple[str, str]]:
     frozen = state.question == "changed"
-    names = [named(finding, frozen) for finding in found["findings"]]
+    names = [named(finding, frozen) for finding in found.findings]
     judged = state.done("judge")
     return [
         ("Robot", state.robot),
@@ -85,38 +87,35 @@ def _facts(state: Investigation, found: dict[str, Any]) -> list[tuple[str, str]]
 
 def _delivery(state: Investigation) -> list[Section]:
     """What was promised, what came of it, and how it holds where nothing was fitted."""
-    added, judged = state.done("add"), state.done("judge")
-    if not added or not judged:
+    promise, last = state.delivered, state.last_word
+    if promise is None or promise.cutoff_hz is None or last is None:
         return []
-    promise, last = added[-1].result, judged[-1].result
     head = ["joint", "before", "promised", "achieved", f"before, {_where(last)}", "after, there",
             "noise floor"]  # fmt: skip
+    columns = [promise.before, promise.promised, promise.achieved,
+               last.before, last.after, last.noise_floor]  # fmt: skip
     rows = [
-        [str(j + 1), *(_number(column[j]) for column in columns)]
-        for j, columns in enumerate(
-            [[promise["before"], promise["promised"], promise["achieved"],
-              last["before"], last["after"], last["noise_floor"]]] * len(last["before"])
-        )
-    ]  # fmt: skip
+        [str(j + 1), *(_number(None if column is None else column[j]) for column in columns)]
+        for j in range(len(last.before))
+    ]
     note = Text(
         f"RMS error in N·m. Promised and achieved: on the runs that the search judged by, low-"
-        f"passed at {promise['cutoff_hz']:.4g} Hz. The last columns: on runs that {last['seen']}, "
-        f"at {last['cutoff_hz']:.4g} Hz; samples {last['mask']}.",
+        f"passed at {promise.cutoff_hz:.4g} Hz. The last columns: on runs that {last.seen}, "
+        f"at {last.cutoff_hz:.4g} Hz; samples {last.mask}.",
         muted=True,
     )
     return [Section("Promised and achieved", [Table(head, rows), note])]
 
 
 def _doubts(state: Investigation) -> list[Section]:
-    open_ = [f for f in state.findings if f.get("settling")]
-    if not open_:
+    ways = [finding.settling for finding in state.findings if finding.settling is not None]
+    if not ways:
         return []
     lines = []
-    for finding in open_:
-        way = finding["settling"]
-        files = listed([f"doubts/{name}" for name in (way["plan"], way["motion"]) if name])
-        text = f"{way['says']} It takes {way['seconds']:.0f} s; beside this report: {files}."
-        lines.append(("", f"{text} {way['problem']}".strip()))
+    for way in ways:
+        files = listed([f"doubts/{name}" for name in (way.plan, way.motion) if name])
+        text = f"{way.says} It takes {way.seconds:.0f} s; beside this report: {files}."
+        lines.append(("", f"{text} {way.problem}".strip()))
     return [Section("What would settle the doubt", [Lines(lines)])]
 
 
@@ -137,8 +136,8 @@ def _sheet(place: Path) -> dict[str, Any]:
         raise UserError(f"{path}: {error}; expected the plots of a diagnosis") from error
 
 
-def _where(judged: dict[str, Any]) -> str:
-    return "fresh motion" if judged["fresh"] else "runs to judge by"
+def _where(judged: LastWord) -> str:
+    return "fresh motion" if judged.fresh else "runs to judge by"
 
 
 def _number(value: float | None) -> str:

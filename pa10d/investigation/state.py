@@ -6,10 +6,13 @@ stay done. Everything that is read back is checked against these types.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pa10d.common.jsonable import JsonObject, parsed
+from pa10d.diagnose.search.delivery import Delivery
+from pa10d.investigation.results import LastWord, NamedEffect, Searched
 from pa10d.store.entries import Id, Name
 
 FORMAT: Literal["pa10d/investigation-state/1"] = "pa10d/investigation-state/1"
@@ -33,13 +36,14 @@ class ArmMotion(_Kept):
 
     purpose: Purpose
     kind: Name
-    parameters: dict[str, Any] = {}
+    parameters: JsonObject = {}
     seconds: Seconds
     why: Sentence = ""
 
 
 class Step(_Kept):
-    """runs, models: ids of what it made; result: its figures; said: how it ended, in words."""
+    """runs, models: ids of what it made; result: its figures, JSON that ``results`` reads; said:
+    how it ended, in words."""
 
     id: Id
     kind: StepKind
@@ -49,7 +53,7 @@ class Step(_Kept):
     runs: Few = []
     models: Few = []
     moved: Seconds = 0.0
-    result: dict[str, Any] = {}
+    result: JsonObject = {}
     said: Sentence = ""
     started: str | None = None
     finished: str | None = None
@@ -134,8 +138,24 @@ class Investigation(_Kept):
         return [*([self.base] if self.base else []), *added]
 
     @property
-    def findings(self) -> list[dict[str, Any]]:
-        """Of the last search that ended."""
+    def searched(self) -> Searched | None:
+        """What the last search that ended has answered."""
         searches = self.done("diagnose")
-        found: list[dict[str, Any]] = searches[-1].result["findings"] if searches else []
-        return found
+        return parsed(Searched, searches[-1].result) if searches else None
+
+    @property
+    def findings(self) -> list[NamedEffect]:
+        """Of that search."""
+        return [] if (last := self.searched) is None else last.findings
+
+    @property
+    def delivered(self) -> Delivery | None:
+        """What the versions that were added were to bring, and bring."""
+        added = self.done("add")
+        return parsed(Delivery, added[-1].result) if added else None
+
+    @property
+    def last_word(self) -> LastWord | None:
+        """How the first and the last version do on the same runs."""
+        judged = self.done("judge")
+        return parsed(LastWord, judged[-1].result) if judged else None

@@ -2,102 +2,102 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from pa10d.common.words import listed, percent, times
+from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.outcome.words import nothing
 from pa10d.effects import all_effects
+from pa10d.identify.summary import FitSummary
+from pa10d.investigation.results import LastWord, NamedEffect, Searched, StoredAs, Structured
 from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
 
-Document = Mapping[str, Any]
 RISE = 0.1  # of the squared error that is worth a word
 
 
-def named(finding: Document, frozen: bool = False) -> str:
+def named(finding: NamedEffect, frozen: bool = False) -> str:
     """``Stribeck friction in joint 4``."""
-    kind = all_effects()[finding["effect"]]
-    change = next(iter(finding["parameters"].values()))["value"] if frozen else 0.0
-    return f"{more_or_less(kind, change, frozen)}{place_words(finding['joints'])}"
+    kind = all_effects()[finding.effect]
+    change = next(iter(finding.parameters.values())).value if frozen else 0.0
+    return f"{more_or_less(kind, change, frozen)}{place_words(finding.joints)}"
 
 
-def compared_words(found: Document) -> str:
+def compared_words(pooled: RunScores) -> str:
     """Where the model is worst, against the noise of the sensors."""
-    pooled = found["pooled"]
-    ratio = np.array(pooled["rms"]) / np.array(pooled["noise_floor"], dtype=float)
+    scores = pooled.scores
+    ratio = scores.rms / pooled.noise_floor
     known = bool(np.any(np.isfinite(ratio)))
-    worst = int(np.nanargmax(ratio if known else np.array(pooled["nrmse"])))
+    worst = int(np.nanargmax(ratio if known else scores.nrmse))
     size = (
         f"{times(ratio[worst])} the noise of its sensors"
         if known
-        else f"{percent(pooled['nrmse'][worst])} of its torque's range"
+        else f"{percent(scores.nrmse[worst])} of its torque's range"
     )
     text = f"Worst is joint {worst + 1}: its error is {size}."
-    if not pooled["where"]:
+    if not pooled.where:
         return f"{text} No region stands out."
-    sentence = pooled["where"][0]["sentence"]
+    sentence = pooled.where[0].sentence
     return f"{text} {sentence[0].upper()}{sentence[1:].removesuffix('.')}."
 
 
-def _unexplained(s: Document) -> str:
-    start = f"{percent(min(s['share'], 1.0))} of joint {s['joint']}'s squared error"
-    if not s["depends_on"]:
+def _unexplained(s: Structured) -> str:
+    start = f"{percent(min(s.share, 1.0))} of joint {s.joint}'s squared error"
+    if not s.depends_on:
         return f"{start} is more than the noise that this data shows"
-    return f"{start} depends on {' and '.join(s['depends_on'])}"
+    return f"{start} depends on {' and '.join(s.depends_on)}"
 
 
-def found_words(found: Document) -> str:
+def found_words(found: Searched) -> str:
     """The verdict of a diagnosis."""
-    if found["verdict"] == "none":
+    if found.verdict == "none":
+        told = found.rms_with_reversals
+        reversals = None if told is None else np.array(told, dtype=float)
         return nothing(
-            found["rms"],
-            found["noise_floor"],
-            found["frozen"],
-            found.get("rms_as_given"),
-            found.get("rms_with_reversals"),
+            found.rms,
+            np.array(found.noise_floor, dtype=float),
+            found.frozen,
+            found.rms_as_given,
+            reversals,
         )
-    if found["verdict"] == "unknown":
-        places = [_unexplained(s) for s in found["unexplained"]]
-        what = "has changed" if found["frozen"] else "is missing"
+    if found.verdict == "unknown":
+        places = [_unexplained(s) for s in found.unexplained]
+        what = "has changed" if found.frozen else "is missing"
         return f"Something {what} that no effect of the library explains: {listed(places)}."
-    verb = "What changed" if found["frozen"] else "Missing in the model"
-    text = f"{verb}: {listed([named(f, found['frozen']) for f in found['findings']])}."
+    verb = "What changed" if found.frozen else "Missing in the model"
+    text = f"{verb}: {listed([named(f, found.frozen) for f in found.findings])}."
     sizes = [
-        f"{name} = {v['value']:.3g} ± {v['std_error']:.1g} {v['unit']}".removesuffix(" 1")
-        for name, v in found["findings"][0]["parameters"].items()
-        if v.get("determined", True)
+        f"{name} = {v.value:.3g} ± {v.std_error:.1g} {v.unit}".removesuffix(" 1")
+        for name, v in found.findings[0].parameters.items()
+        if v.determined
     ]
     text += f" {', '.join(sizes)}."
-    if found["unexplained"]:
+    if found.unexplained:
         text += " Something besides is left that no effect of the library explains."
     return text
 
 
-def identified_words(found: Document) -> str:
+def identified_words(found: FitSummary) -> str:
     """What the textbook fit is like."""
-    condition = found["condition_number"]
-    text = f"{found['base_parameters']} base parameters"
+    condition = found.condition_number
+    text = f"{found.base_parameters} base parameters"
     if condition is not None:
         text += f", condition number {condition:.3g}"
-    text += f", fitted below {found['cutoff_hz']:.3g} Hz."
-    if not found["feasible"]:
+    text += f", fitted below {found.cutoff_hz:.3g} Hz."
+    if not found.feasible:
         text += " No bodies that can exist are known for it."
-    return " ".join(
-        [text, *(f"{w[0].upper()}{w[1:].rstrip('.')}." for w in found.get("warnings", ()))]
-    )
+    return " ".join([text, *(f"{w[0].upper()}{w[1:].rstrip('.')}." for w in found.warnings)])
 
 
-def doubt_words(finding: Document) -> str:
+def doubt_words(finding: NamedEffect, plan: NextExperiment) -> str:
     """What a finding could be confused with, and what settles it."""
     rivals = dict.fromkeys(
-        f"{all_effects()[rival['effect']].named}{place_words(rival['joints'])}"
-        for rival in finding["confounded_with"]
+        f"{all_effects()[rival.effect].named}{place_words(rival.joints)}"
+        for rival in finding.confounded_with
     )
-    plan = NextExperiment.read(finding["next_experiment"])
     joints = plan.parameters.get("joints")
     where = f", joint {' and '.join(map(str, joints))}" if joints else ""
     title = KINDS[plan.kind].title
@@ -107,18 +107,18 @@ def doubt_words(finding: Document) -> str:
     )
 
 
-def added_words(versions: Sequence[Document], findings: Sequence[Document], frozen: bool) -> str:
+def added_words(versions: Sequence[StoredAs], findings: Sequence[NamedEffect], frozen: bool) -> str:
     """Which versions have what."""
-    made = [f"{v['name']} has {named(f, frozen)}" for v, f in zip(versions, findings, strict=True)]
+    made = [f"{v.name} has {named(f, frozen)}" for v, f in zip(versions, findings, strict=True)]
     return f"{listed(made)}; the model before stays as it is."
 
 
-def fall_words(judged: Document) -> str:
+def fall_words(judged: LastWord) -> str:
     """How far the error fell, at the joint where it fell most; what rose is not left out."""
-    before, after = np.array(judged["before"]), np.array(judged["after"])
-    where = f"on runs that {judged['seen']}"
-    if len(judged["models"]) == 1:
-        return f"{judged['models'][0]} is judged {where}; nothing was added to it."
+    before, after = np.array(judged.before), np.array(judged.after)
+    where = f"on runs that {judged.seen}"
+    if len(judged.models) == 1:
+        return f"{judged.models[0]} is judged {where}; nothing was added to it."
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
     best, worst = int(np.argmax(fall)), int(np.argmin(fall))
     text = (

@@ -8,16 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import parsed, plain
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.search.delivery import delivered
+from pa10d.identify.summary import summary
 from pa10d.investigation.archive import SHEET, Archive
 from pa10d.investigation.doubts import write_doubts
+from pa10d.investigation.results import LastWord, Outcome, Searched, StoredAs
 from pa10d.investigation.state import Investigation, Step
 from pa10d.investigation.words import (
     added_words,
@@ -36,20 +35,18 @@ from pa10d.store.model_parse import read_model
 from pa10d.store.model_text import model_text
 from pa10d.store.models import new_info
 
-Outcome = dict[str, Any]
 Progress = Callable[[float, str], None]
 VERSIONS = "versions"
 
 
 def compute(data: str, investigation: str, step: str, progress: Progress) -> Outcome:
-    """Carry out a step that needs no motion → runs, models, result and words, as
-    ``course.done`` takes them."""
+    """Carry out a step that needs no motion."""
     archive = Archive(data)
     state = archive.load(investigation)
     wanted = state.step(step)
     work = WORK[wanted.kind]
     outcome = work(open_library(data), archive.place(investigation), state, wanted, progress)
-    return dict(plain(outcome))
+    return replace(outcome, result=plain(outcome.result))
 
 
 def _identify(
@@ -59,8 +56,8 @@ def _identify(
         library, state.to_fit, state.profile, name=_name(state, 0), replace=True,
         force=state.force, progress=progress,
     )  # fmt: skip
-    said = identified_words(made.summary)
-    return {"models": [made.info.id], "result": made.summary, "said": said}
+    said = identified_words(summary(made.model))
+    return Outcome(models=[made.info.id], result=made.summary, said=said)
 
 
 def _compare(
@@ -68,12 +65,11 @@ def _compare(
 ) -> Outcome:
     runs = state.unseen or state.to_fit
     found = compare_runs(library, _base(state), runs, force=state.force, progress=progress)
-    document = found.document()
-    kept = {"runs": [run.id for run in found.runs], "pooled": document["pooled"]}
-    said = compared_words(document)
+    kept = {"runs": [run.id for run in found.runs], "pooled": found.document()["pooled"]}
+    said = compared_words(found.comparison.pooled)
     if not state.unseen:
         said = f"Judged on the runs it was fitted to: there are no others. {said}"
-    return {"result": kept, "said": said}
+    return Outcome(result=kept, said=said)
 
 
 def _diagnose(
@@ -87,9 +83,13 @@ def _diagnose(
     progress(0.97, "plots")
     write_diagnosis_sheet(library, found, place / SHEET, base, fit, judge)
     _keep_versions(found, place / VERSIONS)
-    document = found.document()
-    write_doubts(state.profile, document["findings"], place)
-    return {"result": document, "said": found_words(document)}
+    document = plain(found.document())
+    seen = parsed(Searched, document)
+    ways = write_doubts(state.profile, seen.findings, place)
+    for finding, way in zip(document["findings"], ways, strict=True):
+        if way is not None:
+            finding["settling"] = plain(way)
+    return Outcome(result=document, said=found_words(seen))
 
 
 def _add(
@@ -105,10 +105,10 @@ def _add(
         infos.append(library.models.save(model, replace=True))
         models.append(model)
         parent = model.name
-    changes = [{"id": i.id, "name": i.name, "change": i.change} for i in infos]
-    result = {"versions": changes, **delivered(models[-1])}
-    said = added_words(changes, state.findings, state.question == "changed")
-    return {"models": [info.id for info in infos], "result": result, "said": said}
+    stored = [StoredAs(info.id, info.name, info.change) for info in infos]
+    result = {"versions": plain(stored), **vars(delivered(models[-1]))}
+    said = added_words(stored, state.findings, state.question == "changed")
+    return Outcome(models=[info.id for info in infos], result=result, said=said)
 
 
 def _judge(
@@ -122,18 +122,18 @@ def _judge(
     first, last = judged[0].judgement, judged[-1].judgement
     if first is None or last is None:
         raise UserError(f"runs {', '.join(runs)}: not in the store any more")
-    result = {
-        "fresh": bool(fresh),
-        "seen": "no fit has seen" if fresh or state.unseen else "the models were fitted to",
-        "runs": runs,
-        "models": [version.info.name for version in judged],
-        "before": plain(first.rms),
-        "after": plain(last.rms),
-        "noise_floor": [v if np.isfinite(v) else None for v in last.floor.values.tolist()],
-        "cutoff_hz": last.cutoff,
-        "mask": last.mask,
-    }
-    return {"result": result, "said": fall_words(result)}
+    word = LastWord(
+        fresh=bool(fresh),
+        seen="no fit has seen" if fresh or state.unseen else "the models were fitted to",
+        runs=runs,
+        models=[version.info.name for version in judged],
+        before=plain(first.rms),
+        after=plain(last.rms),
+        noise_floor=plain(last.floor.values),
+        cutoff_hz=last.cutoff,
+        mask=last.mask,
+    )
+    return Outcome(result=plain(word), said=fall_words(word))
 
 
 def _report(
@@ -142,7 +142,7 @@ def _report(
     from pa10d.investigation.report import write_report
 
     path = write_report(library, place, state)
-    return {"result": {"report": str(path)}, "said": "The report is written."}
+    return Outcome(result={"report": str(path)}, said="The report is written.")
 
 
 WORK: Mapping[str, Callable[[Library, Path, Investigation, Step, Progress], Outcome]] = {

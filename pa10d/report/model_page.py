@@ -123,11 +123,11 @@ def _runs(dossier: Dossier) -> Section:
 
 def _identification(dossier: Dossier) -> Section:
     model, found = dossier.model, summary(dossier.model)
-    condition = found["condition_number"]
+    condition = found.condition_number
     shift = f"{1e3 * model.shift:.3g} ms, found and taken out" if model.shift else "none found"
     effects = listed([term.label for term in model.terms])
     facts = [
-        ("Base parameters", f"{found['base_parameters']}, {found['inertial_base_parameters']} of "
+        ("Base parameters", f"{found.base_parameters}, {found.inertial_base_parameters} of "
          "them inertial"),
         ("Condition number", "not known" if condition is None else
          f"{condition:.4g} (2-norm, SI units, unweighted; small is good: below 100 is excellent, "
@@ -145,7 +145,7 @@ def _identification(dossier: Dossier) -> Section:
     ]  # fmt: skip
     names = model.robot.joint_names
     rms = [[f"{j + 1} {n}", f"{model.noise[j]:.4g}"] for j, n in enumerate(names)]
-    warnings = [("", warning) for warning in found["warnings"]]
+    warnings = [("", warning) for warning in found.warnings]
     blocks: list[Block] = [Facts(facts), Table(["joint", "RMS on its own runs, N·m"], rms)]
     return Section("The identification", [*blocks, *([Lines(warnings)] if warnings else [])])
 

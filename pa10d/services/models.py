@@ -125,7 +125,7 @@ def identify_runs(
         ]
     info = library.models.save(model, replace=replace)
     return Identified(
-        info, model, {**summary(model), **found.document(), "id": info.id, "name": info.name}
+        info, model, {**vars(summary(model)), **found.document(), "id": info.id, "name": info.name}
     )
 
 

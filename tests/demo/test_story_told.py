@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from pa10d.common.jsonable import parsed
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.story import play
 from pa10d.demo.truth import judged, verdict_on
+from pa10d.investigation.results import NamedEffect, Structured
 
-RIVAL = {"effect": "presliding_hysteresis", "joints": [4], "why": "both at reversals"}
+RIVAL = {"effect": "stribeck", "joints": [4], "why": "both at reversals"}
 
 
 def finding(effect="stribeck", joints=(4,), rivals=()):
@@ -123,7 +125,7 @@ LEFT = {"joint": 2, "depends_on": ["q2"], "share": 0.4}
         (HIDDEN, [finding(joints=(3,))], [], False, "wrong: it named"),
         (HIDDEN, [finding("spring"), finding()], [], False, "half right"),
         (HIDDEN, [], [], False, "nothing that it has a name for"),
-        (HIDDEN, [finding("presliding_hysteresis", rivals=[finding()])], [], False,
+        (HIDDEN, [finding("presliding_hysteresis", rivals=[RIVAL])], [], False,
          "cannot tell the two apart"),
         (Hidden(), [], [], True, "right to find nothing"),
         (Hidden(), [finding()], [], False, "wrong"),
@@ -134,5 +136,7 @@ LEFT = {"joint": 2, "depends_on": ["q2"], "share": 0.4}
     ],
 )  # fmt: skip
 def test_the_answer_is_held_against_the_truth(hidden, findings, unexplained, right, says):
+    findings = [parsed(NamedEffect, one) for one in findings]
+    unexplained = [parsed(Structured, one) for one in unexplained]
     assert judged(hidden, findings, unexplained) is right
     assert says in verdict_on(hidden, findings, unexplained)

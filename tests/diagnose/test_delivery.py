@@ -30,10 +30,10 @@ def test_a_version_achieves_what_was_promised():
     fit, held = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
     made, _ = add(textbook(runs), "spring", [1], fit, name="m1", validate=held)
     note = delivered(made)
-    np.testing.assert_allclose(note["promised"], judge(made, held).rms, rtol=1e-3)
-    np.testing.assert_allclose(note["achieved"], judge(made, held).rms, rtol=1e-4)
-    assert note["achieved"][1] < 0.2 * note["before"][1]
-    assert note["worse"] == []
+    np.testing.assert_allclose(note.promised, judge(made, held).rms, rtol=1e-3)
+    np.testing.assert_allclose(note.achieved, judge(made, held).rms, rtol=1e-4)
+    assert note.achieved[1] < 0.2 * note.before[1]
+    assert note.worse == []
 
 
 def test_a_joint_that_became_worse_is_named():
@@ -87,5 +87,5 @@ def test_promises_are_kept_on_real_robots(shared_data, name):
     case = importlib.import_module("bench_real").case(name)
     found = diagnose(case.identify(), case.train, [case.valid])
     achieved = judge(found.model, [case.valid]).rms
-    np.testing.assert_allclose(delivered(found.model)["promised"], achieved, rtol=0.1)
+    np.testing.assert_allclose(delivered(found.model).promised, achieved, rtol=0.1)
     assert len(found.remaining) == case.robot.n

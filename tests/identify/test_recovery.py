@@ -100,9 +100,9 @@ def test_summary_of_the_pa10():
     noise = 0.1 * np.random.default_rng(1).normal(size=(4000, 7))
     model = identify([recording(truth, fourier(7, 16.0, 250.0), noise)], truth.robot, name="arm")
     found = summary(model)
-    assert found["base_parameters"] == 62
-    assert found["inertial_base_parameters"] == 43
-    assert found["feasible"] is True
-    assert found["cutoff_hz"] == model.cutoff
-    assert len(found["rms"]) == 7
-    assert found["condition_number"] > 1
+    assert found.base_parameters == 62
+    assert found.inertial_base_parameters == 43
+    assert found.feasible is True
+    assert found.cutoff_hz == model.cutoff
+    assert len(found.rms) == 7
+    assert found.condition_number > 1

@@ -141,9 +141,9 @@ async def doubt_file(
 ) -> FileResponse:
     """What settles a doubt, of the finding with this number: a plan (yaml) or a motion (csv)."""
     state = await _find(daemon, investigation)
-    key = {"yaml": "plan", "csv": "motion"}.get(ending)
     known = state.findings[number - 1 : number]
-    name = known[0].get("settling", {}).get(key) if known and key else None
+    way = known[0].settling if known else None
+    name = None if way is None else {"yaml": way.plan, "csv": way.motion}.get(ending)
     path = daemon.investigations.place(state.id) / FOLDER / str(name)
     if name is None or not await daemon.shelf(path.is_file):
         raise Problem("not-found", f"{state.name}: finding {number} has no such file")

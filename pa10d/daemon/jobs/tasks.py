@@ -258,7 +258,7 @@ def add(
         "parent": made.parent,
         "change": made.change,
         "held_out": [float(v) for v in made.held_out["held out"]],
-        **delivered(made),
+        **vars(delivered(made)),
         "warnings": warnings,
     }
 
@@ -300,7 +300,7 @@ def investigation_step(data: str, investigation: str, step: str, progress: Progr
     """What one step of an investigation computes."""
     from pa10d.investigation.work import compute
 
-    return compute(data, investigation, step, progress)
+    return vars(compute(data, investigation, step, progress))
 
 
 def model_report(

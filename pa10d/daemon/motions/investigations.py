@@ -11,12 +11,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
+from pa10d.common.jsonable import JsonObject, parsed
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.kinds import experiment_of
 from pa10d.experiments.request import MotionRequest
 from pa10d.investigation import course
 from pa10d.investigation.document import document
+from pa10d.investigation.results import Outcome
 from pa10d.investigation.state import Investigation, Step
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class _Carrier:
             outcome = await self._daemon.compute_now(
                 "investigation_step", told, investigation=self._id, step=step.id
             )
-            course.done(state, step, outcome)
+            course.done(state, step, parsed(Outcome, outcome))
             return
         await self._move(state, step, told)
 
@@ -110,11 +111,8 @@ class _Carrier:
         names = [run.name for run in found.recorded]
         advice = found.recommendation or [""]
         said = f"Recorded {', '.join(names)}." if names else advice[0]
-        course.done(
-            state, step,
-            {"runs": found.runs, "moved": found.seconds or 0.0,
-             "said": " ".join([said, *found.notes])},
-        )  # fmt: skip
+        moved, words = found.seconds or 0.0, " ".join([said, *found.notes])
+        course.done(state, step, Outcome(runs=found.runs, moved=moved, said=words))
 
     def _told(self, state: Investigation, step: Step) -> Progress:
         """The job's progress by the steps that are over; its message begins with this one's id."""

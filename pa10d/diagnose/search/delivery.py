@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,39 +14,52 @@ from pa10d.model import TorqueModel
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Delivery:
+    """All on the same held-out samples in one band; None where no search made the model.
+
+    before: (n,) N·m of the model it was made from, as that one is; promised: by which the search
+    judged; achieved: by the version as it is stored; worse: joints from 1
+    """
+
+    before: list[float] | None = None
+    promised: list[float] | None = None
+    achieved: list[float] | None = None
+    worse: list[int] | None = None
+    cutoff_hz: float | None = None
+    mask: str | None = None
+
+
 def delivery(
     promised: Array, before: Sequence[RunResidual], after: Sequence[RunResidual]
-) -> dict[str, Any]:
-    """A note for the new version, all on the same held-out samples in one band.
-
-    promised: (n,) N·m by which the search judged; before, after: the held-out side as the given
-    model saw it, before anything was refitted, and as the new version does
-    """
+) -> Delivery:
+    """Of a new version. before, after: the held-out side as the given model saw it, before anything
+    was refitted, and as the new version does; promised: (n,) N·m."""
     old, new = judged("before", before), judged("after", after)
-    return {
-        "before": old.rms.tolist(),
-        "promised": promised.tolist(),
-        "achieved": new.rms.tolist(),
-        "worse": [j + 1 for j in worse(before, after)],
-        "cutoff_hz": new.cutoff,
-        "mask": new.mask,
-    }
+    return Delivery(
+        before=old.rms.tolist(),
+        promised=promised.tolist(),
+        achieved=new.rms.tolist(),
+        worse=[j + 1 for j in worse(before, after)],
+        cutoff_hz=new.cutoff,
+        mask=new.mask,
+    )
 
 
-def delivered(model: TorqueModel) -> dict[str, Any]:
-    """The note as a document has it: ``promised`` and ``achieved``, (n,) N·m each, ``before`` (of
-    the model it was made from, as that one is) and ``worse`` (joints from 1)."""
+def delivered(model: TorqueModel) -> Delivery:
+    """What the model's note says of it."""
     note = model.notes.get("delivery", {})
-    keys = ("before", "promised", "achieved", "worse", "cutoff_hz", "mask")
-    return {key: note.get(key) for key in keys}
+    return Delivery(**{field.name: note.get(field.name) for field in fields(Delivery)})
 
 
 def warnings(model: TorqueModel) -> list[str]:
     """One line per joint that became worse."""
     found = delivered(model)
+    if found.before is None or found.achieved is None:
+        return []
     return [
-        f"joint {j}: its error rises from {found['before'][j - 1]:.3g} to "
-        f"{found['achieved'][j - 1]:.3g} {model.robot.torque_unit(j - 1)} against "
+        f"joint {j}: its error rises from {found.before[j - 1]:.3g} to "
+        f"{found.achieved[j - 1]:.3g} {model.robot.torque_unit(j - 1)} against "
         f"{model.parent or 'the model as given'}, which stays as it is"
-        for j in found["worse"] or ()
+        for j in found.worse or ()
     ]

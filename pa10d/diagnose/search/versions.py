@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pa10d.common.jsonable import plain
 from pa10d.diagnose.evidence.errors_of import scales_of
 from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.evidence.tails import tails, with_open
@@ -74,8 +75,8 @@ def snapshot(
     promise = delivery(rms(part.held_residual()), as_given, seen)
     model = replace(
         model,
-        held_out={"held out": np.array(promise["achieved"])},
-        notes={**model.notes, "delivery": promise},
+        held_out={"held out": np.array(promise.achieved)},
+        notes={**model.notes, "delivery": plain(promise)},
     )
     model = with_open(_with_open(model, part), unseen(model, part, len(given.terms)))
     return model if frozen else _with_bodies(model, part)
