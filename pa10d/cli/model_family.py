@@ -14,6 +14,7 @@ from pa10d.cli.progress import progress_line
 from pa10d.export.endings import ENDINGS, FOLDERS, FORMATS
 
 if TYPE_CHECKING:
+    from pa10d.effects import Value
     from pa10d.store.models import ModelInfo
 
 
@@ -122,15 +123,15 @@ def show(options: argparse.Namespace) -> Answer:
     model = library.models.load(info)
     details = model_details(model)
     path = library.models.path(info)
-    rows = [[p["name"], *_known(p), p["unit"], p["meaning"]] for p in details["parameters"]]
+    rows = [[p.name, *_known(p.value), p.value.unit, p.meaning] for p in details.parameters]
     lines = [
         f"{info.name} ({info.id}), {info.change}, from {info.parent_name or 'nothing'}",
         f"runs {', '.join(info.runs)}; cut-off {info.cutoff_hz:g} Hz; file {path}",
         table(["parameter", "value", "± 1 σ", "unit", "is"], rows),
         table(["joint", f"RMS {model.robot.torque_units()}"], _rows(info.joints, info.rms)),
-        *details["impossible"],
+        *details.impossible,
     ]
-    return Answer(_brief(info) | details | {"file": path}, "\n".join(lines))
+    return Answer(_brief(info) | details.document() | {"file": path}, "\n".join(lines))
 
 
 def history(options: argparse.Namespace) -> Answer:
@@ -188,11 +189,11 @@ def _several(values: Iterable[float]) -> str:
     return " ".join(f"{value:.3g}" for value in values)
 
 
-def _known(parameter: dict[str, Any]) -> list[str]:
+def _known(value: Value) -> list[str]:
     """Value and standard error, or that the data leave it open."""
-    if not parameter["determined"]:
+    if not value.determined:
         return ["not determined", ""]
-    return [f"{parameter['value']:.5g}", f"{parameter['std_error']:.2g}"]
+    return [f"{value.value:.5g}", f"{value.std_error:.2g}"]
 
 
 def _brief(info: ModelInfo) -> dict[str, Any]:

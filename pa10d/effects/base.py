@@ -106,6 +106,11 @@ class Value:
     random: float | None = None
     determined: bool = True
 
+    @property
+    def std_error_random(self) -> float:
+        """Without what the torque constants add."""
+        return self.std_error if self.random is None else self.random
+
     def with_gain_error(self, share: float) -> Value:
         """Beside a torque constant that is known to ``share`` of its value: whatever is measured
         in torque or mass is as uncertain."""
@@ -116,11 +121,10 @@ class Value:
 
     def document(self) -> dict[str, object]:
         """As JSON: std_error is the whole, std_error_random without the torque constants."""
-        random = self.std_error if self.random is None else self.random
         return {
             "value": self.value,
             "std_error": self.std_error,
-            "std_error_random": random,
+            "std_error_random": self.std_error_random,
             "unit": self.unit,
             "determined": self.determined,
         }

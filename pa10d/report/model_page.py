@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from pa10d.figures.staircase import Stair
 from pa10d.identify import summary
 from pa10d.judgement import MASK
 from pa10d.model import TorqueModel
+from pa10d.model.parameters import ParameterLine
 from pa10d.report.blocks import Block, Lines, Section, Table, Text
 from pa10d.report.compare_page import figures_sections, joint_sections, summary_sections
 from pa10d.report.facts import Facts
@@ -45,12 +45,11 @@ class RunFigures:
 
 @dataclass(frozen=True)
 class Dossier:
-    """parameters: as ``model_details`` lists them; versions: (name, change, when, software) of the
-    line, the first ancestor first; comparison: on runs that it was not fitted to, if there are any;
-    ``seen`` says which."""
+    """versions: (name, change, when, software) of the line, the first ancestor first; comparison:
+    on runs that it was not fitted to, if there are any; ``seen`` says which."""
 
     model: TorqueModel
-    parameters: Sequence[Mapping[str, Any]]
+    parameters: Sequence[ParameterLine]
     runs: Sequence[RunFigures]
     versions: Sequence[tuple[str, str, str, str]]
     comparison: Comparison | None
@@ -150,18 +149,18 @@ def _identification(dossier: Dossier) -> Section:
     return Section("The identification", [*blocks, *([Lines(warnings)] if warnings else [])])
 
 
-def _parameters(parameters: Sequence[Mapping[str, Any]]) -> Section:
+def _parameters(parameters: Sequence[ParameterLine]) -> Section:
     rows = []
     for one in parameters:
-        known, error = one["determined"], one["std_error"]
-        share = abs(error / one["value"]) if known and error and one["value"] else None
+        known, value, error = one.value.determined, one.value.value, one.value.std_error
+        share = abs(error / value) if known and error and value else None
         rows.append(
-            [one["name"], f"{one['value']:.4g}" if known else UNDETERMINED,
-             f"± {error:.2g}" if known and error is not None else "–",
+            [one.name, f"{value:.4g}" if known else UNDETERMINED,
+             f"± {error:.2g}" if known else "–",
              "–" if share is None else f"{100 * share:.0f} %",
-             "–" if one["urdf"] is None else f"{one['urdf']:.4g}",
-             "" if one["unit"] == "1" else one["unit"], ", ".join(one["flags"]) or "–",
-             one["meaning"]]
+             "–" if one.urdf is None else f"{one.urdf:.4g}",
+             "" if one.value.unit == "1" else one.value.unit, ", ".join(one.flags) or "–",
+             one.meaning]
         )  # fmt: skip
     head = ["parameter", "value", "standard error", "of value", "URDF", "unit", "flags", "meaning"]
     note = Text(

@@ -11,8 +11,8 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass
+from pa10d.model.parameters import parameter_list
 from pa10d.services.library import Library
-from pa10d.services.model_details import parameter_list
 from pa10d.services.models import compare_runs, write_file
 from pa10d.store import RunInfo
 

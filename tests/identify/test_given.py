@@ -13,9 +13,9 @@ from pa10d.identify.fit import weighted_fit
 from pa10d.identify.given import placed, read_given
 from pa10d.identify.prior import Prior
 from pa10d.identify.smoothing import Smoothing, with_smoothing
+from pa10d.model.parameters import parameter_list
 from pa10d.regression.layout import textbook
 from pa10d.regression.problem import Problem
-from pa10d.services.model_details import parameter_list
 
 TRUTH = pa10_truth(3)
 FC3 = "coulomb J3: Fc"
@@ -107,7 +107,7 @@ def test_a_vanishing_error_fixes_the_value_in_every_fit(run, free):
         told = fitted(run, ("Fc3", value, 0.0), **how)
         assert estimates(told)[i] == pytest.approx(value, rel=1e-6)
         assert told.notes["feasible"]["coefficients"][FC3] == pytest.approx(value, rel=1e-3)
-        flags = {one["name"]: one["flags"] for one in parameter_list(told)}
+        flags = {one.name: one.flags for one in parameter_list(told)}
         assert flags[FC3] == ["from the prior"]
 
 
@@ -122,10 +122,10 @@ def test_an_endless_error_changes_nothing(run, free):
 def test_what_the_motion_does_not_show_is_what_was_given():
     poor = recorded((0.0, 1.0, 0.0))
     told = fitted(poor, ("rotor_inertia J3: Ia", 0.25, 0.05))
-    flags = {one["name"]: one for one in parameter_list(told)}
-    found = flags["rotor_inertia J3: Ia"]
-    assert (found["value"], found["std_error_random"]) == pytest.approx((0.25, 0.05), rel=1e-3)
-    assert found["flags"] == ["from the prior"]
+    (found,) = (one for one in parameter_list(told) if one.name == "rotor_inertia J3: Ia")
+    value = found.value
+    assert (value.value, value.std_error_random) == pytest.approx((0.25, 0.05), rel=1e-3)
+    assert found.flags == ["from the prior"]
 
 
 def test_feasible_bodies_have_the_mass_that_was_given(run, free):

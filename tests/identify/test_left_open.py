@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.identify import identify
+from pa10d.model.parameters import parameter_list
 from pa10d.regression.told import left_open
-from pa10d.services.model_details import parameter_list
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")
@@ -46,10 +46,10 @@ def test_a_stribeck_torque_that_nobody_saw_is_not_printed(shared_data):
     robot = bench_real.robot_from_urdf(shared_data / "kr300" / "robot.urdf")
     runs = [bench_real.load("kr300", f"train{k}.csv", robot.n) for k in (1, 2)]
     model = identify(runs, robot, name="m", cutoff=10.0, with_effects=["stribeck"])
-    told = {p["name"]: p for p in parameter_list(model) if p["name"].endswith(": Fs")}
-    unsure = {n for n, p in told.items() if p["std_error_random"] > abs(p["value"])}
+    told = {p.name: p for p in parameter_list(model) if p.name.endswith(": Fs")}
+    unsure = {n for n, p in told.items() if p.value.std_error_random > abs(p.value.value)}
     assert len(unsure) >= 3
-    assert all("not determined" in told[name]["flags"] for name in unsure)
+    assert all("not determined" in told[name].flags for name in unsure)
     assert "coulomb J1: Fc" not in model.left_open
     (line,) = [w for w in model.notes["warnings"] if "standard error above 30 %" in w]
     assert "not determined" in line

@@ -10,9 +10,9 @@ from pa10d.common.errors import UserError
 from pa10d.effects import Value
 from pa10d.identify import identify
 from pa10d.identify.prior import Prior
+from pa10d.model.parameters import flags, parameter_list
 from pa10d.regression.equation import prepare
 from pa10d.regression.layout import textbook
-from pa10d.services.model_details import flags, parameter_list
 
 TRUTH = pa10_truth(3)
 
@@ -55,9 +55,7 @@ def test_what_the_motion_leaves_open_is_the_urdfs_give_or_take(poor):
     free, told = fitted(poor), fitted(poor, prior=30.0)
     assert error_elsewhere(free) > 1.0
     assert error_elsewhere(told) < 0.05
-    flagged = [
-        {one["name"]: one["flags"] for one in parameter_list(model)} for model in (free, told)
-    ]
+    flagged = [{one.name: one.flags for one in parameter_list(model)} for model in (free, told)]
     for flag, entries in zip(("not determined", "from the prior"), flagged, strict=True):
         assert entries["my3"] == entries["Izz3"] == [flag]
         assert entries["mz3"] == entries["coulomb J2: Fc"] == []
@@ -67,7 +65,7 @@ def test_what_the_motion_leaves_open_is_the_urdfs_give_or_take(poor):
 
 def test_nothing_is_taken_for_known_where_a_rotor_is_one_with_its_link(poor):
     prior = Prior.of(textbook(TRUTH.robot), 10.0)
-    names = [one["name"] for one in parameter_list(fitted(poor))]
+    names = [one.name for one in parameter_list(fitted(poor))]
     bases = len(prior.layout.base)
     assert [n for n, s in zip(names[:bases], prior.std_errors, strict=False) if np.isinf(s)] == [
         "Ixx2", "Izz2", "Ixx3", "Iyy3"

@@ -51,7 +51,7 @@ def test_it_travels_with_the_model_and_stands_in_its_details(tmp_path):
     store = ModelStore(tmp_path)
     stored = store.load(store.save(replace(model, robot=robot)))
     assert np.array_equal(stored.robot.gain_error, robot.gain_error)
-    few, many = (model_details(m)["parameters"] for m in (model, stored))
+    few, many = (model_details(m).document()["parameters"] for m in (model, stored))
     for a, b in zip(few, many, strict=True):
         assert a["std_error_random"] == b["std_error_random"] <= a["std_error"] <= b["std_error"]
 

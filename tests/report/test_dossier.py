@@ -11,9 +11,9 @@ from backends.virtual.datasets import make_runs
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.effects import Value
+from pa10d.model.parameters import flags, parameter_list
 from pa10d.services.dossier import dossier, write_model_report
 from pa10d.services.library import open_library
-from pa10d.services.model_details import flags, parameter_list
 from pa10d.services.models import compare_runs, identify_runs
 from pa10d.services.robots import load_robot
 from pa10d.store import Channels, Samples
@@ -72,10 +72,10 @@ def test_a_run_on_both_sides_is_said_to_be(library):
 def test_the_urdf_stands_beside_each_base_parameter(library):
     model = library.models.load("m0")
     rows = parameter_list(model)
-    inertial = [row["urdf"] for row in rows if row["urdf"] is not None]
+    inertial = [row.urdf for row in rows if row.urdf is not None]
     expected = model.base.matrix() @ model.robot.parameters.ravel()
     np.testing.assert_allclose(inertial, expected, atol=1e-12)
-    assert all(row["urdf"] is None for row in rows[len(inertial) :])
+    assert all(row.urdf is None for row in rows[len(inertial) :])
 
 
 @pytest.mark.parametrize(

@@ -170,7 +170,7 @@ def model_document(data: str, model: str) -> JsonObject:
 
     library = open_library(data)
     info = library.models.find(model)
-    return vars(info) | model_details(library.models.load(info))
+    return vars(info) | model_details(library.models.load(info)).document()
 
 
 def model_history(data: str, model: str) -> JsonObject:
