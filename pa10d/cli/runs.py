@@ -163,14 +163,11 @@ def preview(options: argparse.Namespace) -> Answer:
     lines += ["", *found.remarks]
     asked = options.topic is not None or options.episode is not None
     lines += [found.parts.another] if found.parts and not asked else []
-    lines += [f"{f['severity']}: {f['sentence']}{_advised(f['advice'])}" for f in found.findings]
+    findings = [one.finding for one in found.findings]
+    lines += [str(finding) for finding in findings]
     lines += [f"error: {found.problem}" if found.problem else "", found.line]
-    wrong = found.problem or any(f["severity"] == "error" for f in found.findings)
+    wrong = found.problem or any(finding.severity == "error" for finding in findings)
     return Answer(found.document(), "\n".join(filter(None, lines)), status=1 if wrong else 0)
-
-
-def _advised(advice: str) -> str:
-    return f" → {advice}" if advice else ""
 
 
 def list_(options: argparse.Namespace) -> Answer:

@@ -7,17 +7,16 @@ profile stand behind those that somebody chose.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks import unit_of_stamps
+from pa10d.checks import Finding, unit_of_stamps
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
 from pa10d.readers import (
@@ -62,10 +61,21 @@ class Column:
 
 
 @dataclass(frozen=True)
+class Mendable:
+    """What to know of the file before fitting; mends: choices that would mend it."""
+
+    finding: Finding
+    mends: list[Choice]
+
+    def document(self) -> JsonObject:
+        """As JSON."""
+        return {**self.finding.document(), "mends": [asdict(one) for one in self.mends]}
+
+
+@dataclass(frozen=True)
 class Preview:
-    """rules: the mapping, as ``--map`` takes it; problem: why an import would be refused; findings:
-    what to know before fitting, each with the choices that mend it; parts: what the file holds
-    several of; part: what was asked for."""
+    """rules: the mapping, as ``--map`` takes it; problem: why an import would be refused; parts:
+    what the file holds several of; part: what was asked for."""
 
     file: str
     joints: tuple[str, ...]
@@ -75,7 +85,7 @@ class Preview:
     rules: list[str]
     problem: str = ""
     remarks: list[str] = field(default_factory=list)
-    findings: list[dict[str, Any]] = field(default_factory=list)
+    findings: list[Mendable] = field(default_factory=list)
     duration: float | None = None
     rate: float | None = None
     parts: Parts | None = None
@@ -89,9 +99,10 @@ class Preview:
         asked += ["--map", *self.rules] if self.rules else []
         return shlex.join(asked)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON."""
-        return dict(plain({**asdict(self), "line": self.line}))
+        findings = [one.document() for one in self.findings]
+        return dict(plain({**asdict(self), "findings": findings, "line": self.line}))
 
 
 def preview_recording(
@@ -151,24 +162,22 @@ class _Look:
         for _ in range(ROUNDS):
             seen = self.preview(choices, thorough=False)
             new: dict[str, Choice] = {}
-            for finding in seen.findings:
-                for one in finding["mends"] if finding["code"] in BY_RANGE else ():
-                    new.setdefault(one["column"], Choice(**one))
-                if finding["code"] == "angle_unit" and finding["severity"] == "error":
-                    new = self._as_degrees(choices, finding) | new
+            for one in seen.findings:
+                for choice in one.mends if one.finding.code in BY_RANGE else ():
+                    new.setdefault(choice.column, choice)
+                if one.finding.code == "angle_unit" and one.finding.severity == "error":
+                    new = self._as_degrees(choices, one.finding) | new
             if seen.problem or not new:
                 break
             choices = [new.pop(choice.column, choice) for choice in choices] + list(new.values())
         return choices
 
-    def _as_degrees(
-        self, choices: Sequence[Choice], finding: Mapping[str, Any]
-    ) -> dict[str, Choice]:
+    def _as_degrees(self, choices: Sequence[Choice], finding: Finding) -> dict[str, Choice]:
         """What nothing tells is taken for what is most usual, and that is said; behind gears that
         a profile knows it is not."""
         if self._profile.drives:
             return {}
-        self._remarks.append(f"{finding['sentence']}; taken for degrees here; {finding['advice']}")
+        self._remarks.append(f"{finding.sentence}; taken for degrees here; {finding.advice}")
         turning = {f"q{j + 1}" for j in np.flatnonzero(~self._robot.prismatic)}
         positions = [choice for choice in choices if choice.field in turning]
         return {c.column: replace(c, unit=composed(c.unit, "deg")) for c in positions}
@@ -202,8 +211,10 @@ class _Look:
             return self._made(resolved, rules, str(error))
         findings = findings_of(found, path.name, robot, self._profile, delay=thorough)
         shown = [
-            in_own_words(finding, found, robot.n).document()
-            | {"mends": [vars(c) for c in mends(finding, found.called, found.said, robot.n)]}
+            Mendable(
+                in_own_words(finding, found, robot.n),
+                mends(finding, found.called, found.said, robot.n),
+            )
             for finding in findings
         ]
         seconds = float(found.timing.grid[-1] - found.timing.grid[0])

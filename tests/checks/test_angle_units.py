@@ -130,7 +130,7 @@ def test_a_preview_takes_degrees_with_a_word_and_never_behind_known_gears(
     path.write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows)]))
     found = preview_recording(path, profile, robot, thorough=False)
     units = {c.unit for c in found.columns if c.field.startswith("q")}
-    codes = {f["code"] for f in found.findings}
+    codes = {f.finding.code for f in found.findings}
     if profile.drives:
         assert units == {""}
         assert "angle_unit" in codes

@@ -120,7 +120,7 @@ def test_a_file_is_mended_by_what_is_advised(tmp_path, period, unit, late):
     found = preview_recording(path, *arm)
     assert found.problem == ""
     assert [c.unit for c in found.columns if c.field == "q1"] == [f"wrap{period}*{unit}"]
-    assert {f["code"] for f in found.findings} & {
+    assert {f.finding.code for f in found.findings} & {
         "wrapped",
         "jump",
         "degrees",

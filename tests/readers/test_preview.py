@@ -50,7 +50,7 @@ def meant(preview: Preview) -> dict[str, tuple[str, str]]:
 
 
 def codes(preview: Preview) -> set[str]:
-    return {finding["code"] for finding in preview.findings}
+    return {one.finding.code for one in preview.findings}
 
 
 def test_names_units_and_ranges_make_a_guess(tmp_path, motion, robot):
@@ -87,8 +87,8 @@ def test_a_preview_is_what_an_import_makes_of_it(kind, tmp_path, motion, robot):
     found = preview_recording(path, profile, arm, thorough=False)
     assert found.problem == ""
     if kind.startswith("other units,"):  # torques of N·mm are questioned, not guessed
-        (large,) = [f for f in found.findings if f["code"] == "torque_large"]
-        better = {one["column"]: Choice(**one) for one in large["mends"]}
+        (large,) = [f for f in found.findings if f.finding.code == "torque_large"]
+        better = {one.column: one for one in large.mends}
         old = [Choice(c.name, c.field, c.unit) for c in found.columns if c.field]
         found = preview_recording(path, profile, arm, [better.get(c.column, c) for c in old])
     stored = RunStore(tmp_path / "data")
@@ -180,11 +180,11 @@ def test_what_mends_a_finding_is_a_choice(tmp_path, motion, robot):
     path = written(tmp_path, table)
     chosen = [Choice("pos1", "q1", "-1"), Choice("pos2", "q2", "-1")]
     wrong = preview_recording(path, *robot, chosen, thorough=False)
-    by_code = {finding["code"]: finding for finding in wrong.findings}
-    degrees = {(c["column"], c["field"], c["unit"]) for c in by_code["degrees"]["mends"]}
+    by_code = {one.finding.code: one for one in wrong.findings}
+    degrees = {(c.column, c.field, c.unit) for c in by_code["degrees"].mends}
     assert degrees == {("pos1", "q1", "-1*deg"), ("pos2", "q2", "-1*deg")}
-    assert "--map 'pos{n}[-1*deg]=q'" in by_code["degrees"]["advice"]
-    assert [tuple(c.values()) for c in by_code["wrapped"]["mends"]] == [("tau1", "tau1", "i16")]
+    assert "--map 'pos{n}[-1*deg]=q'" in by_code["degrees"].finding.advice
+    assert by_code["wrapped"].mends == [Choice("tau1", "tau1", "i16")]
     assert meant(preview_recording(path, *robot))["tau1"] == ("tau1", "i16")
 
 
