@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,9 @@ from pa10d.paper.periods import (
     mean_period,
     suggested_cutoff,
 )
-from pa10d.paper.results import Preparation, Reconstruction
+from pa10d.paper.results import SETS, Preparation, Reconstruction
 from pa10d.paper.stack import least_squares, stacked
-from pa10d.paper.variants import estimation_variants
+from pa10d.paper.variants import Variants, estimation_variants
 from pa10d.regression.equation import RunEquation, edge_time, prepare
 from pa10d.trajectory.fourier import fourier_basis
 from pa10d.trajectory.kinds.excitation import Excitation
@@ -32,7 +31,7 @@ class Estimated:
 
     mean: Recording
     preparation: Preparation
-    variants: dict[str, Any]
+    variants: Variants
     reconstruction: Reconstruction
 
 
@@ -81,17 +80,13 @@ def _judged(train: RunEquation, other: RunEquation, robot: Robot) -> Array:
 def rms_of_sets(run: Recording, found: Estimated, robot: Robot) -> dict[str, list[float]]:
     """N·m per joint that the models of both sets miss of another run."""
     stack = stacked([prepare(run, robot, found.preparation.cutoff)], robot)
-    return {
-        name: stack.rms(np.array(found.variants[name]["feasible"]["parameters"])).tolist()
-        for name in "AB"
-    }
+    return {name: stack.rms(found.variants.ours(name).parameters).tolist() for name in SETS}
 
 
-def _reconstructed(judge: RunEquation, robot: Robot, variants: dict[str, Any]) -> Reconstruction:
+def _reconstructed(judge: RunEquation, robot: Robot, variants: Variants) -> Reconstruction:
     stack = stacked([judge], robot)
     both = [
-        np.column_stack([rows @ np.array(variants[name]["feasible"]["parameters"])
-                         for rows in stack.rows])
-        for name in "AB"
-    ]  # fmt: skip
+        np.column_stack([rows @ variants.ours(name).parameters for rows in stack.rows])
+        for name in SETS
+    ]
     return Reconstruction(judge.t[judge.inside], np.column_stack(stack.tau), *both)

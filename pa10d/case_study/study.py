@@ -13,7 +13,8 @@ from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.measured import followed, steady
 from pa10d.case_study.other import other_motion
 from pa10d.case_study.scope import Scope
-from pa10d.paper.results import MODEL, PID, WITH_EFFECTS, CaseStudy, Following
+from pa10d.identify.summary import summary
+from pa10d.paper.results import MODEL, PID, SETS, WITH_EFFECTS, CaseStudy, Following
 from pa10d.profile import Profile
 from pa10d.report.verdict import answer
 from pa10d.services.diagnoses import diagnose_runs, store_versions
@@ -80,8 +81,8 @@ def case_study(
             library, [EXCITING], profile.path, name="set-a", faster_than=limits.limit.tolist(),
             replace=True, progress=progress,
         )  # fmt: skip
-    for name in "AB":
-        rms = " ".join(f"{v:.2f}" for v in found.variants[name]["feasible"]["rms"])
+    for name in SETS:
+        rms = " ".join(f"{v:.2f}" for v in found.variants.ours(name).rms)
         tell(f"   set {name}: {rms} N·m on the other trajectory.")
 
     def sine(pace: str, how: str, model: str | None) -> Following:
@@ -121,7 +122,7 @@ def case_study(
         variants=found.variants,
         reconstruction=found.reconstruction,
         slow_rms=rms_of_sets(steady(library, "40s-pid"), found, robot),
-        identified=made.summary,
+        identified=summary(made.model),
         following=following,
         diagnosis=diagnosis.document(),
         answer=answer(diagnosis),

@@ -190,10 +190,13 @@ def show(options: argparse.Namespace) -> Answer:
     joints = joint_summaries(store, info)
     lines = [f"{key}: {value}" for key, value in _described(info).items() if value not in ("", ())]
     head = ["joint", "name", "q min", "q max", "|dq| max", "tau min", "tau max"]
-    keys = ["q_min", "q_max", "dq_max", "tau_min", "tau_max"]
-    rows = [[str(j["joint"]), j["name"], *(f"{j[k]:.4g}" for k in keys)] for j in joints]
+    rows = [
+        [str(j.joint), j.name, f"{j.q_min:.4g}", f"{j.q_max:.4g}", f"{j.dq_max:.4g}",
+         f"{j.tau_min:.4g}", f"{j.tau_max:.4g}"]
+        for j in joints
+    ]  # fmt: skip
     lines += ["", table(head, rows)] if rows else []
-    return Answer(info.document() | {"per_joint": joints}, "\n".join(lines))
+    return Answer(info.document() | {"per_joint": [vars(j) for j in joints]}, "\n".join(lines))
 
 
 def check(options: argparse.Namespace) -> Answer:

@@ -61,6 +61,7 @@ def add_commands(commands: Commands) -> None:
 
 def track(options: argparse.Namespace) -> Answer:
     """``track``."""
+    from pa10d.services.documents import Track
     from pa10d.services.models import write_file
     from pa10d.services.tracking import as_csv
 
@@ -71,7 +72,7 @@ def track(options: argparse.Namespace) -> Answer:
     motion = read_plan(options.motion, None, options.settings)
     found = _of_models(options, motion) if options.models else _of_hidden(options, motion)
     if options.out is not None:
-        write_file(options.out.absolute(), as_csv(found))
+        write_file(options.out.absolute(), as_csv(Track.model_validate(found)))
         found["file"] = str(options.out.absolute())
     return Answer(found, in_words(found))
 

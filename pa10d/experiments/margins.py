@@ -5,11 +5,12 @@ The numbers are those of the pre-check: the same bodies, the same braking distan
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.experiments.motion import Whole
 from pa10d.trajectory.capsules import Capsules
 from pa10d.trajectory.limits import MotionLimits
@@ -20,59 +21,103 @@ POSES = 600  # of a motion that are sent to be looked at
 DIGITS = 4  # of a pose's angles: 0.1 mrad
 
 
-def margins(whole: Whole, torque: Array, limits: MotionLimits, bodies: Capsules) -> dict[str, Any]:
-    """Per joint what is left to the nearer position limit, braking included, and the shares of the
-    other limits that are used; what is left between the arm's bodies, above the floor and to boxes.
+@dataclass(frozen=True)
+class JointMargin:
+    """position: rad (m) left to the nearer limit, braking included, and ``at`` which second; of the
+    other limits the shares that are used, None where there is none. joint: from 1."""
 
-    torque: (N, n) N·m that the motion needs. rad (m) and m; every figure with its second.
-    """
+    joint: int
+    position: float
+    at: float
+    velocity: float | None
+    acceleration: float | None
+    torque: float | None
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The smallest between bodies. margin: m; at: s; between: which."""
+
+    margin: float
+    at: float
+    between: str
+
+
+@dataclass(frozen=True)
+class Margins:
+    """own: between the arm's bodies; floor: above it; boxes: to them; None where there is nothing
+    that could be met."""
+
+    joints: list[JointMargin]
+    own: Gap | None
+    floor: Gap | None
+    boxes: Gap | None
+
+    def document(self) -> JsonObject:
+        """As JSON, where the arm's own gap is called ``self``."""
+        told = asdict(self)
+        return {"joints": told.pop("joints"), "self": told.pop("own"), **told}
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Of a motion, at equal steps of ``dt`` s, few enough to be sent. begins, ends: s of the plan
+    itself, without the way to it; seconds: of all of it."""
+
+    dt: float
+    poses: list[list[float]]
+    begins: float
+    ends: float
+    seconds: float
+
+
+def margins(whole: Whole, torque: Array, limits: MotionLimits, bodies: Capsules) -> Margins:
+    """Of a motion that needs ``torque``, (N, n) N·m."""
     t, q, dq, ddq = whole.samples
     stop = q + dq * np.abs(dq) / (2 * limits.acceleration)
     left = np.minimum(limits.upper - stop, stop - limits.lower)
     at = np.argmin(left, axis=0)
     joints = [
-        {
-            "joint": j + 1,
-            "position": float(left[at[j], j]),
-            "at": float(t[at[j]]),
-            "velocity": _share(dq[:, j], limits.velocity[j]),
-            "acceleration": _share(ddq[:, j], limits.acceleration[j]),
-            "torque": _share(torque[:, j], limits.torque[j]),
-        }
+        JointMargin(
+            joint=j + 1,
+            position=float(left[at[j], j]),
+            at=float(t[at[j]]),
+            velocity=_share(dq[:, j], limits.velocity[j]),
+            acceleration=_share(ddq[:, j], limits.acceleration[j]),
+            torque=_share(torque[:, j], limits.torque[j]),
+        )
         for j in range(q.shape[1])
     ]
     gaps, pairs = bodies.clearance(q), len(bodies.pairs)
     low = pairs + len(bodies.grounded)
-    return {
-        "joints": joints,
-        "self": _nearest(t, gaps[:, :pairs], bodies, 0),
-        "floor": _nearest(t, gaps[:, pairs:low], bodies, pairs),
-        "boxes": _nearest(t, gaps[:, low:], bodies, low),
-    }
+    return Margins(
+        joints=joints,
+        own=_nearest(t, gaps[:, :pairs], bodies, 0),
+        floor=_nearest(t, gaps[:, pairs:low], bodies, pairs),
+        boxes=_nearest(t, gaps[:, low:], bodies, low),
+    )
 
 
-def preview(whole: Whole) -> dict[str, Any]:
-    """Poses of a motion at equal steps of ``dt`` s, few enough to be sent; ``begins``, ``ends``: s
-    of the plan itself, without the way to it."""
+def poses_of(whole: Whole) -> Poses:
+    """Of a motion, to be looked at."""
     t, q = whole.samples.t, whole.samples.q
     every = max(1, -(-len(q) // POSES))
-    return {
-        "dt": float(every * (t[1] - t[0])),
-        "poses": np.round(q[::every], DIGITS).tolist(),
-        "begins": float(t[min(whole.first, len(t) - 1)]),
-        "ends": float(t[whole.last - 1]),
-        "seconds": float(t[-1]),
-    }
+    return Poses(
+        dt=float(every * (t[1] - t[0])),
+        poses=np.round(q[::every], DIGITS).tolist(),
+        begins=float(t[min(whole.first, len(t) - 1)]),
+        ends=float(t[whole.last - 1]),
+        seconds=float(t[-1]),
+    )
 
 
 def _share(values: Array, limit: float) -> float | None:
     return float(np.abs(values).max() / limit) if np.isfinite(limit) else None
 
 
-def _nearest(t: Array, gaps: Array, bodies: Capsules, first: int) -> dict[str, Any] | None:
-    """The smallest gap; None where there is nothing that could be met."""
+def _nearest(t: Array, gaps: Array, bodies: Capsules, first: int) -> Gap | None:
     if not gaps.size:
         return None
     row, column = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
     where = bodies.name(first + int(column))
-    return {"margin": float(gaps[row, column]), "at": float(t[row]), "between": where}
+    return Gap(float(gaps[row, column]), float(t[row]), where)

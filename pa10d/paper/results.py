@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.identify.summary import FitSummary
+from pa10d.paper.variants import Variants
+
 Array = NDArray[np.float64]
 
+SETS: tuple[Literal["A"], Literal["B"]] = ("A", "B")
 PID, MODEL, WITH_EFFECTS = "pid", "computed_torque", "computed_torque_with_effects"
 
 
@@ -80,7 +84,7 @@ class Following:
 class CaseStudy:
     """Everything.
 
-    excitation: ``about`` of the exciting trajectory; variants: what ``estimation_variants`` says
+    excitation: ``about`` of the exciting trajectory
     slow_rms: of both sets on the sines of 40 s; following: "4s" and "40s", by controller
     diagnosis: its document, answer: the same in words; seconds: of each step
     """
@@ -91,10 +95,10 @@ class CaseStudy:
     boundaries: Boundaries
     excitation: dict[str, Any]
     preparation: Preparation
-    variants: dict[str, Any]
+    variants: Variants
     reconstruction: Reconstruction
     slow_rms: dict[str, list[float]]
-    identified: dict[str, Any]
+    identified: FitSummary
     following: dict[str, dict[str, Following]]
     diagnosis: dict[str, Any]
     answer: str
@@ -104,20 +108,20 @@ class CaseStudy:
     @property
     def rms_set_a(self) -> list[float]:
         """(n,) N·m on the other trajectory, fitted to the samples above the boundary."""
-        return list(self.variants["A"]["feasible"]["rms"])
+        return [float(v) for v in self.variants.ours("A").rms]
 
     @property
     def rms_set_b(self) -> list[float]:
         """(n,) N·m on the other trajectory, fitted to all samples."""
-        return list(self.variants["B"]["feasible"]["rms"])
+        return [float(v) for v in self.variants.ours("B").rms]
 
     def document(self) -> dict[str, Any]:
         """JSON of ``case-study``, without the report's path."""
         return {
-            "inertial_base_parameters": self.identified["inertial_base_parameters"],
+            "inertial_base_parameters": self.identified.inertial_base_parameters,
             "condition_number": self.excitation["condition_number"],
             "boundary_velocity": self.boundaries.values,
-            "feasible": self.identified["feasible"],
+            "feasible": self.identified.feasible,
             "rms_set_a": self.rms_set_a,
             "rms_set_b": self.rms_set_b,
             "tracking_rms": {
@@ -125,9 +129,9 @@ class CaseStudy:
                 for pace, runs in self.following.items()
             },
             "boundary_used": self.boundaries.limit.tolist(),
-            "share_of_set_a": self.variants["share_of_samples"],
+            "share_of_set_a": self.variants.share_of_samples,
             "rms_above_boundary": {
-                name: self.variants[name]["feasible"]["rms_above_boundary"] for name in "AB"
+                name: self.variants.ours(name).rms_above_boundary.tolist() for name in SETS
             },
             "rms_40s": self.slow_rms,
             "answer": self.answer,

@@ -12,7 +12,7 @@ from pa10d.figures import case_study_texts as texts
 from pa10d.figures.of_boundary import convergence, friction_chart
 from pa10d.figures.of_case_study import exciting_motion, reconstruction, tracking, tracking_bars
 from pa10d.paper import published
-from pa10d.paper.results import MODEL, PID, WITH_EFFECTS, CaseStudy
+from pa10d.paper.results import MODEL, PID, SETS, WITH_EFFECTS, CaseStudy
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.case_study_words import agreements
 from pa10d.report.facts import Command, Facts
@@ -57,8 +57,8 @@ def _glance(found: CaseStudy) -> Section:
         [
             ("condition number", f"{found.excitation['condition_number']:.1f}",
              f"paper: around {published.CONDITION_NUMBER:g}"),
-            ("inertial base parameters", str(found.identified["inertial_base_parameters"]),
-             "every link a possible body" if found.identified["feasible"] else "not feasible"),
+            ("inertial base parameters", str(found.identified.inertial_base_parameters),
+             "every link a possible body" if found.identified.feasible else "not feasible"),
             ("computed torque at 4 s", f"{100 * worst:.0f} %",
              "of the PID's tracking error, worst joint"),
             ("at 40 s, effect added", f"{100 * left:.0f} %",
@@ -149,11 +149,11 @@ def _estimates(found: CaseStudy) -> Section:
     rows = []
     for name in "AB":
         for key, words in WAYS.items():
-            way = variants[name][key]
-            said = {None: "not asked", True: "yes", False: "no"}[way["feasible"]]
-            rows.append([f"{name}, {words}", *(f"{v:.3f}" for v in way["rms"]), said,
-                         f"{1e3 * way['seconds']:.0f}"])  # fmt: skip
-    shares = ", ".join(f"{100 * v:.0f} %" for v in variants["share_of_samples"])
+            way = variants.sets[name].ways[key]
+            said = {None: "not asked", True: "yes", False: "no"}[way.feasible]
+            rows.append([f"{name}, {words}", *(f"{v:.3f}" for v in way.rms), said,
+                         f"{1e3 * way.seconds:.0f}"])  # fmt: skip
+    shares = ", ".join(f"{100 * v:.0f} %" for v in variants.share_of_samples)
     return Section(
         "Estimates side by side",
         [
@@ -173,7 +173,7 @@ def _estimates(found: CaseStudy) -> Section:
 
 
 def _reconstruction(found: CaseStudy) -> Section:
-    a, b = (found.variants[name]["feasible"]["rms_above_boundary"] for name in "AB")
+    a, b = (found.variants.ours(name).rms_above_boundary for name in SETS)
     rows = [
         [f"{j + 1} {name}", f"{found.rms_set_a[j]:.3f}", f"{found.rms_set_b[j]:.3f}",
          f"{a[j]:.3f}", f"{b[j]:.3f}", f"{published.RMS_SET_A[j]:g}", f"{published.RMS_SET_B[j]:g}"]

@@ -62,7 +62,7 @@ def _condition(found: CaseStudy) -> tuple[str, str]:
 
 
 def _parameters(found: CaseStudy) -> tuple[str, str]:
-    count = found.identified["inertial_base_parameters"]
+    count = found.identified.inertial_base_parameters
     return (
         "differs",
         f"The first four links have {count} inertial base parameters by the rank of the regressor, "
@@ -79,7 +79,7 @@ def _sets(found: CaseStudy) -> tuple[str, str]:
         for j, (x, y) in enumerate(zip(published.RMS_SET_A, published.RMS_SET_B, strict=True))
         if x <= y
     ]
-    share = np.array(found.variants["share_of_samples"])
+    share = np.array(found.variants.share_of_samples)
     where = _joints(better) if better else "no joint"
     return (
         "agrees" if len(better) >= len(paper) else "differs",
@@ -104,18 +104,18 @@ def _slow_torque(found: CaseStudy) -> str:
 
 
 def _feasible(found: CaseStudy) -> tuple[str, str]:
-    ways = found.variants["A"]
-    paper, ours = ways["penalty"], ways["feasible"]
-    worst = min(paper["smallest_pseudo_inertia"])
+    paper, ours = found.variants.sets["A"].ways["penalty"], found.variants.ours("A")
+    assert paper.smallest_pseudo_inertia is not None, "the penalty has bodies"
+    worst = paper.smallest_pseudo_inertia.min()
     text = (
         "m > 0 and I > 0, the paper's condition, "
-        + ("were enough here" if paper["feasible"] else "do not make a body possible")
+        + ("were enough here" if paper.feasible else "do not make a body possible")
         + f" (smallest eigenvalue of a pseudo-inertia: {worst:.2g}). Our condition, a definite "
         "pseudo-inertia of every link, is exact and costs "
-        f"{1e3 * ours['seconds']:.0f} ms; both problems are convex, so the genetic algorithm and "
+        f"{1e3 * ours.seconds:.0f} ms; both problems are convex, so the genetic algorithm and "
         "its initial guess are not needed."
     )
-    return ("agrees" if paper["feasible"] else "differs", text)
+    return ("agrees" if paper.feasible else "differs", text)
 
 
 def _fast_sines(found: CaseStudy) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from pa10d.dynamics.carried import carrying
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
-from pa10d.experiments.margins import margins, preview
+from pa10d.experiments.margins import margins, poses_of
 from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
@@ -143,8 +143,8 @@ def prepare_motion(
     return Prepared(
         checks=(*checked, *said, room),
         adjusted=adjusted,
-        margins=margins(whole, torque, limits, Surroundings.of(robot).capsules),
-        preview=preview(whole),
+        margins=margins(whole, torque, limits, Surroundings.of(robot).capsules).document(),
+        preview=vars(poses_of(whole)),
         start=tuple(start),
         live=None if live is None else live.document(),
         motions=(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import WITH_MODEL, Law, ModelLaw
 from pa10d.experiments.analysis import tracking_of
 from pa10d.experiments.request import laws_for
+from pa10d.services.documents import Track
 from pa10d.services.library import open_library
 from pa10d.store import StoredRun
 
@@ -106,16 +106,16 @@ def compared(moved: Sequence[Moved], runs: Sequence[StoredRun]) -> Table:
     return Table(tuple(runs[0].joints), laws, _worth(laws))
 
 
-def as_csv(document: Mapping[str, Any]) -> str:
+def as_csv(found: Track) -> str:
     """A row per law and joint."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["controller", "model", "joint", "rms", "max", "of_pid"])
-    for law in document["laws"]:
-        columns = zip(document["joints"], law["rms"], law["max"], law["of_pid"], strict=True)
+    for law in found.laws:
+        columns = zip(found.joints, law.rms, law.max, law.of_pid, strict=True)
         for joint, *values in columns:
             told = ["" if v is None else f"{v:.6g}" for v in values]
-            writer.writerow([law["controller"], law["model"] or "", joint, *told])
+            writer.writerow([law.controller, law.model or "", joint, *told])
     return out.getvalue()
 
 

@@ -55,13 +55,13 @@ def test_the_table_has_every_law_and_what_the_last_model_is_worth():
     assert (ahead["from"], ahead["to"], ahead["rms"]) == ("m0", "m1", pytest.approx([0.25, 0.25]))
     assert computed["rms"] == pytest.approx([0.8, 0.8])
     document = {**found, "kind": "tracking", "parameters": {}, "runs": []}
-    SCHEMAS["track"].model_validate(document)
+    told = SCHEMAS["track"].model_validate(document)
     json.dumps(document, allow_nan=False)
     words = in_words(found)
     assert "PID + feed-forward, m1" in words
     assert "0.5 (0.5)" in words
     assert "m0 joint 2 is off by 0.5 instead of 2 mrad" in words
-    rows = as_csv(found).splitlines()
+    rows = as_csv(told).splitlines()
     assert len(rows) == 1 + 5 * 2
     assert rows[4].split(",")[:4] == ["feed_forward", "m0", "elbow", "0.002"]
 

@@ -87,22 +87,22 @@ def variants(slow_friction):
 
 def test_fast_samples_alone_know_better_where_slow_friction_is_another():
     found = variants(4.0)
-    a, b = (found[name]["ols"]["rms_above_boundary"] for name in "AB")
-    assert np.all(np.array(a) < 0.7 * np.array(b))
-    assert all(0.2 < share < 0.9 for share in found["share_of_samples"])
-    assert found["A"]["samples"][0] < found["B"]["samples"][0]
+    a, b = (found.sets[name].ways["ols"].rms_above_boundary for name in "AB")
+    assert np.all(a < 0.7 * b)
+    assert all(0.2 < share < 0.9 for share in found.share_of_samples)
+    assert found.sets["A"].samples[0] < found.sets["B"].samples[0]
 
 
 def test_without_slow_friction_the_sets_agree():
     found = variants(0.0)
-    a, b = (np.array(found[name]["wls"]["rms"]) for name in "AB")
+    a, b = (found.sets[name].ways["wls"].rms for name in "AB")
     assert a == pytest.approx(b, rel=0.1)
     for name in "AB":
         for way in ("ols", "wls", "penalty", "penalty_physical", "feasible"):
-            assert np.array(found[name][way]["rms"]) == pytest.approx(b, rel=0.25)
-        assert found[name]["feasible"]["feasible"]
-        assert found[name]["penalty_physical"]["feasible"]
-        assert found[name]["ols"]["feasible"] is None
+            assert found.sets[name].ways[way].rms == pytest.approx(b, rel=0.25)
+        assert found.ours(name).feasible
+        assert found.sets[name].ways["penalty_physical"].feasible
+        assert found.sets[name].ways["ols"].feasible is None
 
 
 def test_too_high_a_boundary_is_refused():

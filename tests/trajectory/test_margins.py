@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from pa10d.experiments.margins import margins, preview
+from pa10d.experiments.margins import margins, poses_of
 from pa10d.experiments.motion import whole_motion
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.capsules import capsules_of
@@ -29,15 +29,15 @@ def test_margins_of_joints_are_those_of_the_samples(planned):
     limits, (t, q, dq, _ddq) = limits_of(robot), whole.samples
     torque = np.ones_like(q)
     found = margins(whole, torque, limits, capsules_of(robot))
-    for j, one in enumerate(found["joints"]):
+    for j, one in enumerate(found.joints):
         brake = [v * abs(v) / (2 * limits.acceleration[j]) for v in dq[:, j]]
         rest = [x + b for x, b in zip(q[:, j], brake, strict=True)]
         left = [min(limits.upper[j] - x, x - limits.lower[j]) for x in rest]
-        assert one["joint"] == j + 1
-        assert one["position"] == pytest.approx(min(left))
-        assert one["at"] == pytest.approx(t[int(np.argmin(left))])
-        assert one["velocity"] == pytest.approx(max(abs(dq[:, j])) / limits.velocity[j])
-        assert one["torque"] == pytest.approx(1.0 / limits.torque[j])
+        assert one.joint == j + 1
+        assert one.position == pytest.approx(min(left))
+        assert one.at == pytest.approx(t[int(np.argmin(left))])
+        assert one.velocity == pytest.approx(max(abs(dq[:, j])) / limits.velocity[j])
+        assert one.torque == pytest.approx(1.0 / limits.torque[j])
 
 
 def test_the_floor_is_as_far_as_the_lowest_point_of_any_body(planned):
@@ -56,16 +56,16 @@ def test_the_floor_is_as_far_as_the_lowest_point_of_any_body(planned):
                 lowest = min(
                     lowest, (place.rotation @ end + place.translation)[2] - bodies.radius[c]
                 )
-    assert found["floor"]["margin"] == pytest.approx(lowest, abs=1e-9)
-    assert "the floor" in found["floor"]["between"]
+    assert found.floor.margin == pytest.approx(lowest, abs=1e-9)
+    assert "the floor" in found.floor.between
 
 
 def test_a_preview_is_short_and_keeps_the_time(planned):
     whole = planned[1]
-    seen = preview(whole)
+    seen = poses_of(whole)
     t, q = whole.samples.t, whole.samples.q
-    assert len(seen["poses"]) <= 600
-    k = len(seen["poses"]) // 2
-    at = round(k * seen["dt"] / (t[1] - t[0]))
-    assert np.allclose(seen["poses"][k], q[at], atol=1e-4)
-    assert 0 < seen["begins"] < seen["ends"] <= seen["seconds"]
+    assert len(seen.poses) <= 600
+    k = len(seen.poses) // 2
+    at = round(k * seen.dt / (t[1] - t[0]))
+    assert np.allclose(seen.poses[k], q[at], atol=1e-4)
+    assert 0 < seen.begins < seen.ends <= seen.seconds
