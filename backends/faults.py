@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from backends.protocol import BackendFault
+from pa10d.common.words import joint_words
 
 REMEDIES = {
     "no_answer": "power of that drive, its node id and bitrate, the cable and both terminators",
@@ -41,9 +42,13 @@ def fault(kind: str, cause: str, axis: int | None = None) -> BackendFault:
 
 
 def refusal(kind: str, causes: dict[int, str]) -> BackendFault:
-    """One fault for all axes that have a cause: who mends one wants to know of the others."""
+    """One fault for all axes that have a cause: who mends one wants to know of the others. A
+    cause that several share is said once."""
     first, *others = causes
-    lines = [f"joint {axis + 1}: {cause}" for axis, cause in causes.items()]
+    sharing: dict[str, list[int]] = {}
+    for axis, cause in causes.items():
+        sharing.setdefault(cause, []).append(axis)
+    lines = [f"{joint_words(axes)}: {cause}" for cause, axes in sharing.items()]
     found = fault(kind, "\n".join(lines) if others else causes[first], None if others else first)
     found.axes = tuple(causes)
     return found

@@ -12,6 +12,7 @@ from backends.canopen_cia402.configure import DriveReport, Wish, configure
 from backends.canopen_cia402.network import PortNetwork
 from backends.canopen_cia402.remote import SetupError
 from backends.faults import refusal
+from pa10d.common.words import listed
 
 START, PRE_OPERATIONAL, RESET_COMMUNICATION = 1, 128, 130
 BOOT_TIMEOUT = 5.0  # s
@@ -59,9 +60,7 @@ def bring_up(
     silent = boot.wait(list(ids.values()), BOOT_TIMEOUT)
     mute = {axis: number for axis, number in ids.items() if number in silent}
     if mute:
-        raise refusal(
-            "no_answer", {k: f"node {n} does not answer to NMT reset" for k, n in mute.items()}
-        )
+        raise refusal("no_answer", dict.fromkeys(mute, _silent(list(mute.values()))))
     with ThreadPoolExecutor(max(len(nodes), 1)) as pool:
         running = {axis: pool.submit(configure, nodes[axis], wishes[axis]) for axis in nodes}
     reports, refused = {}, {}
@@ -75,6 +74,13 @@ def bring_up(
     for number in ids.values():
         network.send_message(0, bytes([START, number]))
     return reports
+
+
+def _silent(numbers: list[int]) -> str:
+    """What is common to all axes whose nodes say nothing."""
+    many = len(numbers) > 1
+    named = listed([str(number) for number in numbers])
+    return f"node{'s' if many else ''} {named} {'do' if many else 'does'} not answer to NMT reset"
 
 
 def let_go(network: PortNetwork, nodes: dict[int, canopen.RemoteNode]) -> None:

@@ -21,11 +21,24 @@ def times_noise(rms: float, floor: float) -> str:
     return f"{rms / floor:.1f} × noise" if floor > 0 else "noise not known"
 
 
+def counted(count: int, what: str) -> str:
+    """``1 run``, ``3 runs``."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 def listed(words: Sequence[str], last: str = "and") -> str:
     """``a, b and c``."""
     if len(words) < 2:
         return "".join(words)
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def joint_words(joints: Iterable[int]) -> str:
+    """``joint 3``, ``joints 1 and 4``, ``joints 1 to 7``, of 0-based numbers in order."""
+    numbers = [int(j) + 1 for j in joints]
+    if len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
+        return f"joints {numbers[0]} to {numbers[-1]}"
+    return f"joint{'s' if len(numbers) > 1 else ''} {listed([str(one) for one in numbers])}"
 
 
 def did_you_mean(found: str, known: Iterable[str]) -> str:

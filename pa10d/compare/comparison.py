@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import listed
 from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
 from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.places import Place, failing, places
@@ -45,6 +46,22 @@ class RunScores:
     def noise_floor(self) -> Array:
         """(n,) N·m."""
         return self.floor.values
+
+    @property
+    def by_noise(self) -> bool:
+        """Whether the noise of any joint is known, so that joints can be ranked by it."""
+        return bool(np.any(np.isfinite(self.noise_floor)))
+
+    @property
+    def standing(self) -> Array:
+        """(n,): RMS over the noise floor, nan where that is not known; where it is known of no
+        joint, RMS over the range of the measured torque."""
+        return self.scores.rms / self.noise_floor if self.by_noise else self.scores.nrmse
+
+    @property
+    def worst(self) -> int:
+        """The joint (0-based) that stands out most."""
+        return int(np.nanargmax(self.standing))
 
 
 @dataclass(frozen=True)
@@ -106,6 +123,7 @@ def compare(
         whiteness=tuple(whiteness(residuals, j) for j in joints),
         warnings=(
             *_warnings(residuals),
+            *_fitted_too(model, residuals),
             *_beyond_the_band(orders, model.cutoff, pooled.scores.rms),
             *map_warnings(model, residuals),
         ),
@@ -136,6 +154,17 @@ def _beyond_the_band(
             "Hz, and is not judged; a fit with a higher cut-off would see it"
         )
     return said
+
+
+def _fitted_too(model: TorqueModel, residuals: Sequence[RunResidual]) -> list[str]:
+    """Runs that the fit has seen: an error on them says nothing of motions that it has not."""
+    seen = [run.name for run in residuals if run.name in model.runs]
+    if not seen:
+        return []
+    return [
+        f"the model was fitted to {listed(seen)}: its error there is smaller than on a motion that "
+        "it has not seen"
+    ]
 
 
 def _warnings(residuals: Sequence[RunResidual]) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import times
+from pa10d.common.words import joint_words, times
 from pa10d.compare.curves import Curve
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Values, quantities
@@ -42,7 +42,7 @@ class Place:
 
 def failing(judged: Scores, floor: Array, robot: Robot, found: Sequence[Place]) -> list[str]:
     """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
-    place of its error stands out."""
+    place of its error stands out, and one for all joints whose noise is not known."""
     told, said = {place.joint for place in found}, []
     for j, (rms, noise) in enumerate(zip(judged.rms, floor, strict=True)):
         if j not in told and noise > 0 and rms > MATERIAL * noise:
@@ -50,6 +50,13 @@ def failing(judged: Scores, floor: Array, robot: Robot, found: Sequence[Place]) 
                 f"Joint {j + 1} keeps {rms:.3g} {robot.torque_unit(j)}, {times(rms / noise)} its "
                 "noise floor, and no region stands out: the error is spread over all of its motion."
             )
+    blind = [j for j in range(robot.n) if j not in told and not np.isfinite(floor[j])]
+    if blind:
+        said.append(
+            f"No region stands out on {joint_words(blind)}, and the noise there is not known from "
+            "these runs: how much of the error is the model's nobody can say. Record one motion "
+            "twice; what differs is noise."
+        )
     return said
 
 

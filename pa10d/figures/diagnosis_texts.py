@@ -7,32 +7,36 @@ from pa10d.figures.texts import Reading
 EVIDENCE = Reading(
     "Each blue dot is a moment of a run that the fit has not seen: measured torque minus what the "
     "model without this effect says. Orange is what the effect explains of it (what other terms of "
-    "the model had already imitated is not in it). Green is the width of the noise. The list "
-    "above offers other looks: the effect's whole torque, and the course over time.",
-    "If the orange runs through the middle of the blue cloud and what is left with it is flat "
-    "within the green, the effect is real. If only part of the blue follows the orange, something "
-    "else is at work beside it.",
+    "the model had already imitated is not in it). The list above offers other looks: the effect's "
+    "whole torque, and the course over time.",
+    "If the orange runs through the middle of the blue cloud and what is left with it is flat, the "
+    "effect is real. If only part of the blue follows the orange, something else is at work beside "
+    "it.",
+    "Green is the width of the noise, within which what is left should lie.",
 )
 COURSE = Reading(
     "Above, in grey, the torque that the model without this effect leaves over, in a stretch of a "
     "run that the fit has not seen; in orange what the effect explains of it. Below, on the same "
-    "scale, what is left with it. Green is the width of the noise; in the gaps the joint stands "
-    "still, where friction can be anything.",
-    "If the orange covers the grey and the lower line stays within the green, the effect is real. "
-    "If only part of the grey follows the orange, something else is at work beside it.",
+    "scale, what is left with it. In the gaps the joint stands still, where friction can be "
+    "anything.",
+    "If the orange covers the grey and the lower line shows no shape, the effect is real. If only "
+    "part of the grey follows the orange, something else is at work beside it.",
+    "Green is the width of the noise, within which the lower line should stay.",
 )
 BEFORE_AFTER = Reading(
     "For every joint the error that is left on data not fitted, without the effect (grey) and with "
-    "it (blue), beside the noise (green), which no model can go below.",
-    "The joints concerned must fall, and no other may rise. Where blue reaches green there is "
+    "it (blue).",
+    "The joints concerned must fall, and no other may rise.",
+    "Beside them the noise (green), which no model can go below: where blue reaches green there is "
     "nothing left to find.",
 )
 STAIRCASE = Reading(
     "From left to right, every step adds one effect; each line is a joint, judged on the same "
-    "held-out data. Divided by the noise, so that 1 (dashed) is as good as it gets; the tip of the "
-    "pointer shows N·m.",
+    "held-out data. The tip of the pointer shows N·m.",
     "A line that goes down belongs to a joint that the effect concerns; one that goes up speaks "
-    "against it. A line that ends high above 1 has something left: see what no effect explains.",
+    "against it.",
+    "Errors are divided by the noise: 1 (dashed) is as good as it gets, and a line that ends high "
+    "above it has something left: see what no effect explains.",
 )
 MAP = Reading(
     "Colour is the torque that is left over on this joint, at each combination of the two "

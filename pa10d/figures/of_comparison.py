@@ -23,7 +23,7 @@ def comparison_figures(comparison: Comparison, steps: Sequence[Stair] = ()) -> d
     joints, pooled = comparison.model.robot.joint_names, comparison.pooled
     several = len(steps) > 1
     return {
-        "overview": overview(joints, pooled.scores.rms, pooled.noise_floor, units(comparison)),
+        "overview": overview(pooled, joints, units(comparison)),
         "staircase": staircase(steps, joints, pooled.noise_floor) if several else None,
         "joints": [joint_figures(comparison, j) for j in range(len(joints))],
     }

@@ -10,7 +10,7 @@ const pa10dPlots = (() => {
       font: { color: css("--text"), family: css("--font"), size: 12 },
       hoverlabel: { bgcolor: css("--card"), bordercolor: css("--line"),
                     font: { color: css("--text") } },
-      modebar: { bgcolor: "rgba(0,0,0,0)", color: css("--line"), activecolor: css("--accent") },
+      modebar: { bgcolor: css("--card"), color: css("--line"), activecolor: css("--accent") },
       xaxis: axis, yaxis: axis } };
   };
   const config = { responsive: true, displaylogo: false, displayModeBar: "hover",

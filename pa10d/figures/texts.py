@@ -7,34 +7,55 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Reading:
-    """Two short texts for one kind of plot; the long version is docs/reading-the-plots.md."""
+    """Two short texts for one kind of plot; the long version is docs/reading-the-plots.md. noise:
+    how the noise is marked in it, where it is known."""
 
     read: str
     then: str
+    noise: str = ""
+
+    def told(self, known: bool) -> Reading:
+        """With what is said of the noise, or that it is not known and nothing marks it."""
+        noise = self.noise and (self.noise if known else NOT_KNOWN)
+        return Reading(f"{self.read} {noise}".strip(), self.then)
+
+
+NOT_KNOWN = (
+    "The noise is not known from these runs, and nothing marks it here: record one motion twice."
+)
 
 
 TEXTS = {
     "overview": Reading(
         "Each bar is a joint's error divided by the noise that its sensors leave in the same band. "
-        "1 (dashed) is a perfect model; 2 means that as much again is unexplained.",
+        "1 (dashed) is a perfect model; 2 means that as much again is unexplained. A joint without "
+        "a bar is one whose noise is not known.",
         "Look at the tallest joints first. Below 1.2 there is little left to find; a bar below 1 "
         "means that the noise floor is estimated too high, not that the model is too good.",
     ),
+    "overview_of_range": Reading(
+        "The noise of no joint is known from these runs. Each bar is a joint's error divided by "
+        "the range of its measured torque, from the smallest to the largest.",
+        "Record one motion twice: what differs is noise, and then it can be said how much of a bar "
+        "is the model's. Until then look at the tallest joints first, and at the shapes below.",
+    ),
     "time": Reading(
         "Above, the measured torque with the model's over it; below, their difference. Both are "
-        "low-passed alike. Green: two standard deviations of the noise. Grey: not judged, because "
-        "the joint stands still (friction at rest is indeterminate) or the filter has not settled.",
+        "low-passed alike. Grey: not judged, because the joint stands still (friction at rest is "
+        "indeterminate) or the filter has not settled.",
         "Spikes at reversals point to friction, a slow offset to gravity, a payload or a sensor "
         "bias, growth with time to warming up, bursts at one speed to a resonance. Choose another "
         "run to see whether it repeats.",
+        "Green: two standard deviations of the noise.",
     ),
     "maps": Reading(
-        "The same residual against position, velocity, load and time. A flat orange line within "
-        "the green band is what noise looks like; any shape of it is torque that the model "
-        "misses. Red: ranges in which the squared error piles up.",
+        "The same residual against position, velocity, load and time. A flat orange line is what "
+        "noise looks like; any shape of it is torque that the model misses. Red: ranges in which "
+        "the squared error piles up.",
         "A step or bump at zero velocity is friction, a slope against position a spring or "
         "gravity, a fan that opens with load friction under load or a wrong torque constant, a "
         "kink beyond one angle a contact. A diagnosis names and tests it.",
+        "Green: two standard deviations of the noise, within which the line should lie.",
     ),
     "spectra": Reading(
         "Left, the residual in cycles per revolution of the joint: cogging, gear mesh and bearings "
@@ -54,15 +75,16 @@ TEXTS = {
     ),
     "staircase": Reading(
         "Each step is a version of the model, each line a joint, judged on the same runs. Down is "
-        "better; 1 (dashed) is the noise floor.",
+        "better.",
         "A step that does not go down bought nothing: go back to its parent. A line that goes up "
         "at one joint while others fall is a wrong explanation.",
+        "Errors are divided by the noise: 1 (dashed) is as good as it gets.",
     ),
     "versus": Reading(
-        "For every joint the error of both models on the same runs, beside the noise (green), "
-        "which no model can go below.",
+        "For every joint the error of both models on the same runs.",
         "The better model is lower everywhere. Lower at one joint and higher at another is no "
         "gain: look at both in Compare.",
+        "Beside them the noise (green), which no model can go below.",
     ),
     "evidence": Reading(
         "Left, the residual without the effect and, over it, the torque that the effect adds. "

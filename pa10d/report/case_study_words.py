@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import listed
+from pa10d.common.words import joint_words, listed
 from pa10d.paper import published
 from pa10d.paper.results import MODEL, PID, WITH_EFFECTS, CaseStudy
 
@@ -73,18 +73,18 @@ def _parameters(found: CaseStudy) -> tuple[str, str]:
 
 def _sets(found: CaseStudy) -> tuple[str, str]:
     a, b = np.array(found.rms_set_a), np.array(found.rms_set_b)
-    better = [str(j + 1) for j in np.flatnonzero(a <= b)]
+    better = np.flatnonzero(a <= b)
     paper = [
-        str(j + 1)
+        j
         for j, (x, y) in enumerate(zip(published.RMS_SET_A, published.RMS_SET_B, strict=True))
         if x <= y
     ]
     share = np.array(found.variants.share_of_samples)
-    where = _joints(better) if better else "no joint"
+    where = joint_words(better) if len(better) else "no joint"
     return (
         "agrees" if len(better) >= len(paper) else "differs",
         f"Fast samples alone (set A) give the better or an equal model of another trajectory on "
-        f"{where}, in the paper on {_joints(paper)}. The sets hardly differ in size here: "
+        f"{where}, in the paper on {joint_words(paper)}. The sets hardly differ in size here: "
         "the trajectory was designed with the boundary in its criterion, so that "
         f"{100 * share.min():.0f} to {100 * share.max():.0f} % of its samples are fast (paper: "
         f"about {100 * published.SHARE_OF_SET_A:.0f} %). {_slow_torque(found)}",
@@ -93,12 +93,12 @@ def _sets(found: CaseStudy) -> tuple[str, str]:
 
 def _slow_torque(found: CaseStudy) -> str:
     a, b = (np.array(found.slow_rms[name]) for name in "AB")
-    worse = [str(j + 1) for j in np.flatnonzero(b < a)]
+    worse = np.flatnonzero(b < a)
     text = "On the sines of 40 s, where no sample is fast, "
-    if not worse:
+    if not len(worse):
         return text + "A is the better one on every joint, too."
     return text + (
-        f"B is the better one on {_joints(worse)}: least squares bends its Coulomb level "
+        f"B is the better one on {joint_words(worse)}: least squares bends its Coulomb level "
         "towards the friction that neither model has a term for."
     )
 
@@ -132,9 +132,9 @@ def _fast_sines(found: CaseStudy) -> tuple[str, str]:
 
 def _slow_sines(found: CaseStudy) -> tuple[str, str]:
     fast, slow = _ratio(found, "4s", MODEL, PID), _ratio(found, "40s", MODEL, PID)
-    no_gain = [str(j + 1) for j in np.flatnonzero(slow > ALIKE)]
+    no_gain = np.flatnonzero(slow > ALIKE)
     faded = bool(np.all(slow > fast))
-    where = f"; no clear gain is left on {_joints(no_gain)}" if no_gain else ""
+    where = f"; no clear gain is left on {joint_words(no_gain)}" if len(no_gain) else ""
     return (
         "agrees" if faded else "differs",
         f"At 40 s the gain fades: computed torque leaves {_percents(slow)} % of the PID's error"
@@ -144,12 +144,12 @@ def _slow_sines(found: CaseStudy) -> tuple[str, str]:
 
 def _how_slow(found: CaseStudy) -> str:
     top = SLOW_SINE * np.pi / 6
-    below = [str(j + 1) for j, v in enumerate(found.boundaries.values) if v > top]
+    below = [j for j, v in enumerate(found.boundaries.values) if v > top]
     text = f"Its speed is then {top:.3f} rad/s at most"
     if not below:
         return f"{text}."
     return (
-        f"{text}, below the boundary of {_joints(below)} all the time, where the friction of "
+        f"{text}, below the boundary of {joint_words(below)} all the time, where the friction of "
         "the model, learnt from fast samples, does not hold."
     )
 
@@ -162,10 +162,6 @@ def _completed(found: CaseStudy) -> tuple[str, str]:
         f"of the manipulator in this region”. {found.answer} With it in the controller the same "
         f"40 s experiment leaves {_percents(share)} % of the error that the model without it left.",
     )
-
-
-def _joints(numbers: list[str]) -> str:
-    return f"joint{'s' if len(numbers) > 1 else ''} {listed(numbers)}"
 
 
 def _ratio(found: CaseStudy, pace: str, how: str, over: str) -> Array:

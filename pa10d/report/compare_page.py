@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from pa10d import figures
 from pa10d.common.version import __version__
-from pa10d.common.words import times, times_noise
+from pa10d.common.words import counted, times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Stair
 from pa10d.judgement import MASK, MATERIAL
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
+from pa10d.report.near_noise import near_noise
 from pa10d.report.page import page
 
 Array = NDArray[np.float64]
@@ -37,7 +38,7 @@ def compare_page(comparison: Comparison, steps: Sequence[Stair] = ()) -> str:
     return page(
         f"{model.name}: where does it fail?",
         f"{model.robot.name}, {model.robot.n} joints · runs {runs} · both sides low-passed at "
-        f"{model.cutoff:g} Hz · worst joint {_worst(pooled) + 1}",
+        f"{model.cutoff:g} Hz · worst joint {pooled.worst + 1}",
         blocks,
         f"pa10d {__version__}. SI units, torque at the joint side, joints numbered from 1.",
     )
@@ -56,8 +57,7 @@ def figures_sections(comparison: Comparison, steps: Sequence[Stair] = ()) -> lis
 
 def joint_sections(comparison: Comparison) -> list[Section]:
     """One section per joint; the worst ones are open."""
-    ratio = _badness(comparison.pooled)
-    first = set(np.argsort(-ratio)[:OPEN].tolist())
+    first = set(np.argsort(-np.nan_to_num(comparison.pooled.standing))[:OPEN].tolist())
     return [joint_section(comparison, j, j not in first) for j in range(comparison.model.robot.n)]
 
 
@@ -67,6 +67,7 @@ def joint_section(
     """Everything about one joint (0-based); over_time: with the torque over time of every run."""
     pooled, robot, texts = comparison.pooled, comparison.model.robot, figures.TEXTS
     floor, unit = float(pooled.noise_floor[j]), figures.units(comparison)[j]
+    known = bool(np.isfinite(floor))
     mine = [place for place in pooled.where if place.joint == j]
     drawn = figures.joint_figures(comparison, j)
     order, white = comparison.orders[j], comparison.whiteness[j]
@@ -76,8 +77,9 @@ def joint_section(
             [("", place.sentence) for place in mine],
             "No range of any quantity carries significantly more error than its share.",
         ),
-        *([Plot(OVER_TIME, drawn["time"], texts["time"])] if over_time else []),
-        Plot("The residual against what it may depend on", drawn["maps"], texts["maps"]),
+        *([Plot(OVER_TIME, drawn["time"], texts["time"].told(known))] if over_time else []),
+        Plot("The residual against what it may depend on", drawn["maps"],
+             texts["maps"].told(known)),
         Plot("In cycles per revolution, and in hertz", drawn["spectra"], texts["spectra"],
              _line_advice(j, order.lines if order else (), unit)),
         Plot("Its memory", drawn["memory"], texts["memory"],
@@ -92,8 +94,7 @@ def joint_section(
 
 def _summary(comparison: Comparison) -> Section:
     pooled, robot = comparison.pooled, comparison.model.robot
-    ratio = pooled.scores.rms / pooled.noise_floor
-    worst = _worst(pooled)
+    worst = pooled.worst
     place, share = "nowhere", "no region stands out"
     if pooled.where:
         top = pooled.where[0]
@@ -102,21 +103,21 @@ def _summary(comparison: Comparison) -> Section:
     cards = Cards(
         [
             ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
-             f"{times(ratio[worst])} the noise floor" if np.isfinite(ratio[worst])
-             else "noise not known"),
-            ("joints near the noise", f"{int(np.sum(ratio < MATERIAL))} of {robot.n}",
-             "below 1.2 × noise"),
+             f"{times(pooled.standing[worst])} the noise floor" if pooled.by_noise
+             else f"{pooled.standing[worst]:.1%} of its torque's range"),
+            ("joints near the noise",
+             *near_noise(pooled.scores.rms / pooled.noise_floor, MATERIAL)),
             ("stands out", place, share),
-            ("judged on", f"{seconds:.0f} s", f"{len(comparison.runs)} runs"),
+            ("judged on", f"{seconds:.0f} s", counted(len(comparison.runs), "run")),
         ]
     )  # fmt: skip
     warnings = [Lines([("Note:", warning) for warning in comparison.warnings])]
     plot = Plot(
-        "Error of each joint, in units of its noise",
-        figures.overview(
-            robot.joint_names, pooled.scores.rms, pooled.noise_floor, figures.units(comparison)
-        ),
-        figures.TEXTS["overview"],
+        "Error of each joint, in units of its noise"
+        if pooled.by_noise
+        else "Error of each joint, as a share of its torque's range",
+        figures.overview(pooled, robot.joint_names, figures.units(comparison)),
+        figures.TEXTS["overview" if pooled.by_noise else "overview_of_range"],
     )
     return Section("At a glance", [cards, *(warnings if comparison.warnings else []), plot])
 
@@ -125,8 +126,7 @@ def _failures(comparison: Comparison) -> Section:
     pooled = comparison.pooled
     ranked = Lines(
         [("", said) for said in (*(p.sentence for p in pooled.where), *pooled.spread)],
-        "No region and no dependence stands out: what is left looks like noise, or is spread "
-        "evenly over everything that was looked at.",
+        "No region and no dependence stands out: what is left looks like noise.",
     )
     return Section("Where it fails", [ranked])
 
@@ -134,7 +134,11 @@ def _failures(comparison: Comparison) -> Section:
 def _history(comparison: Comparison, steps: Sequence[Stair]) -> Section:
     joints = comparison.model.robot.joint_names
     figure = figures.staircase(steps, joints, comparison.pooled.noise_floor)
-    plot = Plot("Every version on these runs", figure, figures.TEXTS["staircase"])
+    plot = Plot(
+        "Every version on these runs",
+        figure,
+        figures.TEXTS["staircase"].told(comparison.pooled.by_noise),
+    )
     return Section("History", [plot])
 
 
@@ -192,15 +196,3 @@ def _line_advice(j: int, lines: Sequence[tuple[float, float]], unit: str) -> str
         f"A line at {order:.4g} cycles per revolution, {size:.3g} {unit}: suspect torque "
         f"ripple in joint {j + 1} (effect torque_ripple), which a diagnosis tests."
     )
-
-
-def _badness(pooled: RunScores) -> Array:
-    """(n,): error over noise; where no noise is known, over the range of the torque."""
-    ratio = pooled.scores.rms / pooled.noise_floor
-    if not np.any(np.isfinite(ratio)):
-        return pooled.scores.nrmse
-    return np.where(np.isfinite(ratio), ratio, 0.0)
-
-
-def _worst(pooled: RunScores) -> int:
-    return int(np.argmax(_badness(pooled)))

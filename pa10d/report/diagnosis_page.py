@@ -18,6 +18,7 @@ from pa10d.figures.of_diagnosis import diagnosis_figures
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.report.finding_section import Asked, finding_section
+from pa10d.report.near_noise import near_noise
 from pa10d.report.page import page
 from pa10d.report.unexplained_section import unexplained_section
 from pa10d.report.verdict import finding_words, headline
@@ -46,7 +47,7 @@ def diagnosis_sections(found: Diagnosis, seen: HeldOut, asked: Asked) -> Diagnos
         ),
         (
             _remaining(found),
-            *([_staircase(drawn)] if found.findings else []),
+            *([_staircase(found, drawn)] if found.findings else []),
             _figures(found),
             _judged(found, asked),
         ),
@@ -69,17 +70,14 @@ def diagnosis_page(
 
 
 def _glance(found: Diagnosis) -> Section:
-    last = found.left.rms
     ratio = found.left.ratio
-    near = int(np.sum(ratio < MATERIAL_REST)) if np.all(np.isfinite(ratio)) else None
     places = len(found.unexplained)
     cards = [
         ("effects found", str(len(found.findings)),
          listed([finding_words(f, found.frozen) for f in found.findings]) or "none is significant"),
         ("left unexplained", f"{places} joint{'' if places == 1 else 's'}" if places else "nothing",
          "is no noise" if places else "significant"),
-        ("joints near the noise", "–" if near is None else f"{near} of {len(last)}",
-         "below 1.2 × noise, after all that was found"),
+        ("joints near the noise", *near_noise(ratio, MATERIAL_REST, ", after all that was found")),
     ]  # fmt: skip
     warnings = [("Note:", warning) for warning in found.warnings]
     blocks: list[Block] = [Verdict(headline(found), found.verdict), Cards(cards)]
@@ -91,8 +89,9 @@ def _remaining(found: Diagnosis) -> Section:
     return Section("What is left on every joint", [Lines(lines)])
 
 
-def _staircase(drawn: Mapping[str, Any]) -> Section:
-    plot = Plot("Error of every joint, step by step", drawn["staircase"], STAIRCASE)
+def _staircase(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
+    known = bool(np.any(np.isfinite(found.noise_floor)))
+    plot = Plot("Error of every joint, step by step", drawn["staircase"], STAIRCASE.told(known))
     return Section("How far it brings you", [plot])
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from pa10d.common.words import listed, percent
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.effects import all_effects
@@ -32,14 +34,15 @@ def finding_section(found: Diagnosis, k: int, drawn: Mapping[str, Any], asked: A
     finding, joint = found.findings[k], shown_joint(found, k)
     share = removed(finding, joint)
     title = finding_words(finding, found.frozen)
+    known = bool(np.isfinite(found.noise_floor[joint]))
     blocks: list[Block] = [
         Text(finding.sentence),
-        Cards(_cards(finding, joint, share)),
-        Plot("Why we think so", drawn["evidence"], _reading(drawn["evidence"])),
+        Cards(_cards(finding, joint, share, found.model.robot.torque_unit(joint))),
+        Plot("Why we think so", drawn["evidence"], _reading(drawn["evidence"]).told(known)),
         Facts(_facts(found, finding)),
         *_settle(finding),
         _parameters(finding),
-        Plot("What it does to every joint", drawn["before_after"], BEFORE_AFTER),
+        Plot("What it does to every joint", drawn["before_after"], BEFORE_AFTER.told(known)),
         _decision(found, k, asked),
     ]
     mark = f"{percent(share)} of joint {joint + 1}'s squared error is gone"
@@ -50,13 +53,17 @@ def _reading(evidence: Mapping[str, Any]) -> Reading:
     return COURSE if next(iter(evidence)) == OVER_TIME else EVIDENCE
 
 
-def _cards(finding: Finding, joint: int, share: float) -> list[tuple[str, str, str]]:
+def _cards(finding: Finding, joint: int, share: float, unit: str) -> list[tuple[str, str, str]]:
     size, before, after = finding.size, finding.rms_before[joint], finding.rms_after[joint]
     where = place(finding).removeprefix(" in ").removeprefix(" between ") or "the whole arm"
     return [
         ("where", where, finding.term.effect.title),
-        ("size of the effect", f"{size.value:.3g} ± {size.std_error:.1g} N·m", "RMS where it acts"),
-        (f"error of joint {joint + 1}", f"{before:.3g} → {after:.3g} N·m", "on data not fitted"),
+        (
+            "size of the effect",
+            f"{size.value:.3g} ± {size.std_error:.1g} {unit}",
+            "RMS where it acts",
+        ),
+        (f"error of joint {joint + 1}", f"{before:.3g} → {after:.3g} {unit}", "on data not fitted"),
         ("squared error removed", percent(share), f"joint {joint + 1}, on data not fitted"),
     ]
 

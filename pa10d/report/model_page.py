@@ -145,7 +145,10 @@ def _identification(dossier: Dossier) -> Section:
     names = model.robot.joint_names
     rms = [[f"{j + 1} {n}", f"{model.noise[j]:.4g}"] for j, n in enumerate(names)]
     warnings = [("", warning) for warning in found.warnings]
-    blocks: list[Block] = [Facts(facts), Table(["joint", "RMS on its own runs, N·m"], rms)]
+    blocks: list[Block] = [
+        Facts(facts),
+        Table(["joint", f"RMS on its own runs, {model.robot.torque_units()}"], rms),
+    ]
     return Section("The identification", [*blocks, *([Lines(warnings)] if warnings else [])])
 
 

@@ -85,9 +85,9 @@ def gain_words(found: Diagnosis) -> str:
     """How far the error falls on data not fitted, at the joint where it falls most."""
     first, last = found.findings[0].rms_before, found.findings[-1].rms_after
     j = shown_joint(found, 0)
-    floor = float(found.noise_floor[j])
+    floor, unit = float(found.noise_floor[j]), found.model.robot.torque_unit(j)
     text = f"With {'it' if len(found.findings) == 1 else 'them'} the error of joint {j + 1} falls "
-    text += f"from {first[j]:.3g} to {last[j]:.3g} N·m on data that the fit has not seen"
+    text += f"from {first[j]:.3g} to {last[j]:.3g} {unit} on data that the fit has not seen"
     if np.isfinite(floor) and floor > 0:
         ratio = last[j] / floor
         text += ", down to the noise" if ratio < NEAR else f", {times(ratio)} the noise"

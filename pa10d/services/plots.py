@@ -70,7 +70,7 @@ def torque_over(
     floor = level if np.isfinite(level) else None
     figure = torque_over_time(seen, joint - 1, floor, raw=raw, span=_span(span), marked=marked)
     jump = None if marked is None else _stretch(seen, joint - 1, marked)
-    return _plot(figure, TEXTS["time"], jump=jump)
+    return _plot(figure, TEXTS["time"].told(floor is not None), jump=jump)
 
 
 def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
@@ -90,7 +90,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(
         figure,
-        TEXTS["staircase"],
+        TEXTS["staircase"].told(bool(np.any(np.isfinite(floor)))),
         steps=told,
         noise_floor=plain(floor),
         units=_units(model_of(data, line[-1].id)),
@@ -112,7 +112,7 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     told = [r.tolist() for r in rms]
     return _plot(
         figure,
-        TEXTS["versus"],
+        TEXTS["versus"].told(bool(np.any(np.isfinite(floor)))),
         rms=told,
         noise_floor=plain(floor),
         units=_units(model_of(data, second.id)),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.errors import UserError
-from pa10d.common.words import listed
+from pa10d.common.words import joint_words, listed
 from pa10d.dynamics import Robot
 from pa10d.identify.scale import Body, Gains, JointGain, Load, Prospect, prospects, torque_gains
 from pa10d.identify.scale.prediction import ASIDE, WANTED, best, heavier, limited_by_noise
@@ -165,5 +165,4 @@ def _caveats(robot: Robot, found: Gains, seen: Sequence[Prospect]) -> list[str]:
 
 
 def _joints(which: Any) -> str:
-    numbers = [str(int(j) + 1) for j in np.flatnonzero(which)]
-    return f"joint{'s' if len(numbers) > 1 else ''} {listed(numbers)}"
+    return joint_words(np.flatnonzero(which))

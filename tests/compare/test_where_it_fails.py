@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import compare_arm as arm
 import numpy as np
 import pytest
 
 from pa10d.compare import compare, document
+from pa10d.compare.places import failing
 from pa10d.judgement import MATERIAL
 
 PERIOD = 8.0
@@ -45,3 +48,19 @@ def test_an_error_in_no_place_is_told_with_its_size(said):
         assert "times its noise floor" in found["pooled"]["spread"][0]
     if hidden is None:
         assert found["pooled"]["spread"] == []
+
+
+def test_joints_of_unknown_noise_are_told_together():
+    judged = compare(arm.model(), [arm.recording(4, 40.0, 0.3, period=PERIOD)]).pooled
+    nothing = np.full(3, np.nan)
+    (sentence,) = failing(judged.scores, nothing, arm.ROBOT, [])
+    assert "on joints 1 to 3" in sentence
+    assert failing(judged.scores, judged.noise_floor, arm.ROBOT, []) == []
+
+
+def test_a_run_that_was_fitted_is_no_judge():
+    run = arm.recording(4, 12.0, 0.3, name="seen")
+    unseen, seen = arm.model(), replace(arm.model(), runs=("seen", "other"))
+    assert not any("was fitted to" in said for said in compare(unseen, [run]).warnings)
+    (said,) = [said for said in compare(seen, [run]).warnings if "was fitted to" in said]
+    assert said.startswith("the model was fitted to seen: ")

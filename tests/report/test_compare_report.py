@@ -8,7 +8,9 @@ import figure_reader as reader
 import numpy as np
 import pytest
 
+from pa10d import figures
 from pa10d.compare import compare
+from pa10d.compare.places import failing
 from pa10d.figures.staircase import Stair
 from pa10d.report import compare_page
 
@@ -58,6 +60,34 @@ def test_every_plot_has_its_figure_and_its_words(text):
     assert words.count("What to do next") == plots
     for key in found.stored:
         assert found.figure(key)["data"]
+
+
+@pytest.fixture(scope="module")
+def blind(comparison):
+    """The same, of which nobody knows the noise."""
+    pooled = comparison.pooled
+    floor = replace(pooled.floor, values=np.full(3, np.nan))
+    spread = tuple(failing(pooled.scores, floor.values, comparison.model.robot, []))
+    return replace(comparison, pooled=replace(pooled, floor=floor, where=(), spread=spread))
+
+
+def test_where_the_noise_is_not_known_nothing_is_measured_by_it(blind):
+    found = reader.Report(compare_page(blind))
+    words = " ".join(found.words)
+    for untrue in ("units of its noise", "0 of 3", "Green:", "(dashed)", "looks like noise"):
+        assert untrue not in words
+    assert "The noise of no joint is known" in words
+    range_shares = 100 * blind.pooled.scores.nrmse
+    assert blind.pooled.worst == np.argmax(range_shares)
+    drawn = figures.overview(blind.pooled, blind.model.robot.joint_names, ["N·m"] * 3)
+    assert drawn["data"][0]["y"] == range_shares.tolist()
+    assert drawn["layout"]["shapes"] == []
+
+
+def test_the_overview_is_in_units_of_the_noise(comparison):
+    pooled = comparison.pooled
+    drawn = figures.overview(pooled, ["a", "b", "c"], ["N·m"] * 3)
+    assert drawn["data"][0]["y"] == (pooled.scores.rms / pooled.noise_floor).tolist()
 
 
 def test_names_stay_text(text):

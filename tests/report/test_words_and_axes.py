@@ -2,7 +2,7 @@
 
 import pytest
 
-from pa10d.common.words import times
+from pa10d.common.words import counted, joint_words, times
 from pa10d.figures.plotly import log_axis
 
 
@@ -21,3 +21,11 @@ def test_a_wide_axis_is_labelled_at_powers_of_ten_alone():
     assert set(wide["ticktext"]) < set(log_axis("RMS", [])["ticktext"])
     assert not {"0.2", "0.5"} & set(wide["ticktext"])
     assert {"0.1", "1"} <= set(wide["ticktext"])
+
+
+def test_joints_are_named_as_one_says_them():
+    assert joint_words([2]) == "joint 3"
+    assert joint_words([0, 3]) == "joints 1 and 4"
+    assert joint_words([0, 1]) == "joints 1 and 2"
+    assert joint_words(range(7)) == "joints 1 to 7"
+    assert (counted(1, "run"), counted(2, "run")) == ("1 run", "2 runs")

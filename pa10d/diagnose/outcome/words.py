@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pa10d.common.words import listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.diagnose.constants import MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Confusion
 from pa10d.effects import Effect, Value, effect
@@ -44,8 +44,7 @@ def sentence(
         said = missing(term, about + _lacking(size, lacks if len(own) == 1 else None))
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
     if not frozen and others and term.effect.only_against_others:
-        joints = f"joint{'s' if len(others) > 1 else ''} {listed([str(j + 1) for j in others])}"
-        text += f" {term.effect.only_against_others.format(others=joints)}."
+        text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
     if not sized:
         text += (
             " How large it is, this data hardly says: other terms, or what the model still lacks, "

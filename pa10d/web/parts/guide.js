@@ -86,6 +86,9 @@ function nextStep() {
       : fit.length ? "a run that models are judged by ('judge'), of another motion" : "a run that models are fitted to ('fit')";
     return { go: "runs", text: `Mark ${what}.`, label: "Mark" };
   }
+  if (judge.every((run) => fit.includes(run)) && state.runs.length > fit.length) {
+    return { go: "runs", text: "Models are judged by nothing but runs that they are fitted to, where every error looks smaller than it is. Mark another motion as 'judge'.", label: "Mark" };
+  }
   if (!models.length) return { go: "models", text: `Fit the first model: rigid bodies and textbook friction, to ${fit.length} run${fit.length > 1 ? "s" : ""}.`, label: "Fit" };
   const newest = models[0];
   const compared = state.comparisons.some((one) => one.status === "succeeded" && [newest.name, newest.id].includes(one.request.model));

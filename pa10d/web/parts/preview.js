@@ -55,7 +55,7 @@ class View {
     this.go = button("Import", "primary", { force: false });
     this.every = seen.parts?.kind === "episode" ? button(`Import all ${Object.keys(seen.parts.options).length} episodes`, "", { force: false, every: true }) : null;
     this.forced = button("Import it all the same", "danger", { force: true });
-    this.alike = others ? button(`Import this and the ${others} other${others > 1 ? "s" : ""} alike`, "", { force: false, alike: true }) : null;
+    this.alike = others ? button(others > 1 ? `Import this and the ${others} others alike` : "Import this and the other one alike", "", { force: false, alike: true }) : null;
     this.box = el("section", { class: "panel preview", "aria-labelledby": id }, this.heading, this.which(), this.extent, this.problem, this.findings, this.status,
       el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": `columns of ${seen.file}` }, el("table", {},
         el("thead", {}, el("tr", {}, ["column", "read as", "unit", "course", "from … to", "first values in the file"].map((head) => el("th", { scope: "col" }, head)))),

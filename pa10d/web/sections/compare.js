@@ -114,7 +114,11 @@ const nameOfModel = (model) => state.models.find((one) => one.id === model || on
 const idOfModel = (model) => state.models.find((one) => one.id === model || one.name === model)?.id ?? model;
 /** Error over noise; NaN where the noise is not known from these runs. */
 const ratios = () => view.result.pooled.rms.map((rms, j) => rms / (view.result.pooled.noise_floor[j] ?? NaN));
-const worst = () => ratios().reduce((best, ratio, j, all) => (ratio > (all[best] || 0) ? j : best), 0) + 1;
+const known = () => ratios().some(Number.isFinite);
+/** What joints are ranked by: the noise, or where that is known of none the range of the torque. */
+const standing = () => known() ? ratios() : view.result.pooled.nrmse;
+const worst = () => standing().reduce((best, size, j, all) => (size > (all[best] || 0) ? j : best), 0) + 1;
+const standingOf = (size) => !Number.isFinite(size) ? "noise not known" : known() ? `${fixed(size, 1)} × noise` : `${fixed(100 * size, 1)} % of its range`;
 
 function choose(joint) {
   const changed = joint !== view.joint;
@@ -129,11 +133,11 @@ function choose(joint) {
 
 function tabs() {
   const names = view.result?.joint_names ?? state.models.find((one) => one.name === nameOfModel(view.model))?.joints ?? [];
-  const known = view.result ? ratios() : [];
+  const sizes = view.result ? standing() : [];
   fill(parts.joints, names.map((name, j) => el("button", {
     type: "button", role: "tab", "aria-selected": String(j + 1 === view.joint), onclick: () => { view.chosen = true; choose(j + 1); }, dataset: { joint: j + 1 },
-    class: known[j] > 1.5 ? "high" : "",
-  }, `${j + 1} ${name}`, el("small", {}, known.length ? (Number.isFinite(known[j]) ? `${fixed(known[j], 1)} × noise` : "noise not known") : "…"))));
+    class: sizes.length && known() && sizes[j] > 1.5 ? "high" : "",
+  }, `${j + 1} ${name}`, el("small", {}, sizes.length ? standingOf(sizes[j]) : "…"))));
 }
 
 function frame() {
@@ -184,7 +188,7 @@ async function drawMaps() {
 function sentences() {
   const where = view.result.where, spread = view.result.pooled.spread ?? [];
   if (!where.length && !spread.length) {
-    fill(parts.sentences, el("p", {}, "No region and no dependence stands out: what is left looks like noise, or is spread evenly."));
+    fill(parts.sentences, el("p", {}, "No region and no dependence stands out: what is left looks like noise."));
     return;
   }
   fill(parts.sentences, el("ol", { class: "ranked" }, where.map((place) => el("li", {},

@@ -185,7 +185,7 @@ function fell({ steps, noise_floor: floor, units }) {
   return `The error of joint ${j + 1} fell from ${number(first[j])} to ${number(last[j])} ${units[j]}${noise}.`;
 }
 
-const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "The same in numbers"),
+const stepsTable = (found, joints) => el("details", { class: "block" }, el("summary", {}, "Every error, in its unit"),
   table(["joint", ...found.steps.map((step) => step.model), "noise floor", "unit"], joints.map((name, j) =>
     [`${j + 1} ${name}`, ...found.steps.map((step) => number(step.rms[j])), number(found.noise_floor[j]), found.units[j]])));
 
