@@ -14,7 +14,7 @@ from pa10d.dynamics import Robot, robot_from_urdf
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.excitation.optimise import excitation_problem, exciting_trajectory
 from pa10d.trajectory.excitation.problem import ExcitationProblem
-from pa10d.trajectory.excitation.search import Progress
+from pa10d.trajectory.excitation.search import Generation
 
 RANDOM = 60  # random motions that a search is compared with
 TARGETS = ((45.0, 60.0), (40.0, 30.0))  # condition number within seconds, joints 1-4
@@ -70,7 +70,7 @@ def _measured(
     chance = min(problem.condition_number(problem.random(rng)) for _ in range(RANDOM))
     reached: list[tuple[float, float]] = []
 
-    def note(step: Progress) -> None:
+    def note(step: Generation) -> None:
         reached.append((step.seconds, step.condition_number))
 
     began = time.perf_counter()

@@ -9,7 +9,7 @@ from pa10d.checks.channels import check_channels
 from pa10d.checks.commanded import check_commanded
 from pa10d.checks.counters import check_counters, wraps_in
 from pa10d.checks.delay import Delay, check_delay, estimate_delay
-from pa10d.checks.finding import Finding, Mend
+from pa10d.checks.finding import CheckFinding, Mend
 from pa10d.checks.geometry import check_geometry
 from pa10d.checks.gravity import check_gravity
 from pa10d.checks.held import check_held
@@ -20,8 +20,8 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 
 __all__ = [
+    "CheckFinding",
     "Delay",
-    "Finding",
     "Known",
     "Mend",
     "beyond_limits",
@@ -42,7 +42,7 @@ def check_recording(
     *,
     delay: bool = True,
     known: Known | None = None,
-) -> list[Finding]:
+) -> list[CheckFinding]:
     """Everything worth saying, gravest first.
 
     timing: how the stamps were before they became equal steps; robot: for limits and the delay;
@@ -76,6 +76,6 @@ def check_recording(
     return in_order(findings)
 
 
-def in_order(findings: list[Finding]) -> list[Finding]:
+def in_order(findings: list[CheckFinding]) -> list[CheckFinding]:
     """Gravest first."""
     return sorted(findings, key=lambda finding: _ORDER[finding.severity])

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.counters import Wraps
-from pa10d.checks.finding import Finding, Mend, Severity
+from pa10d.checks.finding import CheckFinding, Mend, Severity
 from pa10d.checks.geometry import middle_of, squares_left, surely_less
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
@@ -42,7 +42,7 @@ class Known:
     ratios: Sequence[float] | None = None
 
 
-def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Iterator[Finding]:
+def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Iterator[CheckFinding]:
     """One finding at most: positions are logged in one unit, whichever joints show it."""
     n = recording.joints
     turning = np.ones(n, bool) if robot is None else ~robot.prismatic
@@ -50,7 +50,7 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     stated = np.isin(np.arange(n), list(known.stated))
     if (largest[turning & ~stated] > COUNTS).any():
         mends = _of_all(turning, "rev/COUNTS", complete=False)
-        yield Finding(
+        yield CheckFinding(
             "error",
             "counts",
             f"q reaches {largest[turning].max():.3g}: these look like encoder counts",
@@ -69,7 +69,7 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     severity: Severity = "error" if sure else "warning"
     told = _Told(recording, robot, far, stated, known.ratios).by_whom()
     if told.unit == "deg":
-        yield Finding(
+        yield CheckFinding(
             severity, "degrees", f"{reaches}: these look like degrees{told.because}",
             f"q must be in rad: --map {_options(degrees)}; motor-side angles: --map "
             f"{_options(geared)}{_ratio(known)}", mends=(*degrees, *(replace(m, complete=False)
@@ -78,13 +78,13 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     elif told.unit == "motor":
         if told.factor and known.ratios is None:
             geared = tuple(Mend(m.field, f"1/{told.factor:.4g}") for m in geared)
-        yield Finding(
+        yield CheckFinding(
             severity, "motor_side", f"{reaches}: these are angles at the motor{told.because}",
             f"q must be at the joint: --map {_options(geared)}{_ratio(known)}", mends=geared,
         )  # fmt: skip
     else:
         turns = f", or {largest[far].max() / (2 * np.pi):.0f} turns" if not sure else ""
-        yield Finding(
+        yield CheckFinding(
             severity, "angle_unit",
             f"{reaches}: degrees, or angles at the motor{turns}; neither speeds nor limits nor "
             f"weight tell which{told.because}",

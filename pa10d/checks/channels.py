@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, Mend, joint_label, percent
+from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
 from pa10d.measurement.recording import Recording
 
@@ -21,7 +21,7 @@ LITTLE = 0.1  # rad (m)
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 
 
-def check_channels(recording: Recording, names: tuple[str, ...] | None) -> Iterator[Finding]:
+def check_channels(recording: Recording, names: tuple[str, ...] | None) -> Iterator[CheckFinding]:
     """Findings per joint, from the arrays alone."""
     for j in range(recording.joints):
         q, tau = recording.q[:, j], recording.tau[:, j]
@@ -41,10 +41,10 @@ def _moving(q: Array) -> NDArray[np.bool_]:
     return np.concatenate([fast[:1].repeat(reach), fast, fast[-1:].repeat(reach)])
 
 
-def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Finding]:
+def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[CheckFinding]:
     reach = float(np.ptp(q))
     if reach <= STILL:
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "never_moved",
             f"{label} never moves (range {reach:.2g} rad): nothing of its friction and little of "
@@ -53,7 +53,7 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Find
             j + 1,
         )
     elif reach < LITTLE:
-        yield Finding(
+        yield CheckFinding(
             "info", "little_motion", f"{label} moves over {reach:.2g} rad only", "", j + 1
         )
     steps = np.abs(np.diff(q))
@@ -63,7 +63,7 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Find
     if not made_up and steps[worst] > max(0.05, 10 * usual):
         mend = Mend(f"q{j + 1}", "wrap2pi*rad")
         turn = abs(steps[worst] - 2 * np.pi) < 0.1
-        yield Finding(
+        yield CheckFinding(
             "error",
             "jump",
             f"{label}: q jumps by {steps[worst]:.3g} rad at {recording.t[worst]:.3f} s",
@@ -73,7 +73,7 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Find
         )
 
 
-def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Iterator[Finding]:
+def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Iterator[CheckFinding]:
     """A limit shows as one extreme value that returns again and again while the joint moves.
 
     A coarse sensor dwells on its highest level too, but then about as long on the one below.
@@ -89,7 +89,7 @@ def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Itera
         held = sum(length for _, length in _runs(flat) if length >= 3)
         if held >= 10 and held > 6 * beside:
             share = percent(held / len(tau))
-            yield Finding(
+            yield CheckFinding(
                 "error" if held > MATERIAL * len(tau) else "warning",
                 "clipped",
                 f"{label}: the torque stands at its {extreme} value {side * top:.4g} N·m in "
@@ -101,7 +101,7 @@ def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Itera
 
 def _frozen(
     tau: Array, moving: NDArray[np.bool_], recording: Recording, label: str, j: int
-) -> Iterator[Finding]:
+) -> Iterator[CheckFinding]:
     least = max(10, int(FROZEN * recording.rate))
     same = np.concatenate([[False], np.diff(tau) == 0]) & moving
     extreme = (tau == tau.max()) | (tau == tau.min())
@@ -110,7 +110,7 @@ def _frozen(
     if constant or runs:
         first, longest = (0, len(tau)) if constant else max(runs, key=lambda run: run[1])
         wrong = constant or sum(length for _, length in runs) > MATERIAL * len(tau)
-        yield Finding(
+        yield CheckFinding(
             "error" if wrong else "warning",
             "frozen",
             f"{label}: the torque holds one value for {longest / recording.rate:.2g} s at "

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label
+from pa10d.checks.finding import CheckFinding, joint_label
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ LEFT = 0.005  # of the torque's spread that a law may leave: sensors of motor cu
 
 def check_commanded(
     recording: Recording, wanted: Array, names: tuple[str, ...] | None
-) -> Iterator[Finding]:
+) -> Iterator[CheckFinding]:
     """wanted: (N, n) rad, the positions that were asked for, nan for joints without."""
     measured = recording.dq
     if measured is None:
@@ -41,7 +41,7 @@ def check_commanded(
         motion = np.column_stack([np.gradient(dq) * recording.rate, dq, np.ones(len(off))])
         left = _left_by(law, tau)
         if left < LEFT * spread <= _left_by(motion, tau):
-            yield Finding(
+            yield CheckFinding(
                 "warning",
                 "commanded",
                 f"{joint_label(j, names)}: tau is a PD law on the tracking error, to "

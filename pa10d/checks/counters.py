@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from pa10d.checks.finding import Finding, Mend, joint_label
+from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.measurement.counters import WORDS, Wrap, wrap_of
 from pa10d.measurement.recording import Recording
 
@@ -25,7 +25,7 @@ def wraps_in(recording: Recording) -> dict[str, Wrap]:
     return {field: wrap for field, wrap in found.items() if wrap is not None}
 
 
-def check_counters(wraps: Wraps, names: tuple[str, ...] | None) -> Iterator[Finding]:
+def check_counters(wraps: Wraps, names: tuple[str, ...] | None) -> Iterator[CheckFinding]:
     """What the numbers of drives and encoders look like when they wrap."""
     for field, wrap in wraps.items():
         kind = field.rstrip("0123456789")
@@ -37,9 +37,9 @@ def check_counters(wraps: Wraps, names: tuple[str, ...] | None) -> Iterator[Find
             yield _ran_over(wrap, field, label, j)
 
 
-def _lost_sign(bits: int, field: str, kind: str, label: str, j: int) -> Finding:
+def _lost_sign(bits: int, field: str, kind: str, label: str, j: int) -> CheckFinding:
     signed = Mend(field, f"i{bits}")
-    return Finding(
+    return CheckFinding(
         "error",
         "wrapped",
         f"{label}: {kind} jumps between 0 and {WORDS[bits]:.0f}: numbers with a sign, read without "
@@ -50,12 +50,12 @@ def _lost_sign(bits: int, field: str, kind: str, label: str, j: int) -> Finding:
     )
 
 
-def _ran_over(wrap: Wrap, field: str, label: str, j: int) -> Finding:
+def _ran_over(wrap: Wrap, field: str, label: str, j: int) -> CheckFinding:
     mend = Mend(field, wrap.written, complete=wrap.told)
     about = "" if wrap.told else "about "
     more = "" if wrap.told else " with the counts after which it begins anew"
     factor = "" if "*" in wrap.written else f", and what it counts: [{wrap.written}*rev/COUNTS]"
-    return Finding(
+    return CheckFinding(
         "error",
         "wrapped",
         f"{label}: q begins anew after {about}{wrap.period:.6g} while the joint moves on",

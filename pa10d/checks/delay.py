@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label
+from pa10d.checks.finding import CheckFinding, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
@@ -81,11 +81,11 @@ def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
     return Delay(seconds, error, count, _braking(run, columns, parameters, robot.n))
 
 
-def check_delay(recording: Recording, robot: Robot) -> Iterator[Finding]:
+def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """What the delay and the sign of friction say."""
     delay = estimate_delay(recording, robot)
     if delay is None or not delay.known:
-        yield Finding(
+        yield CheckFinding(
             "info",
             "delay_unknown",
             "the delay between torque and position cannot be told from this recording",
@@ -96,7 +96,7 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[Finding]:
     period = 1.0 / recording.rate
     late = low > period or high < -period
     word = "late" if delay.seconds >= 0 else "early"
-    yield Finding(
+    yield CheckFinding(
         "warning" if late else "info",
         "delay",
         f"the torque seems {abs(delay.seconds) * 1e3:.2f} ms {word} against the position (95 %: "
@@ -108,7 +108,7 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[Finding]:
         else "",
     )
     for j in np.flatnonzero(delay.friction < 0):
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "sign",
             f"{joint_label(int(j), robot.joint_names)}: friction would drive instead of brake "

@@ -26,7 +26,7 @@ class Mend:
 
 
 @dataclass(frozen=True)
-class Finding:
+class CheckFinding:
     """``error``: a fit would be wrong; ``warning``: it would be poorer; ``info``: good to know.
 
     mends: the options that the advice names, in its order.

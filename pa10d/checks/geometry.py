@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, Mend, joint_label
+from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
 from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
 from pa10d.measurement.recording import Recording
@@ -31,7 +31,7 @@ TOLD = 0.5  # of the torque that weight must explain before its size is believed
 TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
 
 
-def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
+def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """Joints that are turned round, and torques that weigh another arm."""
     part = middle_of(recording)
     turned = dict(_turned(part, robot))
@@ -40,7 +40,7 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[Finding]:
         what = " and ".join(name for name in TURNED[signs] if name != "dq")
         have = [name for name in TURNED[signs] if name != "dq" or recording.dq is not None]
         turns = tuple(Mend(f"{name}{j + 1}", "-1") for name in have)
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "turned",
             f"{label}: {what} counts the other way than the URDF: turned round, the textbook model "
@@ -156,7 +156,7 @@ class _View:
         return np.asarray(sums, dtype=np.float64)
 
 
-def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
+def _weighed(part: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """The slope of each torque over the weight of the URDF's bodies, beside friction and whatever
     goes with accelerations."""
     run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
@@ -181,7 +181,7 @@ def _weighed(part: Recording, robot: Robot) -> Iterator[Finding]:
         if told < TOLD or abs(slope) < SURE * error or 1 / OFF < abs(slope) < OFF:
             continue
         scaled = Mend(f"tau{j + 1}", f"{1 / abs(slope):.3g}")
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "torque_scale",
             f"{joint_label(j, robot.joint_names)}: tau is {abs(slope):.2g} times the weight of the "

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding
+from pa10d.checks.finding import CheckFinding
 from pa10d.checks.geometry import CUTOFF, middle_of, surely_less
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
 from pa10d.dynamics import Robot, base_parameters
@@ -27,7 +27,7 @@ STEPS = 12
 FEWEST_JOINTS = 2  # that agree on it: one alone may lack something of its own
 
 
-def check_gravity(recording: Recording, robot: Robot) -> Iterator[Finding]:
+def check_gravity(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """A direction of gravity that explains a recording surely better than the profile's."""
     size = float(np.linalg.norm(robot.gravity))
     if size == 0.0:
@@ -70,7 +70,7 @@ def check_gravity(recording: Recording, robot: Robot) -> Iterator[Finding]:
     share = float(np.sum([new[j] for j in better]) / np.sum([old[j] for j in better]))
     named = ", ".join(str(j + 1) for j in better)
     angle = np.degrees(np.linalg.norm(found.x))
-    yield Finding(
+    yield CheckFinding(
         "warning",
         "gravity",
         f"gravity seems to come from {angle:.0f}° beside where the profile has it: with its "

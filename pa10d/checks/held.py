@@ -14,7 +14,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import Finding, joint_label, percent
+from pa10d.checks.finding import CheckFinding, joint_label, percent
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ MISTAKEN = 1e-3  # chance of one false word in a recording without any such run
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 
 
-def check_held(recording: Recording, names: tuple[str, ...] | None) -> Iterator[Finding]:
+def check_held(recording: Recording, names: tuple[str, ...] | None) -> Iterator[CheckFinding]:
     """One finding for the joints that hold at the same samples."""
     alike: dict[tuple[tuple[int, int], ...], list[int]] = {}
     for j in range(recording.joints):
@@ -42,13 +42,13 @@ def _finding(
     runs: tuple[tuple[int, int], ...],
     joints: list[int],
     names: tuple[str, ...] | None,
-) -> Finding:
+) -> CheckFinding:
     first, longest = max(runs, key=lambda run: run[1])
     held = sum(count for _, count in runs)
     share = held / len(recording.t)
     times = f"{len(runs)} times, the longest for" if len(runs) > 1 else "for"
     samples = "sample" if longest == 1 else "samples"
-    return Finding(
+    return CheckFinding(
         "error" if share > MATERIAL else "warning",
         "held",
         f"{', '.join(joint_label(j, names) for j in joints)}: q repeats an old value {times} "

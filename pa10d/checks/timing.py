@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pa10d.checks.finding import Finding, Mend, percent
+from pa10d.checks.finding import CheckFinding, Mend, percent
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 
@@ -30,16 +30,16 @@ def unit_of_stamps(rate: float) -> str | None:
     return None
 
 
-def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Finding]:
+def check_timing(recording: Recording, timing: Timing | None) -> Iterator[CheckFinding]:
     """``timing``: how the stamps were before they became equal steps."""
     rate, n = recording.rate, len(recording.t)
-    yield Finding(
+    yield CheckFinding(
         "info", "rate", f"{n} samples at {rate:.6g} Hz, {recording.duration:.1f} s, "
         f"{recording.joints} joints"
     )  # fmt: skip
     yield from _plausible(rate)
     if rate >= TOO_SLOW and recording.duration < SHORT:
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "short",
             f"the recording lasts {recording.duration:.2g} s",
@@ -49,10 +49,10 @@ def check_timing(recording: Recording, timing: Timing | None) -> Iterator[Findin
         yield from _steps(timing)
 
 
-def _plausible(rate: float) -> Iterator[Finding]:
+def _plausible(rate: float) -> Iterator[CheckFinding]:
     if (unit := unit_of_stamps(rate)) is not None:
         stamps = Mend("time", unit)
-        yield Finding(
+        yield CheckFinding(
             "error",
             "time_unit",
             f"{rate:.3g} Hz: the stamps look like {STAMPS[unit][1]}",
@@ -61,14 +61,14 @@ def _plausible(rate: float) -> Iterator[Finding]:
         )
         return
     if rate < SLOW:
-        yield Finding(
+        yield CheckFinding(
             "error" if rate < TOO_SLOW else "warning",
             "slow",
             f"{rate:.3g} Hz is slow: accelerations come from differences of q",
             "record at 100 Hz or faster",
         )
     if rate > TOO_FAST:
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "fast",
             f"{rate:.3g} Hz is faster than robots are sampled",
@@ -76,10 +76,10 @@ def _plausible(rate: float) -> Iterator[Finding]:
         )
 
 
-def _steps(timing: Timing) -> Iterator[Finding]:
+def _steps(timing: Timing) -> Iterator[CheckFinding]:
     share = timing.jitter / timing.period
     if timing.resampled:
-        yield Finding(
+        yield CheckFinding(
             "warning" if share > UNEVEN else "info",
             "jitter",
             f"the stamps are irregular: steps off by up to {timing.jitter * 1e3:.3g} ms "
@@ -87,13 +87,13 @@ def _steps(timing: Timing) -> Iterator[Finding]:
             "let the robot's controller stamp the samples, not the logger",
         )
     if timing.rounding is not None:
-        yield Finding(
+        yield CheckFinding(
             "info",
             "rounded_stamps",
             f"the stamps are rounded to {timing.rounding * 1e3:g} ms and were taken as equal steps",
         )
     if timing.duplicates:
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "duplicate_stamps",
             f"{timing.duplicates} samples share a stamp with the one before and were averaged",
@@ -101,7 +101,7 @@ def _steps(timing: Timing) -> Iterator[Finding]:
         )
     if timing.gaps:
         begin, longest = max(timing.gaps, key=lambda gap: gap[1])
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "gaps",
             f"{len(timing.gaps)} gaps without samples, {sum(g[1] for g in timing.gaps):.3g} s in "

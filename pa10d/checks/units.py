@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.angles import DEGREE, slope_of_speed
-from pa10d.checks.finding import Finding, Mend, joint_label, percent
+from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 
 
-def beyond_limits(recording: Recording, robot: Robot) -> Iterator[Finding]:
+def beyond_limits(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """Real recordings leave the URDF's limits; it is said, never refused."""
     checks = (
         ("q", "rad", recording.q, robot.lower, robot.upper),
@@ -29,7 +29,7 @@ def beyond_limits(recording: Recording, robot: Robot) -> Iterator[Finding]:
             out = (values[:, j] < lower[j]) | (values[:, j] > upper[j])
             if out.any():
                 furthest = values[out, j][np.abs(values[out, j]).argmax()]
-                yield Finding(
+                yield CheckFinding(
                     "warning",
                     "limits",
                     f"{joint_label(j, robot.joint_names)}: {name} reaches {furthest:.4g} {unit}, "
@@ -40,7 +40,7 @@ def beyond_limits(recording: Recording, robot: Robot) -> Iterator[Finding]:
                 )
 
 
-def check_units(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
+def check_units(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]:
     """Findings from sizes alone."""
     if recording.dq is not None:
         yield from _speeds(recording, robot)
@@ -48,7 +48,7 @@ def check_units(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
         yield from _torques(np.abs(recording.tau).max(axis=0), robot)
 
 
-def _speeds(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
+def _speeds(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]:
     names = None if robot is None else robot.joint_names
     for j in range(recording.joints):
         slope = slope_of_speed(recording, j)
@@ -63,7 +63,7 @@ def _speeds(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
             said = f"is {slope:.3g} times the slope of q"
         else:
             continue
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "velocity_unit",
             f"{label}: dq {said}",
@@ -72,14 +72,14 @@ def _speeds(recording: Recording, robot: Robot | None) -> Iterator[Finding]:
         )
 
 
-def _torques(largest: Array, robot: Robot) -> Iterator[Finding]:
+def _torques(largest: Array, robot: Robot) -> Iterator[CheckFinding]:
     known = np.isfinite(robot.effort)
     if not known.any():
         return
     share = largest[known] / robot.effort[known]
     if share.max() < 0.01:
         geared = Mend("tau{n}", "RATIO", complete=False)
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "torque_small",
             f"the torques stay below {percent(share.max())} of the limits: perhaps they are "
@@ -89,7 +89,7 @@ def _torques(largest: Array, robot: Robot) -> Iterator[Finding]:
         )
     if np.median(share) > 3:
         small, rated = Mend("tau{n}", "mNm"), Mend("tau{n}", "RATED/1000", complete=False)
-        yield Finding(
+        yield CheckFinding(
             "warning",
             "torque_large",
             f"the torques are {np.median(share):.3g} times the limits (median joint): perhaps they "

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from pa10d.cli.answer import Answer, print_answer, print_failure
-from pa10d.cli.commands import Commands, current, root_parser
+from pa10d.cli.commands import Subcommands, current, root_parser
 from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
@@ -35,7 +35,7 @@ def families() -> list[ModuleType]:
 def whole_parser() -> Parser:
     """``pa10d`` with every command of every family."""
     parser, subparsers = root_parser()
-    commands = Commands(subparsers)
+    commands = Subcommands(subparsers)
     for family in families():
         family.add_commands(commands)
     return parser

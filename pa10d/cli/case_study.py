@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Commands
+from pa10d.cli.commands import Subcommands
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pa10d.paper.results import CaseStudy
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``case-study``."""
     parser = commands.add(
         "case-study",

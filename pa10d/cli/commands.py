@@ -44,7 +44,7 @@ def root_parser() -> tuple[Parser, Any]:
     return parser, parser.add_subparsers(metavar="COMMAND", required=True)
 
 
-class Commands:
+class Subcommands:
     """Where a family adds its commands; ``group`` is a command with commands of its own."""
 
     def __init__(self, subparsers: Any, within: str = "") -> None:
@@ -65,10 +65,10 @@ class Commands:
         )  # fmt: skip
         return parser
 
-    def group(self, name: str, says: str) -> Commands:
+    def group(self, name: str, says: str) -> Subcommands:
         """A command with commands of its own, such as ``pa10d run import``."""
         parser = self._parser(name, says, ())
-        return Commands(parser.add_subparsers(metavar="COMMAND", required=True), f"{name}-")
+        return Subcommands(parser.add_subparsers(metavar="COMMAND", required=True), f"{name}-")
 
     def _parser(self, name: str, says: str, examples: Sequence[str]) -> Parser:
         parser: Parser = self._subparsers.add_parser(

@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.cli.answer import Answer
-from pa10d.cli.commands import Commands
+from pa10d.cli.commands import Subcommands
 from pa10d.cli.parser import Parser
 
 SHELLS = ("bash", "zsh", "fish")
 HEAD = 4096  # bytes of a model's file that hold its name
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``completion``."""
     parser = commands.add(
         "completion", completion, "what makes the tab key complete pa10d's words",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note
-from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.commands import Subcommands, replace_option
 from pa10d.cli.daemon_client import robot_options
 from pa10d.control.laws import LAWS
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PORT = 8010
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family around the daemon."""
     serving = commands.add(
         "serve",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pa10d.demo.story import Told
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``demo``."""
     parser = commands.add(
         "demo",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, current, force_option, replace_option
+from pa10d.cli.commands import Subcommands, current, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model
 from pa10d.cli.progress import progress_line
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pa10d.diagnose.outcome.diagnosis import Diagnosis
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``diagnose``, ``add`` and ``improve``."""
     parser = commands.add(
         "diagnose",

@@ -6,11 +6,11 @@ import argparse
 from typing import Any
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Commands
+from pa10d.cli.commands import Subcommands
 from pa10d.cli.daemon_client import robot_options
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family ``drives``."""
     drives = commands.group("drives", "the drives' own memory of errors: errors, clear")
     looking = drives.add(

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands
+from pa10d.cli.commands import Subcommands
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family ``effect``."""
     effects = commands.group("effect", "effects: list, new, check, page")
     effects.add(

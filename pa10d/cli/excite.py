@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.cli.answer import Answer, note, plain, table
-from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``excite``."""
     parser = commands.add(
         "excite",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, current, force_option
+from pa10d.cli.commands import Subcommands, current, force_option
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.story import tell
 from pa10d.common.errors import Unsound, UserError
@@ -20,7 +20,7 @@ Document = dict[str, Any]
 OVER = ("done", "left_out")
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``investigate``."""
     parser = commands.add(
         "investigate",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.commands import Subcommands, replace_option
 from pa10d.cli.models import _library, _model, _rows
 from pa10d.cli.progress import progress_line
 from pa10d.export.endings import ENDINGS, FOLDERS, FORMATS
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pa10d.store.models import ModelInfo
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family ``model``."""
     models = commands.group("model", "torque models: list, show, history, export")
     models.add("list", list_, "all models, oldest first", examples=("pa10d model list",))

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, force_option, profile_option, replace_option
+from pa10d.cli.commands import Subcommands, force_option, profile_option, replace_option
 from pa10d.cli.progress import progress_line
 
 if TYPE_CHECKING:
     from pa10d.services.library import Library
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``identify`` and ``compare``."""
     parser = commands.add(
         "identify",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pa10d.cli import tuning
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.commands import Subcommands, replace_option
 
 if TYPE_CHECKING:
     from pa10d.services.new_profile.answers import Question
@@ -28,7 +28,7 @@ OPTIONS = {
 }
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family ``profile``."""
     profiles = commands.group("profile", "robots: a new one from a URDF, and those that there are")
     parser = profiles.add(

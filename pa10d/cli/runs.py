@@ -7,18 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, profile_option, replace_option
+from pa10d.cli.commands import Subcommands, profile_option, replace_option
 from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
-    from pa10d.checks import Finding
+    from pa10d.checks import CheckFinding
     from pa10d.store import RunInfo, RunStore
 
 FORMATS = ("csv", "mcap", "parquet", "mat")
 EVERY = "all"  # episodes
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """The family ``run``."""
     runs = commands.group("run", "recordings: import, list, show, check, export, repair, delete")
     parser = runs.add(
@@ -205,7 +205,7 @@ def check(options: argparse.Namespace) -> Answer:
     from pa10d.services.runs import check_run
 
     profile, robot = load_robot(options.profile)
-    findings: list[Finding] = check_run(_store(options), options.run_, robot, profile)
+    findings: list[CheckFinding] = check_run(_store(options), options.run_, robot, profile)
     document = {"findings": [finding.document() for finding in findings]}
     wrong = any(finding.severity == "error" for finding in findings)
     return Answer(document, "\n".join(map(str, findings)), status=1 if wrong else 0)

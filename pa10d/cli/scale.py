@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
     from pa10d.services.torque_scale import JointScale, WeightProspect
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``scale``."""
     parser = commands.add(
         "scale",

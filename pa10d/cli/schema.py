@@ -6,12 +6,12 @@ import argparse
 import json
 
 from pa10d.cli.answer import VERSION, Answer
-from pa10d.cli.commands import Commands
+from pa10d.cli.commands import Subcommands
 from pa10d.common.errors import UserError
 from pa10d.common.words import did_you_mean
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``schema``."""
     parser = commands.add(
         "schema",

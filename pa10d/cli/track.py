@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, replace_option
+from pa10d.cli.commands import Subcommands, replace_option
 from pa10d.cli.daemon_client import daemon_for, read_plan, robot_options
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
@@ -18,7 +18,7 @@ Document = dict[str, Any]
 WORDS = {"pid": "PID", "feed_forward": "PID + feed-forward", "computed_torque": "computed torque"}
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``track``."""
     parser = commands.add(
         "track",

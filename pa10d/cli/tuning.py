@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, profile_option
+from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-def add_to(profiles: Commands) -> None:
+def add_to(profiles: Subcommands) -> None:
     """To the family ``profile``."""
     showing = profiles.add(
         "show",

@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Commands, current
+from pa10d.cli.commands import Subcommands, current
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.scale import in_words as scale_in_words
 from pa10d.common.errors import UserError
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pa10d.services.weighing.told import WeighingStatus
 
 
-def add_commands(commands: Commands) -> None:
+def add_commands(commands: Subcommands) -> None:
     """``weigh`` and what it consists of."""
     group = commands.group(
         "weigh", "torque gains of the joints by weights that are hung on the arm"

@@ -14,7 +14,7 @@ from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Values, quantities
 from pa10d.compare.regions import Region
 from pa10d.compare.samples import joint_samples
-from pa10d.compare.search import Search
+from pa10d.compare.search import PlaceSearch
 from pa10d.dynamics import Robot
 from pa10d.judgement import MATERIAL, RunResidual, Scores
 
@@ -80,7 +80,9 @@ def places(
         samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run)
         rms = float(np.sqrt(np.mean(samples.error**2)))
         clear = floor is not None and rms > CLEAR * floor[joint]
-        search = Search(samples, (CLEAR_LEVEL if clear else level) / robot.n / kinds, seed=joint)
+        search = PlaceSearch(
+            samples, (CLEAR_LEVEL if clear else level) / robot.n / kinds, seed=joint
+        )
         unit = robot.torque_unit(joint)
         found += [
             Place(joint, what, sentence(joint, what, unit), min(1.0, p * robot.n * kinds))

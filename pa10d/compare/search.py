@@ -28,7 +28,7 @@ LEAST = 0.1  # of the squared error: less is not worth a sentence
 NEIGHBOUR = 0.8  # a neighbour's motion must explain this much better to be named first
 
 
-class Search:
+class PlaceSearch:
     """level: chance of a false claim per kind of place."""
 
     def __init__(self, samples: JointSamples, level: float, seed: int) -> None:

@@ -18,7 +18,7 @@ from backends.error_history import DriveErrors, KeepsErrors
 from backends.protocol import Backend
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
-from pa10d.control.faults import Fault, Violation, blamed_on_time, fault_from
+from pa10d.control.faults import Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
@@ -27,7 +27,7 @@ from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
-from pa10d.control.stop import Progress, Stop
+from pa10d.control.stop import Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
 
 Array = NDArray[np.float64]
@@ -197,7 +197,7 @@ class Arm:
     def emergency(self, kind: str, cause: str) -> None:
         """Something outside the loop ends the motion: stop and power off, latched."""
         if self.state in POWERED:
-            self._on_fault(Violation(kind, cause))
+            self._on_fault(LoopFault(kind, cause))
 
     # -- the cycle --------------------------------------------------------------------------
 
@@ -242,7 +242,7 @@ class Arm:
             return
         under_way = asked("switching", lambda: self.backend.switching)
         if under_way and self.state in SWITCHING and self.path.time > self._switch_by:
-            raise Violation("switching", f"the drives have not switched within {PATIENCE:g} s")
+            raise LoopFault("switching", f"the drives have not switched within {PATIENCE:g} s")
         if self.state == ArmState.ENABLING:
             if under_way:
                 self._open_since = self.path.time
@@ -279,9 +279,9 @@ class Arm:
 
     def _stop_further(self, stop: Stop) -> None:
         progress = stop.advance()
-        if progress == Progress.OVERDUE and not stop.by_drives:
+        if progress == StopProgress.OVERDUE and not stop.by_drives:
             raise stop.overdue()
-        if progress == Progress.MOVING:
+        if progress == StopProgress.MOVING:
             return
         if stop.after == ArmState.HOLDING:
             self._hold()

@@ -12,7 +12,15 @@ from pa10d.control.admission import wrong_with_model
 from pa10d.control.arm import Arm
 from pa10d.control.computed_torque import BY_NAME, ComputedTorque
 from pa10d.control.gains import PidGains
-from pa10d.control.messages import AskErrors, Command, Do, Run, UseGains, UseLaw, read_command
+from pa10d.control.messages import (
+    AskErrors,
+    Command,
+    Do,
+    FollowRows,
+    UseGains,
+    UseLaw,
+    read_command,
+)
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import POWERED, ArmState, Refused
@@ -50,7 +58,7 @@ class Commands:
     def _done(self, command: Command) -> JsonObject:
         """Carried out → what there is to tell beside the arm's state."""
         match command:
-            case Run():
+            case FollowRows():
                 self._arm.run(motion_of(command))
             case UseLaw():
                 self._arm.use(self._controller(command))
@@ -91,7 +99,7 @@ class Commands:
         return BY_NAME[command.name](self._robot, model, servo)
 
 
-def motion_of(command: Run) -> MotionUnderWay:
+def motion_of(command: FollowRows) -> MotionUnderWay:
     """Its rows are paged in as they are followed."""
     rows = np.load(command.rows, mmap_mode="r")
     return MotionUnderWay(command.number, rows, command.first, command.last)

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class Envelope:
         )  # fmt: skip
         if kind != _FINE:
             name, says = _SAYS[kind]
-            raise Violation(name, says.format(value), axis)
+            raise LoopFault(name, says.format(value), axis)
 
 
 @numba.njit(cache=True)

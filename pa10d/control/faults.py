@@ -99,7 +99,7 @@ class Fault:
         )
 
 
-class Violation(Exception):
+class LoopFault(Exception):
     """The loop itself saw what may not go on."""
 
     def __init__(self, kind: str, cause: str, axis: int | None = None, hertz: float = 0.0) -> None:
@@ -136,7 +136,7 @@ def fault_from(error: Exception, n: int, state: str, time: float, sequence: int)
         kind, cause, remedy = str(error.kind), str(error.cause), str(error.remedy)
         axis = int(error.axis) if isinstance(error.axis, Integral) else None
         axis = None if axis is None or not 0 <= axis < n else axis
-    elif isinstance(error, Violation):
+    elif isinstance(error, LoopFault):
         kind, cause, remedy = error.kind, error.cause, REMEDIES[error.kind]
         axis, hertz = error.axis, error.hertz
     elif isinstance(error, BackendBroke | UserError):

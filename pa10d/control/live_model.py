@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Part:
+class LiveEffect:
     """One effect on the m joints (0-based) that have it: coefficients (m, k), shape name -> (m,).
 
     Its formula sees each joint as a sample of its own, so that one call serves all of them.
@@ -69,7 +69,7 @@ class LiveModel:
 
     name: str
     rigid: Array
-    parts: tuple[Part, ...] = ()
+    parts: tuple[LiveEffect, ...] = ()
     parameters: Parameters = "feasible"
     kinematics: Array | None = None
 
@@ -103,7 +103,7 @@ class LiveModel:
     def from_document(document: dict[str, Any]) -> LiveModel:
         """The other way."""
         parts = tuple(
-            Part(
+            LiveEffect(
                 part["effect"],
                 tuple(part["joints"]),
                 np.array(part["coefficients"], dtype=float),
@@ -130,7 +130,7 @@ def live_model(model: TorqueModel) -> LiveModel:
             waiting = [term for term in waiting if all(term is not other for other in once)]
             shape = {key: np.array([t.shape[key] for t in once]) for key in once[0].shape}
             joints = tuple(t.joints[0] for t in once)
-            parts.append(Part(name, joints, np.array([t.coefficients for t in once]), shape))
+            parts.append(LiveEffect(name, joints, np.array([t.coefficients for t in once]), shape))
     rigid = chosen.standard if chosen is not model and chosen.standard is not None else model.rigid
     kept: Parameters = "free" if chosen is model else "feasible"
     kinematics = kinematics_of(model.robot)

@@ -15,7 +15,7 @@ Switch = Literal["connect", "disconnect", "enable", "disable", "stop", "reset"]
 
 
 @dataclass(frozen=True)
-class Run:
+class FollowRows:
     """Follow rows of a file of memory. first, last: those of the plan itself."""
 
     number: int
@@ -53,7 +53,7 @@ class Do:
     what: Switch
 
 
-Command = Run | UseLaw | UseGains | AskErrors | Do
+Command = FollowRows | UseLaw | UseGains | AskErrors | Do
 
 
 def read_command(message: Mapping[str, Any]) -> Command:
@@ -62,7 +62,7 @@ def read_command(message: Mapping[str, Any]) -> Command:
         case "run":
             rows, *numbers = (message[key] for key in ("rows", "number", "first", "last"))
             number, first, last = map(int, numbers)
-            return Run(number, Path(rows), first, last)
+            return FollowRows(number, Path(rows), first, last)
         case "controller":
             name: Law = message["name"]
             return UseLaw(

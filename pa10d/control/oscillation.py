@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.reference import Reference
 
@@ -58,11 +58,11 @@ class OscillationWatch:
         """Whether a joint that left its envelope swung on its way there."""
         return bool(self._count[axis] >= SOME)
 
-    def violation(self, axis: int) -> Violation:
+    def violation(self, axis: int) -> LoopFault:
         """What to latch."""
         cycles, speed, torque = self._half[:, axis]
         hertz = 0.5 / (max(cycles, 1.0) * self._period)
-        return Violation(
+        return LoopFault(
             "oscillation",
             f"swings at {hertz:.2g} Hz, by ±{speed:.2g} rad/s and ±{0.5 * torque:.2g} N·m",
             axis,

@@ -12,7 +12,7 @@ from enum import Enum
 
 import numpy as np
 
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.reference import Braking
 from pa10d.control.states import ArmState
 from pa10d.control.torque_path import TorquePath
@@ -26,7 +26,7 @@ GENTLEST = 0.1  # of the acceleration limit, however soft the servo
 DRIVES_STOP = 2.0  # s for the drives' own quick stop
 
 
-class Progress(Enum):
+class StopProgress(Enum):
     """How far a stop has come."""
 
     MOVING = 0
@@ -54,25 +54,25 @@ class Stop:
         self._deadline = path.time + span
         self._rest_since = path.time
 
-    def advance(self) -> Progress:
+    def advance(self) -> StopProgress:
         """One period on."""
         braked = self.by_drives or self._braking.advance(self._path.reference)
         slow = np.abs(self._path.dq) < REST_SPEED * self._path.limits.velocity
         if not braked or not slow[self._path.live].all():
             self._rest_since = self._path.time
         if self._path.time - self._rest_since >= self._lasts:
-            return Progress.AT_REST
-        return Progress.OVERDUE if self.overtime else Progress.MOVING
+            return StopProgress.AT_REST
+        return StopProgress.OVERDUE if self.overtime else StopProgress.MOVING
 
     @property
     def overtime(self) -> bool:
         """Whether it takes longer than it may."""
         return self._path.time > self._deadline
 
-    def overdue(self) -> Violation:
+    def overdue(self) -> LoopFault:
         """What to latch when the arm did not come to rest."""
         fast = np.abs(self._path.dq) >= REST_SPEED * self._path.limits.velocity
         moving = np.flatnonzero(fast & self._path.live)
-        return Violation(
+        return LoopFault(
             "stop", "still moving after the stop", int(moving[0]) if len(moving) else None
         )

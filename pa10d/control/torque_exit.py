@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.envelope import Envelope
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.states import POWERED, ArmState
 
@@ -44,10 +44,10 @@ class TorqueExit:
     def send(self, wanted: Array, state: ArmState, live: NDArray[np.bool_]) -> Array:
         """(n,) N·m that may go to the drives; zero for axes that are not live."""
         if state not in POWERED:
-            raise Violation("torque_state", f"torque asked for while {state.label}")
+            raise LoopFault("torque_state", f"torque asked for while {state.label}")
         if not np.isfinite(wanted).all():
             axis = int(np.flatnonzero(~np.isfinite(wanted))[0])
-            raise Violation("not_finite", "the controller gave no finite torque", axis)
+            raise LoopFault("not_finite", "the controller gave no finite torque", axis)
         limit = self.limits.torque
         held = np.minimum(np.maximum(wanted, -limit), limit)
         change = np.minimum(np.maximum(held - self.sent, -self._step), self._step)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from backends.protocol import Feedback
 from pa10d.control.estimator import SpeedEstimator
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Controller, Pid
@@ -88,11 +88,11 @@ class TorquePath:
         self._watch_signs()
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
-        except Violation as violation:
+        except LoopFault as violation:
             if violation.kind == "stale":
                 raise
             cause = f"{violation.cause} while the arm is being enabled"
-            raise Violation("not_held", cause, violation.axis) from violation
+            raise LoopFault("not_held", cause, violation.axis) from violation
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -108,13 +108,13 @@ class TorquePath:
         gone = self.age > self.limits.stale_cycles
         bad = np.flatnonzero(self.live & (far | fast | gone))
         if len(bad):
-            raise Violation("stop", "does not stop as asked", int(bad[0]))
+            raise LoopFault("stop", "does not stop as asked", int(bad[0]))
 
     def _watch_envelope(self) -> None:
         """A joint that swings is said to, however it leaves its envelope."""
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
-        except Violation as violation:
+        except LoopFault as violation:
             axis = violation.axis
             if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):
                 raise
@@ -211,4 +211,4 @@ def _require_numbers(feedback: Feedback) -> None:
     for values, what in ((feedback.q, "position"), (feedback.tau, "torque")):
         if not np.isfinite(values).all():
             axis = int(np.flatnonzero(~np.isfinite(values))[0])
-            raise Violation("no_number", f"its {what} was read as {values[axis]:g}", axis)
+            raise LoopFault("no_number", f"its {what} was read as {values[axis]:g}", axis)

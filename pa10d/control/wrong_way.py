@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class WrongWayWatch:
         )
         if axis >= 0:
             push = self._sums[_PUSH, axis] / max(self._sums[_TIME, axis], self._period)
-            raise Violation(
+            raise LoopFault(
                 "wrong_sign",
                 f"was pushed back by {abs(push):.2g} N·m on average and went away the faster, "
                 f"{abs(error[axis]):.2g} rad by now: its torque acts the wrong way round",

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.control.live_model import Part
+from pa10d.control.live_model import LiveEffect
 from pa10d.dynamics import Robot
 from pa10d.effect_kit import draws
 from pa10d.effect_kit.numbers import bare
@@ -44,7 +44,7 @@ def _live(kind: Effect, robot: Robot, rng: np.random.Generator, count: int) -> s
         path = draws.path(rng, robot, 10)
         term = draws.term(rng, kind, draws.context(robot, path))
         shape = {name: np.array([value]) for name, value in term.shape.items()}
-        part = Part(kind.id, term.joints, term.coefficients[None], shape)
+        part = LiveEffect(kind.id, term.joints, term.coefficients[None], shape)
         found = np.zeros_like(path.q)
         try:
             part.add(found, path.dq, path.ddq)

@@ -14,7 +14,7 @@ from pa10d.experiments.shaking import small_torques, torque_ahead
 from pa10d.model import TorqueModel
 from pa10d.trajectory.check import Violation, check
 from pa10d.trajectory.limits import limits_of
-from pa10d.trajectory.motions import Samples
+from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import GENTLE, Plan, move
 from pa10d.trajectory.poses import Surroundings
 from pa10d.trajectory.ways import free_way
@@ -29,7 +29,7 @@ SETTLE = 0.5  # s at rest before and after the plan
 class Whole:
     """samples at the loop's rate; rows first … last-1 are the plan itself, which is recorded."""
 
-    samples: Samples
+    samples: MotionSamples
     first: int
     last: int
     violations: tuple[Violation, ...]
@@ -51,7 +51,7 @@ def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float, pace: floa
         here = point
     body = plan.sample(rate)[1:]
     rows = _after(_after(lead, body), _standing(plan.segments[-1].motion.end, pause))
-    samples = Samples(np.arange(float(len(rows[0]))) / rate, *rows)
+    samples = MotionSamples(np.arange(float(len(rows[0]))) / rate, *rows)
     violations = check(samples, robot, limits_of(robot), measured=start)
     return Whole(samples, len(lead[0]), len(lead[0]) + len(body[0]), tuple(violations))
 

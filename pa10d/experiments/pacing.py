@@ -20,7 +20,7 @@ from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check, Level
 from pa10d.experiments.motion import Whole, measured_torque, whole_motion
 from pa10d.experiments.prediction import DOUBT, PACES, Predicted, predicted
-from pa10d.trajectory.motions import Samples
+from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
@@ -152,7 +152,7 @@ def _predicted(
 ) -> Predicted:
     """Looked at with few samples: nothing that a motion asks for is faster."""
     step = max(1, round(rate / LOOK))
-    few = Samples(*(x[::step] for x in whole.samples))
+    few = MotionSamples(*(x[::step] for x in whole.samples))
     ahead = np.zeros_like(few.q)
     if joints.ahead:
         ahead = measured_torque(plan, whole, robot, joints.figures, rate)[::step]

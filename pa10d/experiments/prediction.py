@@ -22,7 +22,7 @@ from pa10d.control.limits import ArmLimits
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.shaking import torque_ahead
-from pa10d.trajectory.motions import Samples
+from pa10d.trajectory.motions import MotionSamples
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def predicted(
     limits: ArmLimits,
     gains: PidGains,
     figures: JointFigures,
-    motion: Samples,
+    motion: MotionSamples,
     ahead: Array,
 ) -> Predicted:
     """Of a motion (N, n) from rest with the torque ``ahead`` (N, n) N·m that is given with it."""
@@ -89,7 +89,7 @@ def _of_one(
     limits: ArmLimits,
     gains: PidGains,
     figures: JointFigures,
-    motion: Samples,
+    motion: MotionSamples,
     ahead: Array,
     as_felt: int,
 ) -> Predicted:

@@ -9,7 +9,7 @@ from pa10d.dynamics import typical_inertia
 from pa10d.effects import Context
 from pa10d.effects.together import contextualised, sensed
 from pa10d.export import bodies
-from pa10d.export.source import NotWritable, Source
+from pa10d.export.source import NotWritable, SourceText
 from pa10d.export.words import grouped
 from pa10d.model import Term, TorqueModel
 
@@ -82,7 +82,7 @@ def torque_series(q, dq, ddq, dt=None, temperature=None):
 
 def python_module(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     """The module's text, and one line per effect that it cannot carry."""
-    source = Source()
+    source = SourceText()
     carried: list[tuple[Term, str]] = []
     missing: dict[str, list[Term]] = {}
     for needed in (bodies.Robot, Context, contextualised, sensed):
@@ -123,7 +123,7 @@ def _in_docstring(text: str) -> str:
 
 def writable(model: TorqueModel) -> tuple[Term, ...]:
     """The effects that a module carries."""
-    source, found = Source(), []
+    source, found = SourceText(), []
     for term in model.terms:
         try:
             _class_of(source, term)
@@ -133,7 +133,7 @@ def writable(model: TorqueModel) -> tuple[Term, ...]:
     return tuple(found)
 
 
-def _class_of(source: Source, term: Term) -> str:
+def _class_of(source: SourceText, term: Term) -> str:
     if term.over:
         raise NotWritable("a map of what nobody understands stays where its range is watched")
     return source.add_effect(term.effect)

@@ -33,7 +33,7 @@ class NotWritable(Exception):
     """Why a formula cannot be written out, as the end of a sentence."""
 
 
-class Source:
+class SourceText:
     """Grows by what is added; ``text`` is what has been added so far, each thing once."""
 
     def __init__(self) -> None:
@@ -74,9 +74,9 @@ class Source:
         vars(self).update(vars(trial))
         return name
 
-    def _copy(self) -> Source:
+    def _copy(self) -> SourceText:
         """Half of what failed must not stay behind."""
-        other = Source()
+        other = SourceText()
         for key, value in vars(self).items():
             setattr(other, key, value.copy())
         return other

@@ -39,7 +39,7 @@ NO_PLACE = "inertia and Coriolis torque not in the export: tables of poses have 
 
 
 @dataclass(frozen=True)
-class Table:
+class TorqueTable:
     """One joint's torque over ``axes``: (label, unit, values) each; error: RMS and largest, of the
     torque's own ``size`` (RMS), in the joint's unit; left_out: 0-based joints."""
 
@@ -90,7 +90,7 @@ HOW = (
 )
 
 
-def holding_table(source: Tabulated, j: int) -> Table:
+def holding_table(source: Tabulated, j: int) -> TorqueTable:
     """Over the joints that matter most to joint j."""
     reached, poses = source.reached(j), source.poses(JUDGED, seed=1)
     expected = source.holding(j, poses)
@@ -107,10 +107,12 @@ def holding_table(source: Tabulated, j: int) -> Table:
         filled[:, axes] = rows
         mean += source.holding(j, filled) / len(others)
     values = mean.reshape(shape)
-    return Table(j, labels, values, _error(labels, values, poses[:, axes], expected), size, rest)
+    return TorqueTable(
+        j, labels, values, _error(labels, values, poses[:, axes], expected), size, rest
+    )
 
 
-def friction_table(source: Tabulated, j: int) -> Table | None:
+def friction_table(source: Tabulated, j: int) -> TorqueTable | None:
     """Over the joint's own speed, averaged over poses; None where there is none, or no limit."""
     limit = float(source.robot.velocity[j])
     if not np.isfinite(limit):
@@ -127,7 +129,7 @@ def friction_table(source: Tabulated, j: int) -> Table | None:
         return None
     unit = f"{source.robot.angle_unit(j)}/s"
     axes = ((f"speed of {source.robot.joint_names[j]}", unit, speed),)
-    return Table(j, axes, values, _error(axes, values, at[:, None], expected), _rms(expected))
+    return TorqueTable(j, axes, values, _error(axes, values, at[:, None], expected), _rms(expected))
 
 
 def _that_matter(
@@ -177,7 +179,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _csv(table: Table, unit: str) -> str:
+def _csv(table: TorqueTable, unit: str) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow([*(f"{label} [{u}]" for label, u, _ in table.axes), f"effort [{unit}]"])
@@ -186,7 +188,7 @@ def _csv(table: Table, unit: str) -> str:
     return out.getvalue()
 
 
-def _entry(robot: Robot, table: Table, file: str) -> dict[str, Any]:
+def _entry(robot: Robot, table: TorqueTable, file: str) -> dict[str, Any]:
     j = table.joint
     return {
         "joint": robot.joint_names[j],
@@ -203,7 +205,7 @@ def _entry(robot: Robot, table: Table, file: str) -> dict[str, Any]:
     }
 
 
-def _refused(robot: Robot, kind: str, table: Table) -> str:
+def _refused(robot: Robot, kind: str, table: TorqueTable) -> str:
     rms, unit = table.error[0], robot.torque_unit(table.joint)
     over = ", ".join(label for label, _, _ in table.axes)
     return (
@@ -212,7 +214,7 @@ def _refused(robot: Robot, kind: str, table: Table) -> str:
     )
 
 
-def _left_out(robot: Robot, kind: str, table: Table) -> str | None:
+def _left_out(robot: Robot, kind: str, table: TorqueTable) -> str | None:
     """Where a table is off by more than what counts as nothing."""
     rms, largest = table.error
     if rms <= max(NEGLIGIBLE * table.size, NOTHING):

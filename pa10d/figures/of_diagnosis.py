@@ -17,7 +17,7 @@ from pa10d.figures.plotly import MODEL, Figure, axis, dots, layout, line, packed
 from pa10d.figures.staircase import Stair, staircase
 from pa10d.figures.structure_map import structure_map
 from pa10d.figures.traces import over_frequency, over_order, over_time
-from pa10d.figures.views import Quantity, direction, near, quantity_of
+from pa10d.figures.views import ViewAxis, direction, near, quantity_of
 
 Array = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def evidence_figures(found: Diagnosis, seen: HeldOut, k: int) -> dict[str, Figur
 
 
 def _against(
-    found: Diagnosis, seen: HeldOut, k: int, quantity: Quantity, floor: float | None
+    found: Diagnosis, seen: HeldOut, k: int, quantity: ViewAxis, floor: float | None
 ) -> dict[str, Figure]:
     term, joint = found.findings[k].term, shown_joint(found, k)
     runs = seen.seen[k + 1]

@@ -20,7 +20,7 @@ FEWEST = 200  # samples that must remain for a closer look
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ViewAxis:
     """label: of the axis, with {own} and {other} joint numbers; x: (M,) of one run, for the effect
     and the joint (0-based) whose residual is shown; slow_enough: (M,) True where the equation's
     low-pass leaves the effect as it is."""
@@ -36,7 +36,7 @@ class Quantity:
         return self.slow_enough(run, term, joint)
 
 
-def quantity_of(term: Term) -> Quantity | None:
+def quantity_of(term: Term) -> ViewAxis | None:
     """What its class wants it drawn against; None: no single quantity shows it."""
     return QUANTITIES.get(term.effect.drawn.against)
 
@@ -90,26 +90,26 @@ def _load(run: RunResidual, term: Term, joint: int) -> Array:
     return run.equation.lowpass(run.seen.load[:, _own(term, joint)])
 
 
-QUANTITIES: dict[str, Quantity] = {
-    "q": Quantity("position of joint {own}, {angle}",
+QUANTITIES: dict[str, ViewAxis] = {
+    "q": ViewAxis("position of joint {own}, {angle}",
                   lambda r, t, j: r.decimated(r.seen.q[:, _own(t, j)])),
-    "dq": Quantity("velocity of joint {own}, {angle}/s",
+    "dq": ViewAxis("velocity of joint {own}, {angle}/s",
                    lambda r, t, j: r.decimated(r.seen.dq[:, _own(t, j)])),
-    "ddq": Quantity("acceleration of joint {own}, {angle}/s²",
+    "ddq": ViewAxis("acceleration of joint {own}, {angle}/s²",
                     lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _own(t, j)])),
-    "other_dq": Quantity("velocity of joint {other}, {angle}/s",
+    "other_dq": ViewAxis("velocity of joint {other}, {angle}/s",
                          lambda r, t, j: r.decimated(r.seen.dq[:, _other(t, j)])),
-    "other_ddq": Quantity("acceleration of joint {other}, {angle}/s²",
+    "other_ddq": ViewAxis("acceleration of joint {other}, {angle}/s²",
                           lambda r, t, j: r.equation.lowpass(r.seen.ddq[:, _other(t, j)])),
-    "load": Quantity("torque that joint {own} passes to the links, {unit}", _load),
-    "size of load": Quantity("size of the torque that joint {own} passes to the links, {unit}",
+    "load": ViewAxis("torque that joint {own} passes to the links, {unit}", _load),
+    "size of load": ViewAxis("size of the torque that joint {own} passes to the links, {unit}",
                              lambda r, t, j: np.abs(_load(r, t, j))),
-    "total": Quantity("modelled torque of joint {own}, {unit}",
+    "total": ViewAxis("modelled torque of joint {own}, {unit}",
                       lambda r, t, j: r.equation.lowpass(r.seen.total[:, _own(t, j)])),
-    "rate": Quantity("rate at which joint {own}'s torque changes, {unit}/s", _rate),
-    "t": Quantity("time in the run, s", lambda r, t, j: r.decimated(r.seen.t)),
-    "travel": Quantity("travel of joint {own} since it last turned round, {angle}", _travel),
-    "turns of a line": Quantity("place of joint {own} within one ripple, turns of it", _phase,
+    "rate": ViewAxis("rate at which joint {own}'s torque changes, {unit}/s", _rate),
+    "t": ViewAxis("time in the run, s", lambda r, t, j: r.decimated(r.seen.t)),
+    "travel": ViewAxis("travel of joint {own} since it last turned round, {angle}", _travel),
+    "turns of a line": ViewAxis("place of joint {own} within one ripple, turns of it", _phase,
                                 slow_enough=_slow),
 }  # fmt: skip
 """Against what an effect's class may ask to be drawn (``View.against``)."""

@@ -12,7 +12,7 @@ from typing import Any
 from pa10d.common.errors import UserError
 from pa10d.investigation.archive import Archive
 from pa10d.investigation.course import first_steps
-from pa10d.investigation.motions import Preview, keep_previews, previews
+from pa10d.investigation.motions import MotionPreview, keep_previews, previews
 from pa10d.investigation.state import Investigation, Question
 from pa10d.services.library import Library, open_library
 from pa10d.services.robots import load_robot
@@ -34,7 +34,7 @@ def begin(
     force: bool = False,
     keep: bool = True,
     progress: Any = lambda share, what: None,
-) -> tuple[Investigation, list[Preview]]:
+) -> tuple[Investigation, list[MotionPreview]]:
     """A new investigation, kept unless it is for looking only, and its motions.
 
     minutes: of motion; fit, validate: recordings, and then nothing moves; since: a model, to ask

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
 from pa10d.diagnose.outcome.settling import NextExperiment
-from pa10d.investigation.results import NamedEffect, Outcome
+from pa10d.investigation.results import NamedEffect, StepOutcome
 from pa10d.investigation.state import ArmMotion, Investigation, Step
 
 MOST = 2  # experiments to settle doubts; what is then still in doubt stays so
@@ -93,7 +93,7 @@ def put_back(state: Investigation, status: str, error: str = "") -> None:
     state.status, state.error = status, error[:4000]  # type: ignore[assignment]
 
 
-def done(state: Investigation, step: Step, outcome: Outcome) -> None:
+def done(state: Investigation, step: Step, outcome: StepOutcome) -> None:
     """It ended well. What follows from that is added to the steps."""
     step.runs, step.models = list(outcome.runs), list(outcome.models)
     step.moved, step.result = outcome.moved, outcome.result

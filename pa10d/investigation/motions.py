@@ -77,7 +77,7 @@ _KEPT = TypeAdapter(list[Shown])
 
 
 @dataclass(frozen=True)
-class Preview:
+class MotionPreview:
     """A motion as it would be run from the rest pose. problems: what would keep it from running;
     q: (N, n) rad at ``t`` (N,) s."""
 
@@ -109,7 +109,7 @@ class Preview:
 
 def previews(
     data: str, profile: Profile, robot: Robot, question: str, progress: Progress
-) -> list[Preview]:
+) -> list[MotionPreview]:
     """The motions that are asked for first, planned; one whose plan fails says why and takes no
     time."""
     asked = _asked(data, profile, question)
@@ -120,7 +120,7 @@ def previews(
     return found
 
 
-def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> Preview:
+def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> MotionPreview:
     """One motion. entry: ``kind``, ``parameters`` and ``why``."""
     given = {"purpose": purpose, "kind": entry["kind"], "why": entry.get("why", ""),
              "parameters": dict(entry.get("parameters") or {})}  # fmt: skip
@@ -130,14 +130,14 @@ def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> Preview:
         whole = whole_motion(plan, around.limits.rest_pose(), robot, LOOK)
     except UserError as error:
         motion = ArmMotion(seconds=0.0, **given)
-        return Preview(motion, np.zeros(1), none, none, (str(error),))
+        return MotionPreview(motion, np.zeros(1), none, none, (str(error),))
     t, q, dq, _ = whole.samples
     motion = ArmMotion(seconds=float(t[-1]), **given)
     problems = tuple(dict.fromkeys(violation.sentence for violation in whole.violations))
-    return Preview(motion, t, q, dq, problems)
+    return MotionPreview(motion, t, q, dq, problems)
 
 
-def keep_previews(place: Path, found: Sequence[Preview]) -> None:
+def keep_previews(place: Path, found: Sequence[MotionPreview]) -> None:
     """Into an investigation's folder, beside those that are there: one of the same motion goes."""
     new = [one.document() for one in found]
     known = {_essence(one) for one in new}
@@ -161,7 +161,7 @@ def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]
     return read_request(request).build(around), around
 
 
-def possible(found: Sequence[Preview]) -> list[ArmMotion]:
+def possible(found: Sequence[MotionPreview]) -> list[ArmMotion]:
     """Those that can be planned."""
     return [one.motion for one in found if not one.problems]
 

@@ -19,7 +19,7 @@ Known = list[float | None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StepOutcome:
     """What came of a step. runs, models: ids of what it made; moved: s that the arm moved; result:
     its figures, JSON as the state keeps them; said: how it ended, in words."""
 

@@ -16,7 +16,7 @@ from pa10d.diagnose.search.delivery import delivered
 from pa10d.identify.summary import summary
 from pa10d.investigation.archive import SHEET, Archive
 from pa10d.investigation.doubts import write_doubts
-from pa10d.investigation.results import LastWord, Outcome, Searched, StoredAs
+from pa10d.investigation.results import LastWord, Searched, StepOutcome, StoredAs
 from pa10d.investigation.state import Investigation, Step
 from pa10d.investigation.words import (
     added_words,
@@ -39,7 +39,7 @@ Progress = Callable[[float, str], None]
 VERSIONS = "versions"
 
 
-def compute(data: str, investigation: str, step: str, progress: Progress) -> Outcome:
+def compute(data: str, investigation: str, step: str, progress: Progress) -> StepOutcome:
     """Carry out a step that needs no motion."""
     archive = Archive(data)
     state = archive.load(investigation)
@@ -51,30 +51,30 @@ def compute(data: str, investigation: str, step: str, progress: Progress) -> Out
 
 def _identify(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     made = identify_runs(
         library, state.to_fit, state.profile, name=_name(state, 0), replace=True,
         force=state.force, progress=progress,
     )  # fmt: skip
     said = identified_words(summary(made.model))
-    return Outcome(models=[made.info.id], result=made.summary, said=said)
+    return StepOutcome(models=[made.info.id], result=made.summary, said=said)
 
 
 def _compare(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     runs = state.unseen or state.to_fit
     found = compare_runs(library, _base(state), runs, force=state.force, progress=progress)
     kept = {"runs": [run.id for run in found.runs], "pooled": found.document()["pooled"]}
     said = compared_words(found.comparison.pooled)
     if not state.unseen:
         said = f"Judged on the runs it was fitted to: there are no others. {said}"
-    return Outcome(result=kept, said=said)
+    return StepOutcome(result=kept, said=said)
 
 
 def _diagnose(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     fit, judge, base = state.to_fit, state.to_judge, _base(state)
     frozen = state.question == "changed"
     found = diagnose_runs(
@@ -89,12 +89,12 @@ def _diagnose(
     for finding, way in zip(document["findings"], ways, strict=True):
         if way is not None:
             finding["settling"] = plain(way)
-    return Outcome(result=document, said=found_words(seen))
+    return StepOutcome(result=document, said=found_words(seen))
 
 
 def _add(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     """Exactly what the search judged is stored."""
     parent = library.models.find(_base(state)).name
     infos, models = [], []
@@ -108,12 +108,12 @@ def _add(
     stored = [StoredAs(info.id, info.name, info.change) for info in infos]
     result = {"versions": plain(stored), **vars(delivered(models[-1]))}
     said = added_words(stored, state.findings, state.question == "changed")
-    return Outcome(models=[info.id for info in infos], result=result, said=said)
+    return StepOutcome(models=[info.id for info in infos], result=result, said=said)
 
 
 def _judge(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     """The first and the last version, on the same runs in one band."""
     fresh = state.recorded("fresh")
     runs = fresh or state.unseen or state.to_fit
@@ -133,19 +133,19 @@ def _judge(
         cutoff_hz=last.cutoff,
         mask=last.mask,
     )
-    return Outcome(result=plain(word), said=fall_words(word))
+    return StepOutcome(result=plain(word), said=fall_words(word))
 
 
 def _report(
     library: Library, place: Path, state: Investigation, step: Step, progress: Progress
-) -> Outcome:
+) -> StepOutcome:
     from pa10d.investigation.report import write_report
 
     path = write_report(library, place, state)
-    return Outcome(result={"report": str(path)}, said="The report is written.")
+    return StepOutcome(result={"report": str(path)}, said="The report is written.")
 
 
-WORK: Mapping[str, Callable[[Library, Path, Investigation, Step, Progress], Outcome]] = {
+WORK: Mapping[str, Callable[[Library, Path, Investigation, Step, Progress], StepOutcome]] = {
     "identify": _identify,
     "compare": _compare,
     "diagnose": _diagnose,

@@ -13,7 +13,7 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.signatures import STREAM
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
@@ -26,16 +26,16 @@ PREFIXES = {"extra": "", "command": "cmd_"}
 Place = tuple[str, ...]
 
 
-def read_npz(path: Path) -> Table:
+def read_npz(path: Path) -> ForeignTable:
     """Arrays by name, also one array of records; objects are not unpacked."""
     try:
         with path.open("rb") as raw:
             found = np.load(raw, allow_pickle=False)
             if isinstance(found, np.ndarray):
-                return Table(spread(_of_one(found)))
+                return ForeignTable(spread(_of_one(found)))
             with found as file:
                 said: list[str] = []
-                return Table(spread({name: file[name] for name in file.files}, said), said)
+                return ForeignTable(spread({name: file[name] for name in file.files}, said), said)
     except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
         raise damaged(path, "a NumPy .npz of plain arrays", error) from error
 
@@ -48,7 +48,7 @@ def _of_one(found: Array) -> Mapping[str, Any]:
     return {f"c{k + 1}": column for k, column in enumerate(table.T)}
 
 
-def read_mat(path: Path) -> Table:
+def read_mat(path: Path) -> ForeignTable:
     """MATLAB up to v7 by SciPy, v7.3 by h5py: arrays, or a struct of them."""
     from scipy.io import loadmat
 
@@ -66,7 +66,7 @@ def read_mat(path: Path) -> Table:
         )
     odd = [place for place, kind in _odd(named) if kind]
     said = [f"no plain numbers in {', '.join(odd)}: left out"] if odd else []
-    return Table(spread(named, said), said)
+    return ForeignTable(spread(named, said), said)
 
 
 def _odd(content: Mapping[str, Any]) -> Iterator[tuple[str, bool]]:
@@ -80,7 +80,7 @@ def _odd(content: Mapping[str, Any]) -> Iterator[tuple[str, bool]]:
             yield f"{name} (sparse)", hasattr(value, "tocsc")
 
 
-def read_arrow(path: Path) -> Table:
+def read_arrow(path: Path) -> ForeignTable:
     """Parquet, Feather and Arrow files; lists of equal length become a column per joint."""
     import pyarrow as pa
     from pyarrow import feather, parquet
@@ -100,7 +100,7 @@ def read_arrow(path: Path) -> Table:
     moments = [name for name in found.column_names if _is_moment(found[name].type)]
     if len(moments) == 1 and not any(name.lower() in CLOCKS for name in columns):
         columns = {"time": columns.pop(moments[0]), **columns}  # the index of a data frame
-    return Table(columns, _without_numbers(found))
+    return ForeignTable(columns, _without_numbers(found))
 
 
 def spread_arrow(path: Path, found: Any) -> dict[str, Array]:
@@ -263,7 +263,7 @@ def is_hdf5(path: Path) -> bool:
     return b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520])
 
 
-def _read_hdf5(path: Path) -> Table:
+def _read_hdf5(path: Path) -> ForeignTable:
     try:
         import h5py
     except ImportError as error:
@@ -292,7 +292,7 @@ def _read_hdf5(path: Path) -> Table:
     except OSError as error:
         raise damaged(path, "a MAT or HDF5 file", error) from error
     said: list[str] = []
-    return Table(spread(found, said), said)
+    return ForeignTable(spread(found, said), said)
 
 
 def damaged(path: Path, expected: str, error: Exception) -> UserError:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.readers.bag_clock import Stamps, begin_of, clock_of, refuse_two_courses
 from pa10d.readers.bag_rows import BagRows, BagTopic
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
 
 Series = tuple[Stamps, Array]
@@ -24,7 +24,7 @@ SLOW = 3.0  # times the usual step of the others: most of its samples are made u
 SECOND = 1_000_000_000  # ns
 
 
-def columns_of(path: Path, topics: Mapping[str, BagTopic], joints: Sequence[str]) -> Table:
+def columns_of(path: Path, topics: Mapping[str, BagTopic], joints: Sequence[str]) -> ForeignTable:
     """The robot's joints as q1 …, all else by its own name; topics: each by its name, no joint on
     two of them."""
     try:
@@ -48,7 +48,7 @@ class _Joined:
         self._there = list(dict.fromkeys(n for block in self._blocks for n in block.names))
         self._meant = self._fields(joints)
 
-    def table(self) -> Table:
+    def table(self) -> ForeignTable:
         found = {name: self._series(name) for name in self._there}
         series = {name: one for name, one in found.items() if len(one[0])}
         needed = [name for name in self._meant if name in series and name.endswith(NEEDED)]
@@ -71,7 +71,7 @@ class _Joined:
             if column.startswith("q") and name in self._meant:
                 refuse_two_courses(t, out[column])
         self._leave_out_speeds(out)
-        return Table(out, self._remarks)
+        return ForeignTable(out, self._remarks)
 
     def _fields(self, joints: Sequence[str]) -> dict[str, str]:
         """Name of a column -> its field, for the robot's joints."""

@@ -10,7 +10,7 @@ from pa10d.common.errors import UserError
 from pa10d.readers.bag_columns import FIELDS, columns_of
 from pa10d.readers.bag_rows import BagTopic, Found
 from pa10d.readers.part import Parts
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 from pa10d.store.column_guess import was_asked_for
 
 Progress = Callable[[float], None]
@@ -27,7 +27,7 @@ def read_bag(
     joints: Sequence[str],
     progress: Progress = lambda share: None,
     topic: str | None = None,
-) -> Table:
+) -> ForeignTable:
     """The topic with the most samples of the robot's joints; each joint by its name. Where it lacks
     some, those that have them, as two controllers of one arm publish.
 

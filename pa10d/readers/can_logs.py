@@ -19,7 +19,7 @@ from pa10d.profile import Profile
 from pa10d.readers.bag_columns import columns_of
 from pa10d.readers.bag_rows import BagTopic
 from pa10d.readers.part import Parts, Undecided
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 
 SYNC, ANSWER = 0x80, 0x180
 TPDO = struct.Struct("<ihH")  # 0x6064 position, 0x6077 torque, 0x6041 statusword
@@ -44,7 +44,9 @@ class Frames:
         return all(len(found) >= FEWEST for found in self.answers)
 
 
-def read_can_log(path: Path, profile: Profile, kind: str = "", channel: str | None = None) -> Table:
+def read_can_log(
+    path: Path, profile: Profile, kind: str = "", channel: str | None = None
+) -> ForeignTable:
     """Position and torque of every drive, as this program's own TPDO 1 has them. kind: .csv or .db,
     whatever the file is called; channel: which bus, of a log of several."""
     if not profile.drives:

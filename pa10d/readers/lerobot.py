@@ -14,7 +14,7 @@ from pa10d.readers.archives import is_archive
 from pa10d.readers.arrays import damaged, spread_arrow
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
 
 INFO = Path("meta") / "info.json"
@@ -53,7 +53,7 @@ def episodes_of(path: Path) -> dict[int, int]:
     return {episode: sum(held.values()) for episode, held in _where(_files(path)).items()}
 
 
-def read_data_set(path: Path, episode: int | None = None) -> Table:
+def read_data_set(path: Path, episode: int | None = None) -> ForeignTable:
     """One episode, its columns by the names of the features; without a number the longest."""
     info = _info(path)
     held = _where(_files(path))
@@ -80,7 +80,7 @@ def read_data_set(path: Path, episode: int | None = None) -> Table:
     rate = float(fps) if isinstance(fps, int | float) and fps > 0 else 0.0
     there = {str(number): _words(number, count, rate) for number, count in frames.items()}
     parts = Parts("episode", there, str(taken)) if len(there) > 1 else None
-    return Table(columns, [which, *remarks, *_shares(columns)], parts)
+    return ForeignTable(columns, [which, *remarks, *_shares(columns)], parts)
 
 
 def _words(episode: int, frames: int, fps: float) -> str:

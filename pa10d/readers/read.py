@@ -19,7 +19,7 @@ from pa10d.readers.signatures import (
     is_can_csv,
     is_can_database,
 )  # fmt: skip
-from pa10d.readers.table import Table, recording_of
+from pa10d.readers.table import ForeignTable, recording_of
 from pa10d.store.column_mapping import read_mapping
 from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
 from pa10d.store.csv_locate import is_gzip
@@ -64,18 +64,20 @@ def read_table(
     robot: Robot,
     progress: Progress = lambda share: None,
     part: Part = WHOLE,
-) -> Table:
+) -> ForeignTable:
     """The columns as the file has them, before anybody says what they are."""
     if not path.exists():
         raise UserError(f"{path}: no such file; expected a recording")
     if _is_plain_csv(path):
         part.only(path)
         columns, remarks = read_columns(path)
-        return Table(columns, remarks)
+        return ForeignTable(columns, remarks)
     return _table(path, profile, robot, progress, part)
 
 
-def _table(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
+def _table(
+    path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
+) -> ForeignTable:
     if not path.is_dir() and archives.is_archive(path):
         with archives.unpacked_recording(path) as inner:
             return _said_of(path, inner, lambda: _table(inner, profile, robot, progress, part))
@@ -89,12 +91,12 @@ def _table(path: Path, profile: Profile, robot: Robot, progress: Progress, part:
 
 def _unpacked_table(
     path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
-) -> Table:
+) -> ForeignTable:
     with packed.unpacked_file(path) as plain:
         return _said_of(path, plain, lambda: _table_of(plain, profile, robot, progress, part))
 
 
-def _said_of(path: Path, inner: Path, read: Callable[[], Table]) -> Table:
+def _said_of(path: Path, inner: Path, read: Callable[[], ForeignTable]) -> ForeignTable:
     """What is said of what was unpacked names the file that somebody has."""
     try:
         return read()
@@ -102,7 +104,9 @@ def _said_of(path: Path, inner: Path, read: Callable[[], Table]) -> Table:
         raise UserError(str(error).replace(str(inner), str(path))) from error
 
 
-def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part) -> Table:
+def _table_of(
+    path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
+) -> ForeignTable:
     from pa10d.readers import arrays, bags, can_logs, lerobot
 
     kind = path.suffix.lower()
@@ -133,7 +137,7 @@ def _table_of(path: Path, profile: Profile, robot: Robot, progress: Progress, pa
     return _with_stamps(text.read_text(path))
 
 
-def _own(path: Path) -> Table | None:
+def _own(path: Path) -> ForeignTable | None:
     """A run that this program exported, exactly; None where it is somebody else's bag."""
     from pa10d.readers.arrays import spread
 
@@ -148,17 +152,17 @@ def _own(path: Path) -> Table | None:
         "time": (samples.stamps - run.time_zero_ns) * 1e-9, "q": samples.q, "tau": samples.tau,
         "dq": samples.dq, "temperature": samples.temperature, "current": samples.current,
     }  # fmt: skip
-    return Table({**spread(content), **samples.extra})
+    return ForeignTable({**spread(content), **samples.extra})
 
 
-def _with_stamps(table: Table) -> Table:
+def _with_stamps(table: ForeignTable) -> ForeignTable:
     """Seconds and nanoseconds in two columns are one time."""
     columns = dict(table.columns)
     for sec, nano in text.stamps_in_two(list(columns)):
         if "time" not in columns:
             whole = columns.pop(sec)
             columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
-    return Table(columns, table.remarks, table.parts)
+    return ForeignTable(columns, table.remarks, table.parts)
 
 
 def _is_plain_csv(path: Path) -> bool:

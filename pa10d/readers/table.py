@@ -21,7 +21,7 @@ from pa10d.store.equal_steps import equal_steps
 
 
 @dataclass
-class Table:
+class ForeignTable:
     """columns: name -> (N,); remarks: what the reader has to say; parts: where the file holds
     several recordings."""
 
@@ -32,7 +32,7 @@ class Table:
 
 def recording_of(
     path: Path,
-    table: Table,
+    table: ForeignTable,
     n: int,
     robot: str,
     constants: Sequence[float] | None,
@@ -90,7 +90,7 @@ def recording_of(
     )  # fmt: skip
 
 
-def _by_value(table: Table, n: int) -> str:
+def _by_value(table: ForeignTable, n: int) -> str:
     rules = rules_of(guessed_by_value(table.columns, n), n)
     return " ".join(map(shlex.quote, rules)) if rules else "c1=time c2=q1 …"
 

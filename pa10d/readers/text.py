@@ -13,7 +13,7 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.readers.moments import seconds_since_first
 from pa10d.readers.packed import DAMAGED, unpacked
-from pa10d.readers.table import Table
+from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
 from pa10d.store.column_mapping import UNITS
 from pa10d.store.csv_locate import most_unpacked
@@ -26,7 +26,7 @@ _EXCEL = re.compile(r"sep=(.)", re.I)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 
 
-def read_text(path: Path) -> Table:
+def read_text(path: Path) -> ForeignTable:
     """Every column that holds numbers, and what stands for them."""
     text = _decoded(path)
     lines = text.splitlines()
@@ -57,7 +57,7 @@ def read_text(path: Path) -> Table:
     left = [name for name in named if name not in found]
     if left:
         remarks.append(f"no numbers in {', '.join(left)}: left out")
-    return Table(found, remarks)
+    return ForeignTable(found, remarks)
 
 
 def numbers(cells: list[str]) -> bool:

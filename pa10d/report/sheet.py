@@ -16,11 +16,11 @@ from pa10d.figures.texts import Reading
 from pa10d.report.blocks import Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.compare_page import joint_section, summary_sections
 from pa10d.report.diagnosis_page import diagnosis_sections
-from pa10d.report.facts import Command, Facts, Verdict
+from pa10d.report.facts import Command, Facts, VerdictBanner
 from pa10d.report.finding_section import Asked
 
 Sheet = dict[str, Any]
-KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, Verdict)
+KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, VerdictBanner)
 BLOCKS: dict[str, Any] = {block.__name__.lower(): block for block in KINDS}
 
 

@@ -15,9 +15,9 @@ from pa10d.trajectory.excitation.optimise import (
     excitation_problem,
     exciting_trajectory,
 )
-from pa10d.trajectory.excitation.search import Progress as Step
+from pa10d.trajectory.excitation.search import Generation as Step
 
-Progress = Callable[[float, str], None]
+Generation = Callable[[float, str], None]
 ENDLESS = 100_000  # generations, where the time is what ends the search
 
 
@@ -31,7 +31,7 @@ def excite(
     cycles: int = 3,
     workers: int | None = None,
     floor: float | str | None = None,
-    progress: Progress | None = None,
+    progress: Generation | None = None,
     cancel: Callable[[], bool] | None = None,
     **problem: Any,
 ) -> ExcitingTrajectory:

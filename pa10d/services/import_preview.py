@@ -14,16 +14,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks import Finding, unit_of_stamps
+from pa10d.checks import CheckFinding, unit_of_stamps
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
 from pa10d.readers import (
     WHOLE,
+    ForeignTable,
     Part,
     Parts,
-    Table,
     Undecided,
     guessed_by_value,
     read_table,
@@ -64,7 +64,7 @@ class Column:
 class Mendable:
     """What to know of the file before fitting; mends: choices that would mend it."""
 
-    finding: Finding
+    finding: CheckFinding
     mends: list[Choice]
 
     def document(self) -> JsonObject:
@@ -73,7 +73,7 @@ class Mendable:
 
 
 @dataclass(frozen=True)
-class Preview:
+class ImportPreview:
     """rules: the mapping, as ``--map`` takes it; problem: why an import would be refused; parts:
     what the file holds several of; part: what was asked for."""
 
@@ -115,7 +115,7 @@ def preview_recording(
     thorough: bool = True,
     progress: Progress = lambda share, words: None,
     part: Part = WHOLE,
-) -> Preview:
+) -> ImportPreview:
     """choices: what somebody takes the columns for; None: guess, from names, units and ranges,
     whatever ``mapping`` (``COLUMN=FIELD`` options) does not say.
     thorough: also what needs a fit (delay, signs, size of the torque). part: of a file that holds
@@ -124,7 +124,7 @@ def preview_recording(
         table = _table(file, profile, robot, lambda s: progress(0.8 * s, "reading"), part)
     except Undecided as error:
         problem = f"it holds {len(error.parts.options)} recordings: choose the {error.parts.kind}"
-        return Preview(
+        return ImportPreview(
             file.name, robot.joint_names, 0, [], 0, [], problem, parts=error.parts, part=part
         )
     look = _Look(file, table, part, profile, robot)
@@ -138,7 +138,7 @@ class _Look:
     def __init__(
         self,
         file: Path,
-        table: Table,
+        table: ForeignTable,
         part: Part,
         profile: Profile,
         robot: Robot,
@@ -172,7 +172,7 @@ class _Look:
             choices = [new.pop(choice.column, choice) for choice in choices] + list(new.values())
         return choices
 
-    def _as_degrees(self, choices: Sequence[Choice], finding: Finding) -> dict[str, Choice]:
+    def _as_degrees(self, choices: Sequence[Choice], finding: CheckFinding) -> dict[str, Choice]:
         """What nothing tells is taken for what is most usual, and that is said; behind gears that
         a profile knows it is not."""
         if self._profile.drives:
@@ -190,7 +190,7 @@ class _Look:
         middle = float(np.median(steps)) if len(steps) else 0.0
         return replace(choice, unit=unit_of_stamps(1.0 / middle) or "") if middle > 0 else choice
 
-    def preview(self, choices: Sequence[Choice], thorough: bool) -> Preview:
+    def preview(self, choices: Sequence[Choice], thorough: bool) -> ImportPreview:
         """The whole answer for one mapping."""
         robot, path = self._robot, self._file
         rules = rules_of(choices, robot.n)
@@ -201,7 +201,7 @@ class _Look:
         except UserError as error:
             return self._made(Resolved({}, {}), rules, str(error))
         try:
-            table = Table(dict(self._columns), list(self._remarks))
+            table = ForeignTable(dict(self._columns), list(self._remarks))
             constants = self._profile.torque_constants
             names_of_joints = robot.joint_names
             found = recording_of(
@@ -227,7 +227,7 @@ class _Look:
             rate=found.timing.rate,
         )
 
-    def _made(self, resolved: Resolved, rules: list[str], problem: str) -> Preview:
+    def _made(self, resolved: Resolved, rules: list[str], problem: str) -> ImportPreview:
         n, names = self._robot.n, list(self._columns)
         order = {name: k for k, name in enumerate(names)}
         first = [name for name in names if field_of(name, resolved.fields, n)]
@@ -236,7 +236,7 @@ class _Look:
             _column(name, self._columns[name], field_of(name, resolved.fields, n), resolved)
             for name in sorted(shown, key=order.__getitem__)
         ]
-        return Preview(
+        return ImportPreview(
             file=self._file.name,
             joints=self._robot.joint_names,
             samples=len(next(iter(self._columns.values()), [])),
@@ -284,7 +284,7 @@ def _without(file: Path, text: str) -> str:
 
 def _table(
     file: Path, profile: Profile, robot: Robot, progress: Callable[[float], None], part: Part
-) -> Table:
+) -> ForeignTable:
     """The file's columns and what its reader said; the last small one's are remembered, because a
     mapping is corrected step by step."""
     if not file.is_file():
@@ -300,4 +300,4 @@ def _table(
     return found
 
 
-_remembered: dict[tuple[str, int, int, Part], Table] = {}
+_remembered: dict[tuple[str, int, int, Part], ForeignTable] = {}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from pa10d.checks import Finding, Mend
+from pa10d.checks import CheckFinding, Mend
 from pa10d.store.column_choices import Choice, composed, rules_of
 
 Names = Mapping[str, str]
 
 
-def in_words_of(finding: Finding, called: Names, said: Names, n: int) -> Finding:
+def in_words_of(finding: CheckFinding, called: Names, said: Names, n: int) -> CheckFinding:
     """Its ``--map`` options with the file's own columns. called: field -> column; said: column ->
     the unit that it is read in so far."""
     advice = finding.advice
@@ -21,7 +21,7 @@ def in_words_of(finding: Finding, called: Names, said: Names, n: int) -> Finding
     return replace(finding, advice=advice)
 
 
-def mends(finding: Finding, called: Names, said: Names, n: int) -> list[Choice]:
+def mends(finding: CheckFinding, called: Names, said: Names, n: int) -> list[Choice]:
     """What would mend it, as far as nothing is left to be filled in."""
     whole = (mend for mend in finding.mends if mend.complete)
     return [choice for mend in whole for choice in _choices(mend, called, said, n)]

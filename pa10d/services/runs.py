@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.checks import (
-    Finding,
+    CheckFinding,
     Known,
     beyond_limits,
     check_commanded,
@@ -47,7 +47,7 @@ class Imported:
 
     info: RunInfo
     header_warnings: list[str]
-    findings: list[Finding]
+    findings: list[CheckFinding]
     kept: str = ""  # what became of the mapping
     another: str = ""  # how another recording of the same file is asked for
 
@@ -99,7 +99,7 @@ def import_run(
     return Imported(writer.info, found.header_warnings, findings, kept, found.another)
 
 
-def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list[Finding]:
+def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list[CheckFinding]:
     """The checks of an import, for a run that is stored, with what the import knew: the unit that
     positions were given, and what only the file could tell. What it said in words of the file stays
     so. What was recorded here is in radians."""
@@ -120,16 +120,16 @@ def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list
     ]
     again = {finding.code for finding in found}
     of_file = [one for one in info.findings or () if one["code"] in OF_THE_FILE - again]
-    return in_order([*found, *(Finding(**one) for one in of_file)])
+    return in_order([*found, *(CheckFinding(**one) for one in of_file)])
 
 
-def _key(finding: Finding) -> tuple[str, str]:
+def _key(finding: CheckFinding) -> tuple[str, str]:
     return finding.code, finding.sentence
 
 
 def findings_of(
     found: CsvRecording, name: str, robot: Robot, profile: Profile, *, delay: bool
-) -> list[Finding]:
+) -> list[CheckFinding]:
     """What to know of a recording that was read, gravest first, with fields for columns."""
     recording = _recording(found, name)
     by_name = _demanded(found.called)
@@ -151,7 +151,7 @@ def stated_in(found: CsvRecording, n: int) -> frozenset[int]:
     return frozenset(j for j, unit in units.items() if names_an_angle(unit))
 
 
-def in_own_words(finding: Finding, found: CsvRecording, n: int) -> Finding:
+def in_own_words(finding: CheckFinding, found: CsvRecording, n: int) -> CheckFinding:
     """Its ``--map`` options with the columns of the file that was read."""
     return in_words_of(finding, found.called, found.said, n)
 
@@ -166,13 +166,13 @@ def _wanted(samples: Samples, robot: Robot) -> Array | None:
     return np.stack([columns[field] for field in fields], axis=1)
 
 
-def _demanded(called: Mapping[str, str]) -> list[Finding]:
+def _demanded(called: Mapping[str, str]) -> list[CheckFinding]:
     """Torques from columns whose names say that they were asked for, not measured."""
     named = [c for field, c in called.items() if field.startswith("tau") and was_asked_for(c)]
     if not named:
         return []
     return [
-        Finding(
+        CheckFinding(
             "warning",
             "commanded",
             f"{', '.join(named)}: a torque that was asked for, by its name, not a measured one",
@@ -187,7 +187,7 @@ def _without_folder(file: Path, text: str) -> str:
     return text.replace(f"{file.parent}/", "")
 
 
-def _kept(finding: Finding) -> KeptFinding:
+def _kept(finding: CheckFinding) -> KeptFinding:
     return KeptFinding(**finding.document())  # type: ignore[typeddict-item]
 
 

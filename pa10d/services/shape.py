@@ -34,7 +34,7 @@ log = logging.getLogger("pa10d.shape")
 
 
 @dataclass(frozen=True)
-class Body:
+class LinkShape:
     """One mesh or plain solid on a link. link: 0-based joint that it moves with, -1: the base;
     place (4, 4): from its own coordinates to the joint's frame, m."""
 
@@ -99,7 +99,7 @@ def mesh(data: str, profile: str, number: int) -> str:
 
 
 @lru_cache(2)
-def _meshes(profile: str) -> tuple[tuple[Body, ...], tuple[str, ...]]:
+def _meshes(profile: str) -> tuple[tuple[LinkShape, ...], tuple[str, ...]]:
     """Visual bodies of the URDF, and what could not be read."""
     found, robot = load_profile(profile), load_robot(profile)[1]
     text = found.urdf.read_text(encoding="utf-8")
@@ -149,7 +149,7 @@ def _file(named: str, urdf: Path) -> Path | None:
     return None
 
 
-def _visuals(urdf: str, robot: Robot, where: Path) -> list[Body]:
+def _visuals(urdf: str, robot: Robot, where: Path) -> list[LinkShape]:
     import pinocchio as pin
 
     model = pin.buildModelFromXML(urdf)
@@ -167,7 +167,7 @@ def _visuals(urdf: str, robot: Robot, where: Path) -> list[Body]:
         if faces is None:
             continue
         vertices, triangles = coarser(*faces, MOST)
-        out.append(Body(link, np.array(one.placement.homogeneous), vertices, triangles))
+        out.append(LinkShape(link, np.array(one.placement.homogeneous), vertices, triangles))
     return out
 
 

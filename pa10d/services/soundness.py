@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pa10d.checks import Finding, check_recording
+from pa10d.checks import CheckFinding, check_recording
 from pa10d.common.errors import Unsound, UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
@@ -17,10 +17,10 @@ from pa10d.store import RunInfo
 
 def errors_of(
     info: RunInfo, recording: Recording | None = None, robot: Robot | None = None
-) -> list[Finding]:
+) -> list[CheckFinding]:
     """What stands against a fit; without the recording only what is kept with the run."""
     if info.findings is not None:
-        found = [Finding(**kept) for kept in info.findings]
+        found = [CheckFinding(**kept) for kept in info.findings]
     elif recording is not None and (robot is None or robot.n == recording.joints):
         found = check_recording(recording, None, robot, delay=False)
     else:
@@ -45,7 +45,7 @@ def refuse_unsound(
             raise unsound(f"run {info.name!r}", errors)
 
 
-def unsound(what: str, errors: Sequence[Finding]) -> UserError:
+def unsound(what: str, errors: Sequence[CheckFinding]) -> UserError:
     """One line for all of it, the findings beside."""
     said = "; ".join(f"{e.sentence}{f' → {e.advice}' if e.advice else ''}" for e in errors)
     return Unsound(

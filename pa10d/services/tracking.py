@@ -64,7 +64,7 @@ class Worth:
 
 
 @dataclass(frozen=True)
-class Table:
+class TrackingErrors:
     """One motion under each law; worth: empty where there is one model."""
 
     joints: tuple[str, ...]
@@ -91,7 +91,7 @@ def tracking_table(data: str, models: Sequence[str], runs: Sequence[str]) -> Jso
     return compared(moved, [library.runs.read(info) for info in infos]).document()
 
 
-def compared(moved: Sequence[Moved], runs: Sequence[StoredRun]) -> Table:
+def compared(moved: Sequence[Moved], runs: Sequence[StoredRun]) -> TrackingErrors:
     """Every law's tracking errors beside PID's, and what the last model is worth, law by law.
 
     UserError where the runs are not of one motion."""
@@ -103,7 +103,7 @@ def compared(moved: Sequence[Moved], runs: Sequence[StoredRun]) -> Table:
                  of_pid=_share(seen.rms, pid))
         for law, seen in zip(moved, found, strict=True)
     ]  # fmt: skip
-    return Table(tuple(runs[0].joints), laws, _worth(laws))
+    return TrackingErrors(tuple(runs[0].joints), laws, _worth(laws))
 
 
 def as_csv(found: Track) -> str:

@@ -27,7 +27,7 @@ def message_dtype(template: Template) -> np.dtype:
     return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
 
 
-class Channel:
+class TopicWriter:
     """One topic: turns stamps and values into the bytes of its Message records."""
 
     def __init__(self, number: int, template: Template) -> None:
@@ -72,7 +72,7 @@ def message_index(number: int, stamps: Stamps, offset: int, stride: int) -> byte
 class MessageBlock:
     """Messages of one channel: stamps (k,) ns and field -> (k,) or (k, n)."""
 
-    channel: Channel
+    channel: TopicWriter
     stamps: Stamps
     values: Mapping[str, NDArray[np.float64]]
 
@@ -89,7 +89,7 @@ class BagWriter:
 
     def add_channel(
         self, topic: str, template: Template, notes: Mapping[str, str] | None = None
-    ) -> Channel:
+    ) -> TopicWriter:
         """Announce a topic; all topics are announced before the first chunk."""
         if template.type not in self._schemas:
             self._schemas[template.type] = len(self._schemas) + 1
@@ -102,7 +102,7 @@ class BagWriter:
         whole = mcap.channel(number, self._schemas[template.type], topic, notes)
         self.index.add_channel(number, topic, template.type, whole)
         self._write(whole)
-        return Channel(number, template)
+        return TopicWriter(number, template)
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a named map of strings."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.trajectory.capsules import Capsules, capsules_of
 from pa10d.trajectory.limits import MotionLimits
-from pa10d.trajectory.motions import Samples
+from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
@@ -35,11 +35,11 @@ class Violation:
 
 
 def check(
-    plan: Plan | Samples,
+    plan: Plan | MotionSamples,
     robot: Robot,
     limits: MotionLimits,
     measured: Array | None = None,
-    torque: Callable[[Samples], Array] | None = None,
+    torque: Callable[[MotionSamples], Array] | None = None,
 ) -> list[Violation]:
     """The worst violation of each kind and joint; an empty list means: go.
 
@@ -70,11 +70,11 @@ def check(
     ]
 
 
-def _rigid(robot: Robot, s: Samples) -> Array:
+def _rigid(robot: Robot, s: MotionSamples) -> Array:
     return inverse_dynamics(robot, robot.parameters, s.q, s.dq, s.ddq)
 
 
-def _position(s: Samples, limits: MotionLimits) -> list[Violation]:
+def _position(s: MotionSamples, limits: MotionLimits) -> list[Violation]:
     """Where each joint would come to rest if it braked now: it must not lie beyond a limit."""
     stop = s.q + s.dq * np.abs(s.dq) / (2 * limits.acceleration)
     found = []
@@ -97,7 +97,7 @@ def _position(s: Samples, limits: MotionLimits) -> list[Violation]:
 
 
 def _above(
-    kind: str, word: str, unit: str, s: Samples, values: Array, limit: Array
+    kind: str, word: str, unit: str, s: MotionSamples, values: Array, limit: Array
 ) -> list[Violation]:
     found = []
     for j in np.flatnonzero(np.abs(values).max(axis=0) > limit * (1 + ROUNDING)):
@@ -111,7 +111,7 @@ def _above(
     return found
 
 
-def _steps(s: Samples, limits: MotionLimits) -> list[Violation]:
+def _steps(s: MotionSamples, limits: MotionLimits) -> list[Violation]:
     """Positions that jump: a plan that was put together wrongly."""
     dt = np.diff(s.t)[:, None]
     off = np.abs(np.diff(s.q, axis=0) - 0.5 * (s.dq[1:] + s.dq[:-1]) * dt)
@@ -125,7 +125,7 @@ def _steps(s: Samples, limits: MotionLimits) -> list[Violation]:
     return found
 
 
-def _ends(s: Samples, limits: MotionLimits, measured: Array | None) -> list[Violation]:
+def _ends(s: MotionSamples, limits: MotionLimits, measured: Array | None) -> list[Violation]:
     found = []
     for row, word in ((0, "begins"), (-1, "ends")):
         for j in np.flatnonzero(np.abs(s.dq[row]) > 1e-3 * limits.velocity):
@@ -145,7 +145,7 @@ def _ends(s: Samples, limits: MotionLimits, measured: Array | None) -> list[Viol
     return found
 
 
-def _bodies(s: Samples, capsules: Capsules) -> list[Violation]:
+def _bodies(s: MotionSamples, capsules: Capsules) -> list[Violation]:
     gaps = capsules.clearance(s.q)
     found = []
     for column in np.flatnonzero(gaps.min(axis=0) < CLOSE) if gaps.size else ():

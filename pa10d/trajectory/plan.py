@@ -14,8 +14,8 @@ from pa10d.trajectory.limits import MotionLimits
 from pa10d.trajectory.motions import (
     Drawing,
     Motion,
+    MotionSamples,
     Narrowed,
-    Samples,
     Slowed,
     motion_from_dict,
     move_time,
@@ -114,10 +114,10 @@ class Plan:
         )
         return replace(self, segments=segments)
 
-    def sample(self, rate: float) -> Samples:
+    def sample(self, rate: float) -> MotionSamples:
         """The whole plan at ``rate`` Hz; the last sample is at rest."""
         t = np.arange(int(np.ceil(self.duration * rate - 1e-9)) + 1) / rate
-        return Samples(t, *self.at(t))
+        return MotionSamples(t, *self.at(t))
 
     def to_dict(self) -> dict[str, Any]:
         """Every motion in numbers, for a file."""

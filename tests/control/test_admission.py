@@ -10,7 +10,7 @@ from fake_backend import FakeBackend
 from backends.virtual.plant import build
 from pa10d.control.build import build_arm, servo_factory
 from pa10d.control.commands import Commands
-from pa10d.control.live_model import LiveModel, Part, kinematics_of
+from pa10d.control.live_model import LiveEffect, LiveModel, kinematics_of
 from pa10d.control.motion_check import wrong_with_rows
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
@@ -44,7 +44,7 @@ def held(robot):
 
 
 def model_of(robot, **changes):
-    friction = Part("coulomb", EVERY, np.full((7, 1), 1.0), {"v0": np.full(7, 0.01)})
+    friction = LiveEffect("coulomb", EVERY, np.full((7, 1), 1.0), {"v0": np.full(7, 0.01)})
     usual = {"rigid": robot.parameters, "parts": (friction,), "kinematics": kinematics_of(robot)}
     return LiveModel("m", **(usual | changes))
 
@@ -66,7 +66,7 @@ def test_the_right_model_is_taken_without_a_step(robot, held):
 
 
 def with_part(robot, coefficient=1.0, v0=0.01):
-    part = Part("coulomb", EVERY, np.full((7, 1), coefficient), {"v0": np.full(7, v0)})
+    part = LiveEffect("coulomb", EVERY, np.full((7, 1), coefficient), {"v0": np.full(7, v0)})
     return model_of(robot, parts=(part,))
 
 
@@ -94,7 +94,7 @@ WRONG = {
     ),
     "no arm": (lambda r: model_of(r, kinematics=None), "does not say which arm"),
     "an offset": (
-        lambda r: model_of(r, parts=(Part("torque_offset", (1,), np.array([[60.0]]), {}),)),
+        lambda r: model_of(r, parts=(LiveEffect("torque_offset", (1,), np.array([[60.0]]), {}),)),
         "joint 2: the model wants",
     ),
 }
@@ -130,7 +130,7 @@ def test_a_model_that_was_loaded_before_power_is_looked_at_when_power_comes(robo
 def test_a_model_that_asks_too_much_along_a_plan_is_refused(robot, held):
     """It holds the arm well, and its rotors weigh a ton."""
     arm, commands = held
-    rotors = Part("rotor_inertia", EVERY, np.full((7, 1), 1e4), {})
+    rotors = LiveEffect("rotor_inertia", EVERY, np.full((7, 1), 1e4), {})
     assert load(commands, model_of(robot, parts=(rotors,)))["ok"]
     with pytest.raises(Refused, match=r"joint \d at .* the model wants .* its limit is"):
         arm.run(swing(arm.path.reference.q, amplitude=0.1, seconds=2.0))

@@ -266,23 +266,23 @@ def test_exit_limits_torque_and_its_rate():
 @pytest.mark.parametrize(("rate", "cycles"), [(1000.0, 8), (500.0, 4), (100.0, 2), (20.0, 2)])
 def test_too_fast_is_a_matter_of_time(rate, cycles):
     """In a slow loop an arm that swings turns round before four cycles are over."""
-    from pa10d.control.faults import Violation
+    from pa10d.control.faults import LoopFault
 
     still, fresh = np.zeros(2), np.zeros(2, dtype=np.int64)
     fast = 1.3 * limits().velocity
     path = TorqueExit(limits(), 1.0 / rate)
     for _ in range(cycles - 1):
         path.watch(still, fast, fresh, still, np.ones(2, dtype=bool))
-    with pytest.raises(Violation, match="more than it may"):
+    with pytest.raises(LoopFault, match="more than it may"):
         path.watch(still, fast, fresh, still, np.ones(2, dtype=bool))
 
 
 @pytest.mark.parametrize("state", [OFFLINE, INACTIVE, FAULT])
 def test_exit_is_closed_outside_powered_states(state):
-    from pa10d.control.faults import Violation
+    from pa10d.control.faults import LoopFault
 
     path = TorqueExit(limits(), PERIOD)
-    with pytest.raises(Violation):
+    with pytest.raises(LoopFault):
         path.send(np.zeros(2), state, np.ones(2, dtype=bool))
 
 

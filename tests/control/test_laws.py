@@ -17,7 +17,7 @@ from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.gains import nominal_inertia, pid_gains
 from pa10d.control.joint_figures import ROTOR
 from pa10d.control.limits import arm_limits
-from pa10d.control.live_model import LiveModel, Part, kinematics_of, live_model, remainder
+from pa10d.control.live_model import LiveEffect, LiveModel, kinematics_of, live_model, remainder
 from pa10d.control.pid import Pid
 from pa10d.control.reference import Braking, MotionUnderWay, Reference
 from pa10d.control.ring import Ring
@@ -262,7 +262,7 @@ def test_computed_torque_tracks_better_than_pid_with_the_same_gains(profile, rob
     every = tuple(range(7))
     known = {"rotor_inertia": book.rotor_inertia, "coulomb": book.coulomb, "viscous": book.viscous}
     shapes = {"coulomb": {"v0": np.full(7, 0.002)}}
-    parts = tuple(Part(k, every, v[:, None], shapes.get(k, {})) for k, v in known.items())
+    parts = tuple(LiveEffect(k, every, v[:, None], shapes.get(k, {})) for k, v in known.items())
     live = LiveModel("known", robot.parameters, parts, kinematics=kinematics_of(robot))
     for name in ("pid", "computed_torque"):
         start = np.array([0.0, 0.5, 0.0, 0.8, 0.0, 0.3, 0.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, swing, until
 
-from pa10d.control.faults import Violation
+from pa10d.control.faults import LoopFault
 from pa10d.control.gains import PidGains
 from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Pid
@@ -23,7 +23,7 @@ def seen(speed, torque, asked=lambda t: 0.0, seconds=4.0):
         reference.dq[1] = asked(t)
         try:
             watch.watch(np.array([0.0, speed(t)]), reference, np.array([0.0, torque(t)]))
-        except Violation as violation:
+        except LoopFault as violation:
             return violation
     return None
 
@@ -76,7 +76,7 @@ def held(push, sign, inertia=1.0, seconds=1.0):
         torque = -stiff * q - damping * v
         try:
             watch.watch(np.array([q]), np.array([v]), np.array([torque]))
-        except Violation as violation:
+        except LoopFault as violation:
             return violation, q
         v += PERIOD * (sign * torque + push(k * PERIOD)) / inertia
         q += PERIOD * v

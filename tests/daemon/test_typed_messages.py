@@ -11,8 +11,8 @@ from pa10d.common.errors import Taken, Unsound, UserError
 from pa10d.common.jsonable import plain
 from pa10d.control.computed_torque import BY_NAME
 from pa10d.control.laws import WITH_MODEL
-from pa10d.control.messages import AskErrors, Do, Run, read_command
-from pa10d.daemon.processes.workers import Answer, TaskFailed
+from pa10d.control.messages import AskErrors, Do, FollowRows, read_command
+from pa10d.daemon.processes.workers import TaskEnd, TaskFailed
 from pa10d.experiments.checks import Check
 from pa10d.experiments.outcome import Outcome, RecordedRun, SeriesOutcome
 from pa10d.experiments.prepared import PlannedMotion, Prepared, wrong_in
@@ -78,7 +78,7 @@ def test_every_law_with_a_model_has_its_class():
     ("message", "command"),
     [
         ({"do": "run", "rows": "r", "number": "3", "first": 1, "last": 2},
-         Run(3, Path("r"), 1, 2)),
+         FollowRows(3, Path("r"), 1, 2)),
         ({"do": "errors"}, AskErrors(False)),
         ({"do": "stop", "id": 7}, Do("stop")),
     ],
@@ -96,10 +96,10 @@ def test_what_is_no_command_is_said(message):
 @pytest.mark.parametrize(
     ("answer", "kind"),
     [
-        (Answer(error="no", expected=True), UserError),
-        (Answer(error="no", expected=True, findings=[{}]), Unsound),
-        (Answer(error="no", expected=True, taken=True), Taken),
-        (Answer(error="no"), TaskFailed),
+        (TaskEnd(error="no", expected=True), UserError),
+        (TaskEnd(error="no", expected=True, findings=[{}]), Unsound),
+        (TaskEnd(error="no", expected=True, taken=True), Taken),
+        (TaskEnd(error="no"), TaskFailed),
     ],
 )
 def test_a_task_fails_as_what_it_said(answer, kind):
@@ -109,4 +109,4 @@ def test_a_task_fails_as_what_it_said(answer, kind):
 
 
 def test_a_task_s_result_may_be_nothing():
-    assert Answer().outcome() is None
+    assert TaskEnd().outcome() is None

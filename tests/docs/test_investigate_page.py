@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pa10d.cli import families
-from pa10d.cli.commands import Commands, root_parser
+from pa10d.cli.commands import Subcommands, root_parser
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = ("investigate.md", "scale.md", "controllers.md")
@@ -21,7 +21,7 @@ LINES = [line for block in BLOCKS for line in block.splitlines() if line]
 @pytest.mark.parametrize("line", LINES)
 def test_it_is_taken(line):
     parser, subparsers = root_parser()
-    commands = Commands(subparsers)
+    commands = Subcommands(subparsers)
     for family in families():
         family.add_commands(commands)
     program, *arguments = shlex.split(line)

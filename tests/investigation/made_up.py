@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pa10d.investigation import course
-from pa10d.investigation.results import Outcome
+from pa10d.investigation.results import StepOutcome
 from pa10d.investigation.state import ArmMotion, Investigation
 
 NONE = {
@@ -64,6 +64,6 @@ def walk(state: Investigation, *answers: dict) -> list[str]:
             outcome |= {"models": ["look-m1"]}
         if step.kind == "diagnose":
             outcome |= {"result": left.pop(0)}
-        course.done(state, step, Outcome(**outcome))
+        course.done(state, step, StepOutcome(**outcome))
         made.append(step.id)
     return made

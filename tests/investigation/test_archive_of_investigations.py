@@ -12,7 +12,7 @@ from pa10d.common.jsonable import parsed
 from pa10d.investigation import course
 from pa10d.investigation.archive import STATE, Archive
 from pa10d.investigation.document import document
-from pa10d.investigation.results import Outcome, Searched
+from pa10d.investigation.results import Searched, StepOutcome
 from pa10d.investigation.words import found_words
 from pa10d.services.documents import SCHEMAS
 
@@ -101,7 +101,7 @@ def test_its_document_fits_its_schema_at_every_step(tmp_path):
         schema.model_validate(document(state, data))
         course.begun(state, step)
         result = {"diagnose": lambda: answers.pop(0), "judge": lambda: judged}
-        course.done(state, step, Outcome(result=result.get(step.kind, dict)()))
+        course.done(state, step, StepOutcome(result=result.get(step.kind, dict)()))
     found = document(state, data)
     schema.model_validate(found)
     assert found["status"] == "done"

@@ -11,7 +11,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.investigation import course
-from pa10d.investigation.results import NamedEffect, Outcome, Rival
+from pa10d.investigation.results import NamedEffect, Rival, StepOutcome
 from pa10d.investigation.words import doubt_words
 
 SWEEP = {"kind": "velocity_sweep", "parameters": {"joints": [4]}}
@@ -128,7 +128,7 @@ def test_whatever_ended_it_what_is_done_is_not_done_again(after, ended):
         outcome = {"result": answers.pop(0)} if step.kind == "diagnose" else {}
         outcome |= {"runs": ["r"]} if step.kind == "motion" else {}
         outcome |= {"models": [step.id]} if step.kind in ("identify", "add") else {}
-        course.done(state, step, Outcome(**outcome))
+        course.done(state, step, StepOutcome(**outcome))
         made.append(step.id)
     if (step := course.next_step(state)) is not None:
         course.begun(state, step)
@@ -167,12 +167,12 @@ def test_what_took_longer_than_expected_is_taken_from_what_can_be_spared():
     state = investigation(210 / 60)
     for step in state.steps[:4]:
         course.begun(state, step)
-        course.done(state, step, Outcome(runs=["r"], moved=1.1 * step.motion.seconds))
+        course.done(state, step, StepOutcome(runs=["r"], moved=1.1 * step.motion.seconds))
     assert state.moved + SET[4].seconds > 210
     assert course.spent(state, state.step("motion-5"))
     assert not course.spent(state, state.step("identify"))
     short = investigation(135 / 60)
-    course.done(short, short.step("motion-1"), Outcome(moved=134.0))
+    course.done(short, short.step("motion-1"), StepOutcome(moved=134.0))
     assert not course.spent(short, short.step("motion-2")), "without it there is no answer"
 
 

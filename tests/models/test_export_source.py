@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pa10d.effects import Effect
-from pa10d.export.source import NotWritable, Source
+from pa10d.export.source import NotWritable, SourceText
 
 HEAD = """
 import math
@@ -108,7 +108,7 @@ def written(tmp_path, monkeypatch):
 
 def test_two_modules_of_the_same_names_stay_two(written):
     kinds = [written("module_one", ONE), written("module_two", TWO)]
-    source = Source()
+    source = SourceText()
     names = [source.add_effect(kind) for kind in kinds]
     assert [source.add_effect(kind) for kind in kinds] == names
     text, space = source.text(), {}
@@ -152,7 +152,7 @@ OPEN = Thing()
 
 class Two"""
     kind = written("module_two", TWO.replace(BODY, body).replace("\nclass Two", more, 1))
-    source = Source()
+    source = SourceText()
     with pytest.raises(NotWritable, match=why):
         source.add_effect(kind)
     assert source.text().strip() == ""
@@ -165,4 +165,4 @@ def test_a_class_without_source_says_so(written):
         "class Two(Base):\n    def columns(self, context, joints, shape):\n        return 1", space
     )
     with pytest.raises(NotWritable, match="the source of columns cannot be read"):
-        Source().add_effect(space["Two"]())
+        SourceText().add_effect(space["Two"]())

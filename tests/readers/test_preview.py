@@ -14,7 +14,7 @@ from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.measurement.recording import Recording
 from pa10d.readers import read_recording
-from pa10d.services.import_preview import Preview, preview_recording, small_curve
+from pa10d.services.import_preview import ImportPreview, preview_recording, small_curve
 from pa10d.services.mending import mends
 from pa10d.services.robots import load_robot
 from pa10d.services.runs import import_run
@@ -45,11 +45,11 @@ def written(folder, table, name="log.csv", delimiter=","):
     return path
 
 
-def meant(preview: Preview) -> dict[str, tuple[str, str]]:
+def meant(preview: ImportPreview) -> dict[str, tuple[str, str]]:
     return {column.name: (column.field, column.unit) for column in preview.columns}
 
 
-def codes(preview: Preview) -> set[str]:
+def codes(preview: ImportPreview) -> set[str]:
     return {one.finding.code for one in preview.findings}
 
 

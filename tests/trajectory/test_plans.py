@@ -15,7 +15,7 @@ from pa10d.profile import find_profile
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.check import check
 from pa10d.trajectory.limits import limits_of
-from pa10d.trajectory.motions import Drawing, Samples
+from pa10d.trajectory.motions import Drawing, MotionSamples
 from pa10d.trajectory.plan import Plan, Segment, joined, move
 from pa10d.trajectory.poses import Surroundings, gravity_free_pose
 from pa10d.trajectory.ways import free_way, way_is_free
@@ -75,12 +75,12 @@ def test_braking_distance_counts():
     q, dq = np.zeros((len(t), 7)), np.zeros((len(t), 7))
     q[:, 0] = upper - 0.1 - (t[-1] - t)
     dq[:, 0] = 1.0
-    found = check(Samples(t, q, dq, np.zeros_like(q)), pa10(), LIMITS)
+    found = check(MotionSamples(t, q, dq, np.zeros_like(q)), pa10(), LIMITS)
     first = next(v for v in found if v.kind == "position")
     assert first.value == pytest.approx(upper - 0.1 + 1 / 6, abs=1e-6)
     assert "braking included" in first.sentence
     q[:, 0] -= 0.1
-    assert "position" not in [v.kind for v in check(Samples(t, q, dq, 0 * q), pa10(), LIMITS)]
+    assert "position" not in [v.kind for v in check(MotionSamples(t, q, dq, 0 * q), pa10(), LIMITS)]
 
 
 def test_collisions_jumps_rest_and_start_are_seen():
@@ -95,15 +95,15 @@ def test_collisions_jumps_rest_and_start_are_seen():
     samples = plan_of(swing(0, 0.5, 2.0)).sample(200.0)
     torn = samples._replace(q=samples.q + 0.2 * (samples.t > 1.0)[:, None])
     assert ("step", 1) in kinds(check(torn, pa10(), LIMITS))
-    half = Samples(*(part[:200] for part in samples))
+    half = MotionSamples(*(part[:200] for part in samples))
     assert ("rest", 1) in kinds(check(half, pa10(), LIMITS))
     away = check(samples, pa10(), LIMITS, measured=np.array([0.3] + [0.0] * 6))
     assert kinds(away) == [("start", 1)]
     nan = samples._replace(dq=np.where(samples.t[:, None] > 1, np.nan, samples.dq))
     assert kinds(check(nan, pa10(), LIMITS)) == [("number", 1)]
-    assert kinds(check(Samples(samples.t, *(x[:, :3] for x in samples[1:])), pa10(), LIMITS)) == [
-        ("shape", 0)
-    ]
+    assert kinds(
+        check(MotionSamples(samples.t, *(x[:, :3] for x in samples[1:])), pa10(), LIMITS)
+    ) == [("shape", 0)]
 
 
 def test_a_way_around_the_shoulder_is_found():

@@ -17,7 +17,7 @@ from pa10d.daemon.motions.kinds import experiment_of
 from pa10d.experiments.request import MotionRequest
 from pa10d.investigation import course
 from pa10d.investigation.document import document
-from pa10d.investigation.results import Outcome
+from pa10d.investigation.results import StepOutcome
 from pa10d.investigation.state import Investigation, Step
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class _Carrier:
             outcome = await self._daemon.compute_now(
                 "investigation_step", told, investigation=self._id, step=step.id
             )
-            course.done(state, step, parsed(Outcome, outcome))
+            course.done(state, step, parsed(StepOutcome, outcome))
             return
         await self._move(state, step, told)
 
@@ -112,7 +112,7 @@ class _Carrier:
         advice = found.recommendation or [""]
         said = f"Recorded {', '.join(names)}." if names else advice[0]
         moved, words = found.seconds or 0.0, " ".join([said, *found.notes])
-        course.done(state, step, Outcome(runs=found.runs, moved=moved, said=words))
+        course.done(state, step, StepOutcome(runs=found.runs, moved=moved, said=words))
 
     def _told(self, state: Investigation, step: Step) -> Progress:
         """The job's progress by the steps that are over; its message begins with this one's id."""

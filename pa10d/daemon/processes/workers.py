@@ -39,7 +39,7 @@ class NeverBegun(Ended):
 
 
 @dataclass(frozen=True)
-class Answer:
+class TaskEnd:
     """How a task ended. error: why it failed, expected: by a fault of the request; findings, taken:
     which kind of fault; spent: the process has no memory left for another task."""
 
@@ -93,7 +93,7 @@ class Workers:
 
     async def _by_whoever_lives(
         self, call: str, arguments: JsonObject, progress: Progress
-    ) -> Answer:
+    ) -> TaskEnd:
         """An idle process may have ended without anybody having noticed yet: it is not missed."""
         while (worker := self._take_idle()) is not None:
             with contextlib.suppress(NeverBegun):
@@ -102,7 +102,7 @@ class Workers:
 
     async def _by(
         self, worker: Worker, call: str, arguments: JsonObject, progress: Progress
-    ) -> Answer:
+    ) -> TaskEnd:
         try:
             async with asyncio.timeout(self._budget.seconds) as limit:
                 answer = await worker.carry_out(call, arguments, progress)
@@ -137,7 +137,7 @@ class Workers:
             worker.kill()
         return None
 
-    def _keep(self, worker: Worker, answer: Answer) -> None:
+    def _keep(self, worker: Worker, answer: TaskEnd) -> None:
         worker.done += 1
         if self._closed or answer.spent or worker.done >= FRESH_AFTER:
             worker.kill()
@@ -172,7 +172,7 @@ class Worker:
         reader, writer = await asyncio.open_connection(sock=ours, limit=LARGEST_ANSWER)
         return Worker(process, reader, writer)
 
-    async def carry_out(self, call: str, arguments: JsonObject, progress: Progress) -> Answer:
+    async def carry_out(self, call: str, arguments: JsonObject, progress: Progress) -> TaskEnd:
         """Send the task, pass its progress on, return the last line."""
         task, begun = json.dumps({"call": call, "arguments": arguments}), False
         try:
@@ -185,7 +185,7 @@ class Worker:
                 elif "progress" in message:
                     progress(message["progress"], message["message"])
                 else:
-                    return Answer(**message)
+                    return TaskEnd(**message)
         except ConnectionError:
             pass
         except ValueError as error:

@@ -24,8 +24,8 @@ from pa10d.identify.scale.body import Body
 from pa10d.identify.scale.regression import Regression, regression
 from pa10d.identify.scale.rows import (
     SEEN,
-    Part,
-    Rows,
+    WeighedRun,
+    WeighingEquations,
     error_over_blocks,
     outside,
     parts_of,
@@ -80,7 +80,7 @@ class Gains:
     """joints: one each; residuals: (M, n) N·m per run, what no gain explains; parts: the runs."""
 
     joints: tuple[JointGain, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[WeighedRun, ...]
     residuals: tuple[Array, ...]
 
     @property
@@ -116,7 +116,7 @@ def _merged(loads: Sequence[Load]) -> list[tuple[Body, list[Recording]]]:
     return list(runs.items())
 
 
-def _joint(rows: Rows, unit: str) -> tuple[JointGain, Array]:
+def _joint(rows: WeighingEquations, unit: str) -> tuple[JointGain, Array]:
     loaded = rows.asked[rows.load >= 0]
     asked = float(np.sqrt(np.mean(loaded**2))) if len(loaded) else 0.0
     seen, left = regression(rows)
@@ -139,7 +139,9 @@ def _untold(asked: float, why: str, seen: Regression | None = None) -> JointGain
     return JointGain(*nothing, disagree=seen.disagree, spread=seen.spread, asked=asked, why=why)
 
 
-def _bounds(rows: Rows, gain: float, error: float) -> tuple[tuple[float, float] | None, float]:
+def _bounds(
+    rows: WeighingEquations, gain: float, error: float
+) -> tuple[tuple[float, float] | None, float]:
     """Bounds of the gain with what their errors leave open beyond, where they leave more open than
     the gain's error, and friction with the load over the load."""
     basis = outside(rows.others)

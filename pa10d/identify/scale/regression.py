@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.identify.scale.rows import (
     SEEN,
-    Rows,
+    WeighingEquations,
     error_of_weights,
     error_over_blocks,
     outside,
@@ -39,7 +39,7 @@ class Regression:
         return float(np.hypot(self.of_noise, self.of_body))
 
 
-def regression(rows: Rows) -> tuple[Regression | None, Array]:
+def regression(rows: WeighingEquations) -> tuple[Regression | None, Array]:
     """None where the weights ask nothing that is not asked by all else; and what no gain explains
     (M,): where runs can be told apart, no gain of their own."""
     basis = outside(np.column_stack([rows.rubbing, rows.others]))

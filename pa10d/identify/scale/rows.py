@@ -33,7 +33,7 @@ EMPTY = -1
 
 
 @dataclass(frozen=True)
-class Part:
+class WeighedRun:
     """One run. load: number of its weight, EMPTY without one; rigid (M, n, b) | None: the arm's
     own bodies; asked (M, n): N·m that the weight asks for; doubt (M, n, 4): what a standard error
     of its mass or of its centre adds to that; carried (M, n): what the joint carries, roughly: the
@@ -46,7 +46,7 @@ class Part:
     doubt: Array
     carried: Array
 
-    def with_weight(self, robot: Robot, body: Body, load: int) -> Part:
+    def with_weight(self, robot: Robot, body: Body, load: int) -> WeighedRun:
         """The same motion with a weight; the torque stays what it was."""
         asked = _torque(self.run, robot, body.parameters(robot))
         doubt = np.stack(
@@ -56,12 +56,14 @@ class Part:
             ],
             axis=2,
         )
-        return Part(self.run, load, self.rigid, asked, doubt, self.carried - self.asked + asked)
+        return WeighedRun(
+            self.run, load, self.rigid, asked, doubt, self.carried - self.asked + asked
+        )
 
 
 def parts_of(
     robot: Robot, empty: Sequence[Recording], loads: Sequence[tuple[Body, Sequence[Recording]]]
-) -> list[Part]:
+) -> list[WeighedRun]:
     """All runs made ready. Without any empty run the weights are taken for the whole arm: no free
     masses are fitted."""
     arm = base_parameters(robot).kept if empty else None
@@ -72,7 +74,7 @@ def parts_of(
             none = np.zeros_like(run.tau)
             rigid = None if arm is None else run.rigid_columns(arm)
             own = none if arm is None else _torque(run, robot, robot.parameters)
-            part = Part(run, EMPTY, rigid, none, np.zeros((*none.shape, 4)), own)
+            part = WeighedRun(run, EMPTY, rigid, none, np.zeros((*none.shape, 4)), own)
             found.append(part if body is None else part.with_weight(robot, body, load))
     return found
 
@@ -83,7 +85,7 @@ def _torque(run: RunEquation, robot: Robot, parameters: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Rows:
+class WeighingEquations:
     """The rows of one joint: asked (M,), doubt (M, 4) and the loads' numbers, load friction (M,),
     others (M, k), torque (M,); blocks, runs (M,): which stretch of time, which run."""
 
@@ -97,10 +99,12 @@ class Rows:
     runs: Ints
 
 
-def rows_of(parts: Sequence[Part], j: int, torques: Sequence[Array] | None = None) -> Rows:
+def rows_of(
+    parts: Sequence[WeighedRun], j: int, torques: Sequence[Array] | None = None
+) -> WeighingEquations:
     """Rows of joint j (0-based). torques: (M,) each, in place of what was measured."""
     loads = sorted({part.load for part in parts})
-    tables: dict[str, list[Any]] = {name: [] for name in Rows.__annotations__}
+    tables: dict[str, list[Any]] = {name: [] for name in WeighingEquations.__annotations__}
     first = 0
     for number, part in enumerate(parts):
         run, keep = part.run, part.run.keep[:, j]
@@ -125,7 +129,7 @@ def rows_of(parts: Sequence[Part], j: int, torques: Sequence[Array] | None = Non
         tables["torque"].append(torque[keep])
         tables["blocks"].append(blocks[keep])
         tables["runs"].append(np.full(count, number))
-    return Rows(**{name: np.concatenate(pieces) for name, pieces in tables.items()})
+    return WeighingEquations(**{name: np.concatenate(pieces) for name, pieces in tables.items()})
 
 
 def outside(others: Array) -> Array:
@@ -143,7 +147,7 @@ def without(values: Array, basis: Array) -> Array:
     return np.asarray(values - basis @ (basis.T @ values))
 
 
-def error_of_weights(x: Array, rows: Rows) -> float:
+def error_of_weights(x: Array, rows: WeighingEquations) -> float:
     """Standard error of x·p by what is not known of the weights. One balance weighed them all and
     one ruler measured them: what each adds counts in full beside what the others add."""
     moved = np.zeros(rows.doubt.shape[1])

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from pa10d.identify.scale.rows import SEEN, Rows, sums_over_blocks, without
+from pa10d.identify.scale.rows import SEEN, WeighingEquations, sums_over_blocks, without
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class RunByRun:
         return float(chdtrc(free, apart @ np.linalg.solve(size, apart)))
 
 
-def run_by_run(rows: Rows, basis: Array) -> RunByRun | None:
+def run_by_run(rows: WeighingEquations, basis: Array) -> RunByRun | None:
     """None where there are no two gains to tell apart."""
     numbers = np.unique(rows.runs[rows.load >= 0])
     loaded = np.column_stack([np.where(rows.runs == k, rows.asked, 0.0) for k in numbers])
@@ -76,7 +76,7 @@ def run_by_run(rows: Rows, basis: Array) -> RunByRun | None:
     return RunByRun(gains, sums @ sums.T, _by_weights(rows, inverse), loaded, left)
 
 
-def _by_weights(rows: Rows, inverse: Array) -> Array:
+def _by_weights(rows: WeighingEquations, inverse: Array) -> Array:
     """(R, R): a weight is off alike in all its runs, each weight by itself."""
     out = np.zeros((len(inverse), len(inverse)))
     for load in np.unique(rows.load[rows.load >= 0]):

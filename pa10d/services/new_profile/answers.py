@@ -11,7 +11,7 @@ import numpy as np
 
 from backends.bus_budget import bus_budget
 from pa10d.common.errors import UserError
-from pa10d.services.new_profile.facts import Facts
+from pa10d.services.new_profile.facts import ArmFacts
 
 VIRTUAL = "virtual"
 MOUNTINGS = {
@@ -59,7 +59,7 @@ Ask = Callable[[Question], Any]
 
 
 def answers_for(
-    facts: Facts, name: str, given: Mapping[str, str | None], ask: Ask | None = None
+    facts: ArmFacts, name: str, given: Mapping[str, str | None], ask: Ask | None = None
 ) -> Answers:
     """given: options as text, by key; ask: for the others, None takes the defaults."""
     n, robot = facts.robot.n, facts.robot

@@ -23,7 +23,7 @@ TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of princ
 
 
 @dataclass(frozen=True)
-class Facts:
+class ArmFacts:
     """weight: (n,) N·m (N), the most that gravity asks of each joint; inertia: (n,) kg·m² (kg), the
     most that it turns (pushes); doubts: sentences; home: (n,) rad (m) a pose to begin at, None
     where zero (or mid-range) will do."""
@@ -35,7 +35,7 @@ class Facts:
     home: Array | None
 
 
-def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> Facts:
+def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
     """Read the URDF for the arm standing upright; UserError where it is none.
 
     joints: names, in order; None: every movable one."""
@@ -47,7 +47,7 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> Facts:
     still = np.zeros_like(poses)
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
-    return Facts(robot, weight, turned, [*doubts, *_doubts(robot)], _home(robot))
+    return ArmFacts(robot, weight, turned, [*doubts, *_doubts(robot)], _home(robot))
 
 
 def _that_can_move(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:

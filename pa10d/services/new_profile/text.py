@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 
 from pa10d.services.new_profile.answers import VIRTUAL, Answers
-from pa10d.services.new_profile.facts import Facts
+from pa10d.services.new_profile.facts import ArmFacts
 
 COUNTS = 2**20  # of a virtual encoder, per revolution
 STEP = 1e-6  # m, of a virtual encoder along a rail
@@ -17,12 +17,12 @@ RATIO = 100.0
 STALE_CYCLES = 100
 
 
-def profile_text(facts: Facts, answers: Answers, urdf: str) -> str:
+def profile_text(facts: ArmFacts, answers: Answers, urdf: str) -> str:
     """YAML; urdf: as the file names it."""
     return "\n".join(_lines(facts, answers, urdf)) + "\n"
 
 
-def _lines(facts: Facts, a: Answers, urdf: str) -> Iterator[str]:
+def _lines(facts: ArmFacts, a: Answers, urdf: str) -> Iterator[str]:
     robot, simulated = facts.robot, a.bus == VIRTUAL
     yield f"# {a.name}, from {urdf}. What nobody stated says 'assumed': look at it before motion."
     for doubt in facts.doubts:

@@ -21,7 +21,7 @@ PROFILES, VERSIONS = "profiles", "versions"
 
 
 @dataclass(frozen=True)
-class Version:
+class Edit:
     """An edit. before: the text that it found; after: of the text that it left, SHA-256; undone:
     whether it was taken back, or its file is damaged (``changes`` says how)."""
 
@@ -43,10 +43,10 @@ class Version:
         return not self.after
 
     @staticmethod
-    def unreadable(file: Path, error: Exception) -> Version:
+    def unreadable(file: Path, error: Exception) -> Edit:
         """In place of one whose file is damaged."""
         why = f"cannot be read: {file}: {error}"
-        return Version(int(file.stem), "", [why], "", "", undone=True)
+        return Edit(int(file.stem), "", [why], "", "", undone=True)
 
 
 def own_profile(data: str | os.PathLike[str] | None, name: str | os.PathLike[str]) -> Path:
@@ -70,7 +70,7 @@ def folder_of(data: str | os.PathLike[str] | None, path: Path) -> Path:
     return folder
 
 
-def versions_in(folder: Path, path: Path) -> list[Version]:
+def versions_in(folder: Path, path: Path) -> list[Edit]:
     """All edits of the file ``path``, oldest first, damaged ones among them. The last one counts as
     undone where it never reached the file, or its undo was cut short after the file's part."""
     found = _kept(folder)
@@ -80,7 +80,7 @@ def versions_in(folder: Path, path: Path) -> list[Version]:
     return found
 
 
-def _is_before(edit: Version, path: Path) -> bool:
+def _is_before(edit: Edit, path: Path) -> bool:
     """Whether the file is what it was before an edit; a copy that is not there was none yet."""
     if not path.is_file():
         return True
@@ -88,16 +88,16 @@ def _is_before(edit: Version, path: Path) -> bool:
     return text == edit.before and digest(text) != edit.after
 
 
-def _kept(folder: Path) -> list[Version]:
+def _kept(folder: Path) -> list[Edit]:
     found = []
     for file in sorted(folder.glob("[0-9][0-9][0-9][0-9].json")):
         try:
             document = json.loads(file.read_text(encoding="utf-8"))
             if document.pop("schema") != SCHEMA:
                 raise ValueError("another schema")
-            found.append(Version(**document))
+            found.append(Edit(**document))
         except (ValueError, TypeError, KeyError, AttributeError, OSError) as error:
-            found.append(Version.unreadable(file, error))
+            found.append(Edit.unreadable(file, error))
     return found
 
 
@@ -119,14 +119,14 @@ def write_version(
     before: str,
     text: str,
     data: Mapping[str, Any],
-) -> Version:
+) -> Edit:
     """Edit a profile: what stood there is kept first; nothing is, where the text is refused.
 
     before, text: of the file ``path``, now and then; data: what must be read from ``text``
     """
     _settle(folder, path)
     now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    version = Version(coming(folder) - 1, now, changes, before, digest(text))
+    version = Edit(coming(folder) - 1, now, changes, before, digest(text))
     _store(folder, version)
     try:
         put_profile(path, text, data)
@@ -136,7 +136,7 @@ def write_version(
     return version
 
 
-def take_back(folder: Path, version: Version, path: Path) -> None:
+def take_back(folder: Path, version: Edit, path: Path) -> None:
     """Let the file be what it was before an edit."""
     _settle(folder, path)
     put_profile(path, version.before)
@@ -150,11 +150,11 @@ def _settle(folder: Path, path: Path) -> None:
             _store(folder, one)
 
 
-def _store(folder: Path, version: Version) -> None:
+def _store(folder: Path, version: Edit) -> None:
     write_json(_file(folder, version), {"schema": SCHEMA, **asdict(version)})
 
 
-def _file(folder: Path, version: Version) -> Path:
+def _file(folder: Path, version: Edit) -> Path:
     return folder / f"{version.number:04d}.json"
 
 

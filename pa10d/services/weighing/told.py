@@ -10,7 +10,7 @@ from pa10d.services.weighing.state import Applied
 
 
 @dataclass(frozen=True)
-class PlannedMotion:
+class WeighingMotion:
     """The same for every recording: a request for an experiment, s, and what is to be known."""
 
     kind: str
@@ -47,7 +47,7 @@ class WeighingStatus:
     robot: str
     profile: str
     created: str
-    motion: PlannedMotion
+    motion: WeighingMotion
     weights: tuple[HungWeight, ...]
     empty: list[str]
     next: NextRecording

@@ -20,7 +20,7 @@ from pa10d.services.weighing.state import NOTHING, Recorded, Weighing
 from pa10d.services.weighing.told import (
     HungWeight,
     NextRecording,
-    PlannedMotion,
+    WeighingMotion,
     WeighingStatus,
 )
 from pa10d.store.names import new_id
@@ -124,7 +124,7 @@ def status(state: Weighing) -> WeighingStatus:
         robot=state.robot,
         profile=state.profile,
         created=state.created,
-        motion=PlannedMotion(**state.motion, seconds=state.seconds, notes=state.notes),
+        motion=WeighingMotion(**state.motion, seconds=state.seconds, notes=state.notes),
         weights=tuple(_weight(state, k) for k in range(1, len(state.weights) + 1)),
         empty=state.runs(NOTHING),
         next=next_step(state),

@@ -21,7 +21,7 @@ from pa10d.trajectory.excitation.feasible import (
 from pa10d.trajectory.excitation.mapping import as_mapper
 from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.excitation.result import figures
-from pa10d.trajectory.excitation.search import Found, Progress, search
+from pa10d.trajectory.excitation.search import Found, Generation, search
 from pa10d.trajectory.kinds.excitation import Excitation
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
@@ -66,7 +66,7 @@ def exciting_trajectory(
     seed: int = 1,
     workers: Any = None,
     seconds: float | None = None,
-    progress: Callable[[Progress], object] | None = None,
+    progress: Callable[[Generation], object] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
     refined: int = 4,
 ) -> ExcitingTrajectory:

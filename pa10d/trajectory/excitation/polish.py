@@ -19,7 +19,7 @@ EXACT = 1000.0  # sharpness at which a p-norm is the maximum
 
 
 @dataclass(frozen=True)
-class Candidate:
+class FeasibleMotion:
     """A motion within its limits: coefficients as ExcitationProblem.shape, and its log cost."""
 
     x: Array
@@ -29,7 +29,7 @@ class Candidate:
 
 def polish(
     task: tuple[ExcitationProblem, Array, tuple[tuple[float, float, int], ...]],
-) -> Candidate:
+) -> FeasibleMotion:
     """Improve one motion; the argument is one tuple so that any ``map`` can carry it."""
     problem, x, stages = task
     scale, evaluations = problem.scale, 0
@@ -53,8 +53,8 @@ def polish(
     return judged(problem, x, evaluations)
 
 
-def judged(problem: ExcitationProblem, x: Array, evaluations: int) -> Candidate:
+def judged(problem: ExcitationProblem, x: Array, evaluations: int) -> FeasibleMotion:
     """A motion brought within its limits, and what it is worth."""
     x = problem.repaired(x)
     score = problem.cost(x, EXACT, 0.0)[0] + UNFIT * problem.excess(x)
-    return Candidate(x, float(score), evaluations)
+    return FeasibleMotion(x, float(score), evaluations)

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.trajectory.excitation.polish import QUICK, THOROUGH, Candidate, judged, polish
+from pa10d.trajectory.excitation.polish import QUICK, THOROUGH, FeasibleMotion, judged, polish
 from pa10d.trajectory.excitation.problem import ExcitationProblem
 
 Array = NDArray[np.float64]
-Mapper = Callable[[Callable[[Any], Candidate], Iterable[Any]], Iterable[Candidate]]
+Mapper = Callable[[Callable[[Any], FeasibleMotion], Iterable[Any]], Iterable[FeasibleMotion]]
 
 POPULATION = 12
 BATCH = 8  # tasks of one generation
@@ -30,7 +30,7 @@ NUDGE, JUMP, STRIDE = 0.05, 0.3, 0.7  # of a coefficient's natural size; of a di
 
 
 @dataclass(frozen=True)
-class Progress:
+class Generation:
     """After each generation: how far, how good."""
 
     generation: int
@@ -59,7 +59,7 @@ def search(
     seed: int = 1,
     mapper: Mapper = map,
     seconds: float | None = None,
-    progress: Callable[[Progress], object] | None = None,
+    progress: Callable[[Generation], object] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
     refined: int = 4,
 ) -> Found:
@@ -81,7 +81,7 @@ def search(
     for done in range(1, generations + 1):
         if progress is not None:
             best = problem.condition_number(people[0].x)
-            progress(Progress(done - 1, generations, best, count, time.monotonic() - began))
+            progress(Generation(done - 1, generations, best, count, time.monotonic() - began))
         spent = time.monotonic() - began
         if cancelled() or (seconds is not None and spent + (1 + THOROUGHLY) * slowest > seconds):
             done -= 1
@@ -102,7 +102,7 @@ def search(
     return Found(best_one.x, best_one.score, done, count, took, finished, history)
 
 
-def _score(candidate: Candidate) -> float:
+def _score(candidate: FeasibleMotion) -> float:
     return candidate.score
 
 
@@ -113,11 +113,11 @@ def _warm(problem: ExcitationProblem) -> None:
 
 def _polished(
     problem: ExcitationProblem, motions: list[Array], stages: tuple, mapper: Mapper
-) -> Iterator[Candidate]:
+) -> Iterator[FeasibleMotion]:
     return iter(mapper(polish, [(problem, x, stages) for x in motions]))
 
 
-def _with(people: list[Candidate], child: Candidate) -> list[Candidate]:
+def _with(people: list[FeasibleMotion], child: FeasibleMotion) -> list[FeasibleMotion]:
     """The child replaces the worst, unless it is worse still or someone's twin."""
     if child.score >= people[-1].score or any(
         abs(child.score - other.score) < SAME for other in people
@@ -126,7 +126,9 @@ def _with(people: list[Candidate], child: Candidate) -> list[Candidate]:
     return sorted([*people[:-1], child], key=_score)
 
 
-def _child(problem: ExcitationProblem, people: list[Candidate], rng: np.random.Generator) -> Array:
+def _child(
+    problem: ExcitationProblem, people: list[FeasibleMotion], rng: np.random.Generator
+) -> Array:
     """A good parent, changed in one of four ways."""
     one = people[min(int(rng.geometric(FAVOUR)) - 1, len(people) - 1)].x.copy()
     two, three = (people[int(k)].x for k in rng.integers(len(people), size=2))
@@ -145,7 +147,7 @@ def _child(problem: ExcitationProblem, people: list[Candidate], rng: np.random.G
     return one + STRIDE * (two - three)
 
 
-def _aligned(problem: ExcitationProblem, candidate: Candidate) -> Candidate:
+def _aligned(problem: ExcitationProblem, candidate: FeasibleMotion) -> FeasibleMotion:
     """The same motion begun at another time: the first harmonic of the second joint starts as a
     sine. Only motions in step can be crossed; the cost hardly changes."""
     harmonics, joint = problem.harmonics, min(1, problem.shape[1] - 1)

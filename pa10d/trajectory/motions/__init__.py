@@ -1,6 +1,6 @@
 """Motions: what one segment of a plan does. Importing the room makes all of them known."""
 
-from pa10d.trajectory.motions.base import Motion, Samples, motion_from_dict
+from pa10d.trajectory.motions.base import Motion, MotionSamples, motion_from_dict
 from pa10d.trajectory.motions.chirp import Chirp
 from pa10d.trajectory.motions.entered import Entered
 from pa10d.trajectory.motions.fourier import Fourier
@@ -16,8 +16,8 @@ __all__ = [
     "Fourier",
     "Knots",
     "Motion",
+    "MotionSamples",
     "Narrowed",
-    "Samples",
     "Sines",
     "Slowed",
     "motion_from_dict",

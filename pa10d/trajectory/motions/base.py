@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 MotionState = tuple[Array, Array, Array]
 
 
-class Samples(NamedTuple):
+class MotionSamples(NamedTuple):
     """t (N,) s; q, dq, ddq (N, n) rad, rad/s, rad/s²."""
 
     t: Array
@@ -67,10 +67,10 @@ class Motion(ABC):
         """(n,) pose at the end."""
         return self.at(np.array([self.duration]))[0][0]
 
-    def sample(self, rate: float) -> Samples:
+    def sample(self, rate: float) -> MotionSamples:
         """From the beginning to the last tick before or at the end, ``rate`` times a second."""
         t = np.arange(int(np.floor(self.duration * rate + 1e-9)) + 1) / rate
-        return Samples(t, *self.at(t))
+        return MotionSamples(t, *self.at(t))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists."""
