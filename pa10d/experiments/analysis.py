@@ -35,7 +35,7 @@ NEXT = {
 
 
 @dataclass(frozen=True)
-class Tracking:
+class TrackingFigures:
     """(n,) each: RMS and largest tracking error rad, largest torque N·m, warming K (or None)."""
 
     rms: Array
@@ -53,7 +53,7 @@ class Tracking:
         }
 
 
-def tracking_of(run: StoredRun) -> Tracking:
+def tracking_of(run: StoredRun) -> TrackingFigures:
     """How well the arm followed."""
     samples = run.samples
     sent = samples.commands
@@ -61,7 +61,7 @@ def tracking_of(run: StoredRun) -> Tracking:
     warming = None
     if samples.temperature is not None:
         warming = samples.temperature[-1] - samples.temperature[0]
-    return Tracking(
+    return TrackingFigures(
         np.sqrt(np.mean(error**2, axis=0)),
         np.abs(error).max(axis=0),
         np.abs(samples.tau).max(axis=0),
@@ -70,7 +70,7 @@ def tracking_of(run: StoredRun) -> Tracking:
 
 
 def recommendation(
-    kind: str, names: list[str], found: list[Tracking], limits: ArmLimits
+    kind: str, names: list[str], found: list[TrackingFigures], limits: ArmLimits
 ) -> list[str]:
     """What a careful person would say next, most important first."""
     out = []

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
-from pa10d.identify.excitation import Excitation
+from pa10d.identify.excitation import MotionExtent
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.smoothing import Smoothing
@@ -34,7 +34,7 @@ def warnings_of(
     smoothing: Smoothing,
     shift: Shift,
     channel: TorqueFilter | None,
-    seen: Excitation,
+    seen: MotionExtent,
 ) -> list[str]:
     """Sentences, the gravest first."""
     return [
@@ -47,7 +47,7 @@ def warnings_of(
     ]
 
 
-def _unmoved(robot: Robot, seen: Excitation) -> Iterator[str]:
+def _unmoved(robot: Robot, seen: MotionExtent) -> Iterator[str]:
     for j in range(robot.n):
         if seen.range[j] < SMALL_RANGE:
             yield (
@@ -61,7 +61,7 @@ def _unmoved(robot: Robot, seen: Excitation) -> Iterator[str]:
             )
 
 
-def _lost(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
+def _lost(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
     names, owners = layout.names(), layout.owners()
     for direction in fit.solution.lost.T:
         order = np.argsort(-np.abs(direction))
@@ -103,7 +103,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
         )
 
 
-def _uncertain(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
+def _uncertain(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
     beta = fit.solution.beta
     error = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 0.0))
     names, owners = layout.names(), layout.owners()
@@ -124,7 +124,7 @@ def _uncertain(layout: Layout, fit: Fit, seen: Excitation) -> Iterator[str]:
     )
 
 
-def _friction_sign(robot: Robot, smoothing: Smoothing, seen: Excitation) -> Iterator[str]:
+def _friction_sign(robot: Robot, smoothing: Smoothing, seen: MotionExtent) -> Iterator[str]:
     vague = [int(j) for j in np.flatnonzero(~smoothing.found) if seen.range[j] >= SMALL_RANGE]
     if vague:
         yield (
@@ -154,7 +154,7 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
 
 
 def _motion_for(
-    names: Sequence[str], owners: Sequence[tuple[int, ...]], layout: Layout, seen: Excitation
+    names: Sequence[str], owners: Sequence[tuple[int, ...]], layout: Layout, seen: MotionExtent
 ) -> str:
     """Which motion shows these parameters."""
     robot = layout.robot

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Excitation:
+class MotionExtent:
     """Per joint (n,): lowest and highest angle (rad), fast speed (rad/s) and acceleration
     (rad/s²) as 99 % quantiles, number of reversals, seconds in motion."""
 
@@ -31,7 +31,7 @@ class Excitation:
         return self.high - self.low
 
 
-def excitation(pieces: Iterable[Piece]) -> Excitation:
+def excitation(pieces: Iterable[Piece]) -> MotionExtent:
     """Seen over all pieces."""
     low, high, speed, pace, turns, seconds = [], [], [], [], [], []
     for piece in pieces:
@@ -44,7 +44,7 @@ def excitation(pieces: Iterable[Piece]) -> Excitation:
         way = np.where(np.abs(c.dq) > 0.02 * piece.fast, np.sign(c.dq), 0.0)
         turns.append([_changes(way[:, j]) for j in range(way.shape[1])])
         seconds.append(piece.moving.sum(axis=0) / run.rate)
-    return Excitation(
+    return MotionExtent(
         np.min(low, axis=0),
         np.max(high, axis=0),
         np.max(speed, axis=0),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
-from pa10d.identify.excitation import Excitation
+from pa10d.identify.excitation import MotionExtent
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import edge_time
 
@@ -59,10 +59,10 @@ def check_speeds(faster_than: Sequence[float], robot: Robot) -> NDArray[np.float
 
 
 def check_motion(
-    seen: Excitation,
+    seen: MotionExtent,
     recordings: Sequence[Recording],
     faster_than: NDArray[np.float64] | None = None,
-) -> Excitation:
+) -> MotionExtent:
     """Refuse data in which no joint moves, or none fast enough, or no torque was measured."""
     if faster_than is not None:
         check_fast(seen, faster_than)
@@ -74,7 +74,7 @@ def check_motion(
     return seen
 
 
-def check_fast(seen: Excitation, faster_than: NDArray[np.float64]) -> None:
+def check_fast(seen: MotionExtent, faster_than: NDArray[np.float64]) -> None:
     """Refuse a threshold above which a moving joint hardly ever is."""
     for j in np.flatnonzero((seen.seconds < FAST_TIME) & (seen.speed > 0) & (faster_than > 0)):
         raise UserError(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.paper.friction_map import FrictionMap, friction_map, knee, knee_spread
-from pa10d.paper.single_joint import GRAVITY, SingleJoint
+from pa10d.paper.single_joint import GRAVITY, JointEquation
 from pa10d.paper.sweep import Sweep, sweep
 
 Array = NDArray[np.float64]
@@ -77,7 +77,7 @@ class BoundaryVelocity:
         }
 
 
-def boundary_velocity(data: SingleJoint, seed: int = 1) -> BoundaryVelocity:
+def boundary_velocity(data: JointEquation, seed: int = 1) -> BoundaryVelocity:
     """Threshold, bands and friction map of one joint."""
     swings = len(data.runs)
     if swings < LEAST_SWINGS:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.paper.single_joint import SingleJoint
+from pa10d.paper.single_joint import JointEquation
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class FrictionMap:
         }
 
 
-def friction_map(data: SingleJoint, draws: NDArray[np.int64]) -> FrictionMap:
+def friction_map(data: JointEquation, draws: NDArray[np.int64]) -> FrictionMap:
     """What is left of the torque without inertia, bias and gravity, by speed.
 
     Inertia, bias and gravity are fitted together with a free friction level in every bin, so that

@@ -27,7 +27,7 @@ OTHERS = 0.05  # of the joint's own fast speed, by which others may be shaken
 
 
 @dataclass(frozen=True)
-class SingleJoint:
+class JointEquation:
     """I·q̈ + Fc·sign(q̇) + Fv·q̇ (+ constant, gravity) = τ.
 
     columns (M, 4 + g) q̈, sign q̇, q̇, 1 and, where fitted, sin q, cos q; tau (M,) N·m; speed (M,)
@@ -65,7 +65,7 @@ def single_joint(
     cutoff: float = 25.0,
     gravity: Gravity = "none",
     parameters: Array | None = None,
-) -> SingleJoint:
+) -> JointEquation:
     """From recordings in which only ``joint`` (0-based) moved, to and fro.
 
     gravity: "none" where the pose takes care of it; "fitted": along with the rest; "subtracted":
@@ -81,7 +81,7 @@ def single_joint(
     for number, part in enumerate(parts):
         blocks.append(part.block + len(runs))
         runs += [number] * len(part.runs)
-    return SingleJoint(
+    return JointEquation(
         joint,
         np.vstack([p.columns for p in parts]),
         np.concatenate([p.tau for p in parts]),
@@ -101,7 +101,7 @@ def _prepared(
     cutoff: float,
     gravity: Gravity,
     parameters: Array | None,
-) -> SingleJoint:
+) -> JointEquation:
     equation = prepare(recording, robot, cutoff)
     c = equation.context
     # at the raw rate: a threshold must not jump from one sample of a slow reversal to the next
@@ -129,7 +129,7 @@ def _prepared(
     speed = columns[:, 2]
     blur = float(np.quantile(np.abs(columns[inside, 0]), 0.9)) * SMEAR / cutoff
     block = _swings(speed[inside], 0.2 * fast[joint])
-    return SingleJoint(
+    return JointEquation(
         joint,
         columns[inside],
         tau[inside],

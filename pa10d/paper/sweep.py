@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.paper.single_joint import SingleJoint
+from pa10d.paper.single_joint import JointEquation
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class Sweep:
 
 
 def sweep(
-    data: SingleJoint,
+    data: JointEquation,
     draws: NDArray[np.int64],
     nuisance: Array,
     nuisance_draws: Array,
@@ -109,7 +109,7 @@ def _few(swings: int) -> float:
     return float(np.sqrt(swings / free) * scipy.stats.t.ppf(0.975, free) / 1.96)
 
 
-def _sums(data: SingleJoint, thresholds: Array) -> tuple[Array, Array, Array]:
+def _sums(data: JointEquation, thresholds: Array) -> tuple[Array, Array, Array]:
     """Normal equations per swing and threshold: (B, K, p, p), (B, K, p), and sample counts (K,).
 
     A sample counts by how far it is beyond the threshold, from none to all over a small share of

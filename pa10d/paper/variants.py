@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Estimate:
+class JudgedEstimate:
     """One way's parameters h, and what they cost and gain.
 
     rms_train, rms, rms_above_boundary: (n,) N·m on the way's own rows, on all samples of the other
@@ -46,7 +46,7 @@ class SetEstimates:
 
     condition_number: float
     samples: list[int]
-    ways: dict[str, Estimate]
+    ways: dict[str, JudgedEstimate]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Variants:
     share_of_samples: list[float]
     sets: dict[str, SetEstimates]
 
-    def ours(self, name: Literal["A", "B"]) -> Estimate:
+    def ours(self, name: Literal["A", "B"]) -> JudgedEstimate:
         """Of a set, with bodies that can exist."""
         return self.sets[name].ways["feasible"]
 
@@ -131,7 +131,7 @@ def _ways(
         h, standard = recipe()
         took = time.perf_counter() - began
         smallest = None if standard is None else definiteness(standard)
-        ways[name] = Estimate(
+        ways[name] = JudgedEstimate(
             parameters=h,
             rms_train=stack.rms(h),
             rms=other.rms(h),

@@ -10,7 +10,15 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.common.words import joint_words, listed
 from pa10d.dynamics import Robot
-from pa10d.identify.scale import Body, Gains, JointGain, Load, Prospect, prospects, torque_gains
+from pa10d.identify.scale import (
+    Body,
+    JointGain,
+    Load,
+    Prospect,
+    TorqueGains,
+    prospects,
+    torque_gains,
+)
 from pa10d.identify.scale.prediction import ASIDE, WANTED, best, heavier, limited_by_noise
 from pa10d.measurement.recording import Recording
 from pa10d.services.torque_scale import JointScale, TorqueScale, WeightProspect
@@ -84,7 +92,7 @@ def _finite(value: float) -> float | None:
 
 def _advice(
     robot: Robot,
-    found: Gains,
+    found: TorqueGains,
     chosen: Prospect | None,
     seen: Sequence[Prospect],
     heavy: float | None,
@@ -94,7 +102,7 @@ def _advice(
 
 
 def _next(
-    found: Gains,
+    found: TorqueGains,
     chosen: Prospect | None,
     seen: Sequence[Prospect],
     heavy: float | None,
@@ -136,7 +144,7 @@ def _next(
     return "No heavier weight fits within the torque limits: record longer, or move more slowly."
 
 
-def _caveats(robot: Robot, found: Gains, seen: Sequence[Prospect]) -> list[str]:
+def _caveats(robot: Robot, found: TorqueGains, seen: Sequence[Prospect]) -> list[str]:
     said = []
     rubbing = np.array([joint.between is not None for joint in found.joints])
     if rubbing.any():

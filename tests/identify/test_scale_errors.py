@@ -8,8 +8,8 @@ from pendulum import EXACT, PENDULUM, swing
 
 from pa10d.identify.scale import (
     Body,
-    Gains,
     Load,
+    TorqueGains,
     predicted_errors,
     prospects,
     torque_gains,
@@ -17,7 +17,7 @@ from pa10d.identify.scale import (
 from pa10d.identify.scale.prediction import best, heavier
 
 
-def told(found: Gains):
+def told(found: TorqueGains):
     return found.joints[0]
 
 

@@ -5,15 +5,15 @@ arm alone can tell: all masses would come out with the same error. A body that i
 """
 
 from pa10d.identify.scale.body import Body
-from pa10d.identify.scale.gains import Gains, JointGain, Load, torque_gains
+from pa10d.identify.scale.gains import JointGain, Load, TorqueGains, torque_gains
 from pa10d.identify.scale.prediction import Prospect, predicted_errors, prospects
 
 __all__ = [
     "Body",
-    "Gains",
     "JointGain",
     "Load",
     "Prospect",
+    "TorqueGains",
     "predicted_errors",
     "prospects",
     "torque_gains",

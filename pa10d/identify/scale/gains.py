@@ -76,7 +76,7 @@ class JointGain:
 
 
 @dataclass(frozen=True)
-class Gains:
+class TorqueGains:
     """joints: one each; residuals: (M, n) N·m per run, what no gain explains; parts: the runs."""
 
     joints: tuple[JointGain, ...]
@@ -94,7 +94,7 @@ class Gains:
         return np.array([joint.std_error for joint in self.joints])
 
 
-def torque_gains(robot: Robot, empty: Sequence[Recording], loads: Sequence[Load]) -> Gains:
+def torque_gains(robot: Robot, empty: Sequence[Recording], loads: Sequence[Load]) -> TorqueGains:
     """Gains from runs without and with known weights; without any empty run the weights are taken
     for the whole arm."""
     parts = parts_of(robot, empty, _merged(loads))
@@ -105,7 +105,7 @@ def torque_gains(robot: Robot, empty: Sequence[Recording], loads: Sequence[Load]
         joints.append(found)
         for number, part in enumerate(parts):
             residuals[number][part.run.keep[:, j], j] = left[rows.runs == number]
-    return Gains(tuple(joints), tuple(parts), tuple(residuals))
+    return TorqueGains(tuple(joints), tuple(parts), tuple(residuals))
 
 
 def _merged(loads: Sequence[Load]) -> list[tuple[Body, list[Recording]]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
 from pa10d.identify.scale.body import Body
-from pa10d.identify.scale.gains import TOLD, Gains
+from pa10d.identify.scale.gains import TOLD, TorqueGains
 from pa10d.identify.scale.regression import regression
 from pa10d.identify.scale.rows import EMPTY, rows_of
 
@@ -47,7 +47,7 @@ class Prospect:
         return float(np.nanmax(self.std_error)) if np.isfinite(self.std_error).any() else np.inf
 
 
-def prospects(robot: Robot, found: Gains, bodies: Sequence[Body]) -> list[Prospect]:
+def prospects(robot: Robot, found: TorqueGains, bodies: Sequence[Body]) -> list[Prospect]:
     """What each weight at hand would add; ``found`` may be of empty runs alone."""
     source = found.parts[0]
     out = []
@@ -62,7 +62,7 @@ def prospects(robot: Robot, found: Gains, bodies: Sequence[Body]) -> list[Prospe
     return out
 
 
-def best(found: Gains, seen: Sequence[Prospect]) -> Prospect | None:
+def best(found: TorqueGains, seen: Sequence[Prospect]) -> Prospect | None:
     """The weight to hang next: the lightest that brings every gain to WANTED, else the one that
     tells most joints and these best; None where none adds anything."""
     able = [one for one in seen if one.too_much is None and np.isfinite(one.worst)]
@@ -79,7 +79,7 @@ def best(found: Gains, seen: Sequence[Prospect]) -> Prospect | None:
     return chosen if (better & poor).any() else None
 
 
-def predicted_errors(robot: Robot, found: Gains, body: Body | None) -> Array:
+def predicted_errors(robot: Robot, found: TorqueGains, body: Body | None) -> Array:
     """(n,) standard errors of the gains with one more run of the same motion, carrying ``body``;
     None: with what there is. NaN where not determined. Recordings that disagree go on doing so."""
     parts, residuals = [*found.parts], [*found.residuals]
@@ -103,7 +103,7 @@ def predicted_errors(robot: Robot, found: Gains, body: Body | None) -> Array:
     return out
 
 
-def heavier(robot: Robot, found: Gains, masses: Sequence[float]) -> float | None:
+def heavier(robot: Robot, found: TorqueGains, masses: Sequence[float]) -> float | None:
     """kg of the weight, at the place of the one that was hung, that brings every gain that is
     ``limited_by_noise`` to WANTED, as far as a joint's torque allows; None where there is none or
     nothing would do."""
@@ -120,13 +120,15 @@ def heavier(robot: Robot, found: Gains, masses: Sequence[float]) -> float | None
     return float(f"{wanted:.2g}") if wanted > 1.05 * heaviest else None
 
 
-def limited_by_noise(found: Gains) -> NDArray[np.bool_]:
+def limited_by_noise(found: TorqueGains) -> NDArray[np.bool_]:
     """(n,) whether noise keeps a gain from WANTED, and not recordings that disagree: what those
     leave open no weight takes off."""
     return np.array([joint.of_noise > WANTED and joint.spread <= WANTED for joint in found.joints])
 
 
-def _aside(robot: Robot, found: Gains, body: Body, error: Array) -> tuple[tuple[int, ...], str]:
+def _aside(
+    robot: Robot, found: TorqueGains, body: Body, error: Array
+) -> tuple[tuple[int, ...], str]:
     """Joints that are told only where the weight hangs to the side, and along which axis."""
     missing = np.isnan(error) & np.isnan(found.std_error)
     chosen: tuple[tuple[int, ...], str] = ((), "")

@@ -27,7 +27,7 @@ class _Kept(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, validate_assignment=True)
 
 
-class Recorded(_Kept):
+class WeighedRuns(_Kept):
     """Runs with one weight (its number) or with none."""
 
     weight: Number
@@ -61,7 +61,7 @@ class Weighing(_Kept):
     seconds: float
     notes: list[Text]
     weights: Annotated[list[Text], Field(max_length=100)]
-    recordings: Annotated[list[Recorded], Field(max_length=1000)] = []
+    recordings: Annotated[list[WeighedRuns], Field(max_length=1000)] = []
     judged: int = 0
     result: TorqueScale | None = None
     applied: Applied | None = None

@@ -16,7 +16,7 @@ from pa10d.services.robots import load_robot
 from pa10d.services.scale import torque_scale
 from pa10d.services.tuning import own_profile
 from pa10d.services.weighing.archive import Weighings
-from pa10d.services.weighing.state import NOTHING, Recorded, Weighing
+from pa10d.services.weighing.state import NOTHING, WeighedRuns, Weighing
 from pa10d.services.weighing.told import (
     HungWeight,
     NextRecording,
@@ -74,7 +74,7 @@ def weighed(data: str, weighing: str, weight: int, runs: Sequence[str]) -> Weigh
     archive = Weighings(data)
     state = archive.find(weighing)
     refuse_unknown(state, weight)
-    new = Recorded(weight=weight, runs=list(runs), when=_now())
+    new = WeighedRuns(weight=weight, runs=list(runs), when=_now())
     state.recordings = [*state.recordings, new]
     archive.save(state)  # what was recorded stays, whatever the analysis makes of it
     return status(_judged(data, archive, state))
