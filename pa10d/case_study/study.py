@@ -65,8 +65,7 @@ def case_study(
             cycles=scope.periods,
             boundary=limits.limit.tolist(), above=BOTH, progress=progress,
         )  # fmt: skip
-    about = design.about()
-    tell(f"   Condition number {about['condition_number']:.1f}.")
+    tell(f"   Condition number {design.figures.condition_number:.1f}.")
 
     with step("run it", f"3. Run it for {scope.periods} periods, and another one to judge by."):
         lab.run("excitation", design.request.request()["parameters"], EXCITING)
@@ -117,7 +116,7 @@ def case_study(
         joints=robot.joint_names,
         hidden=hidden,
         boundaries=limits,
-        excitation=about,
+        excitation=design.figures,
         preparation=found.preparation,
         variants=found.variants,
         reconstruction=found.reconstruction,

@@ -76,7 +76,7 @@ def _in_words(found: CaseStudy, took: float, report: Path) -> str:
             "",
             table(head, rows),
             "",
-            f"condition number {found.excitation['condition_number']:.1f}, "
+            f"condition number {found.excitation.condition_number:.1f}, "
             f"{found.identified.inertial_base_parameters} inertial base parameters, "
             f"{'feasible' if found.identified.feasible else 'not feasible'}",
             found.answer,

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, plain, table
 from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
+
+if TYPE_CHECKING:
+    from pa10d.trajectory.excitation.optimise import ExcitingTrajectory
 
 
 def add_commands(commands: Subcommands) -> None:
@@ -75,27 +78,29 @@ def excite(options: argparse.Namespace) -> Answer:
     answer = {**document["about"], "out": None if options.out is None else str(options.out)}
     if options.out is None:
         answer["plan"] = {key: document[key] for key in ("kind", "parameters")}
-    return Answer(answer, _text(found.problem.joints, document["about"]))
+    return Answer(answer, _text(found))
 
 
-def _text(joints: tuple[int, ...], about: dict[str, Any]) -> str:
+def _text(made: ExcitingTrajectory) -> str:
+    figures, found = made.figures, made.found
+    use = vars(figures.use)
     rows = [
         [
             str(j + 1),
-            f"{about['standard_error'][k]:.3g}",
-            *(f"{100 * about['use'][key][k]:.0f} %" for key in about["use"]),
+            f"{figures.standard_error[k]:.3g}",
+            *(f"{100 * shares[k]:.0f} %" for shares in use.values()),
         ]
-        for k, j in enumerate(joints)
+        for k, j in enumerate(made.problem.joints)
     ]
-    head = ["joint", "standard error at 1 N·m", *(f"of its {key}" for key in about["use"])]
+    head = ["joint", "standard error at 1 N·m", *(f"of its {limit}" for limit in use)]
     return "\n".join(
         [
-            f"condition number {about['condition_number']:.1f} "
-            f"({about['columns']} parameters, {about['equations']} equations), smallest singular "
-            f"value {about['smallest_singular_value']:.3g}, uneven by {about['evenness']:.1f}",
+            f"condition number {figures.condition_number:.1f} "
+            f"({figures.columns} parameters, {figures.equations} equations), smallest singular "
+            f"value {figures.smallest_singular_value:.3g}, uneven by {figures.evenness:.1f}",
             table(head, rows),
-            f"{about['generations']} generations, {about['evaluations']} evaluations, "
-            f"{about['seconds']:.1f} s",
+            f"{found.generations} generations, {found.evaluations} evaluations, "
+            f"{found.seconds:.1f} s",
         ]
     )
 

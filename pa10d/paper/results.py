@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.identify.summary import FitSummary
 from pa10d.paper.variants import Variants
+from pa10d.trajectory.excitation.result import ExcitationFigures
 
 Array = NDArray[np.float64]
 
@@ -84,7 +85,7 @@ class Following:
 class CaseStudy:
     """Everything.
 
-    excitation: ``about`` of the exciting trajectory
+    excitation: of the exciting trajectory
     slow_rms: of both sets on the sines of 40 s; following: "4s" and "40s", by controller
     diagnosis: its document, answer: the same in words; seconds: of each step
     """
@@ -93,7 +94,7 @@ class CaseStudy:
     joints: tuple[str, ...]
     hidden: tuple[Mapping[str, Any], ...]
     boundaries: Boundaries
-    excitation: dict[str, Any]
+    excitation: ExcitationFigures
     preparation: Preparation
     variants: Variants
     reconstruction: Reconstruction
@@ -119,7 +120,7 @@ class CaseStudy:
         """JSON of ``case-study``, without the report's path."""
         return {
             "inertial_base_parameters": self.identified.inertial_base_parameters,
-            "condition_number": self.excitation["condition_number"],
+            "condition_number": self.excitation.condition_number,
             "boundary_velocity": self.boundaries.values,
             "feasible": self.identified.feasible,
             "rms_set_a": self.rms_set_a,

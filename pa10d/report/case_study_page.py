@@ -55,7 +55,7 @@ def _glance(found: CaseStudy) -> Section:
     left = float(np.max(paces["40s"][WITH_EFFECTS].rms / paces["40s"][PID].rms))
     cards = Cards(
         [
-            ("condition number", f"{found.excitation['condition_number']:.1f}",
+            ("condition number", f"{found.excitation.condition_number:.1f}",
              f"paper: around {published.CONDITION_NUMBER:g}"),
             ("inertial base parameters", str(found.identified.inertial_base_parameters),
              "every link a possible body" if found.identified.feasible else "not feasible"),
@@ -108,11 +108,11 @@ def _trajectory(found: CaseStudy) -> Section:
     about, before = found.excitation, found.preparation
     facts = Facts(
         [
-            ("Condition number", f"{about['condition_number']:.1f} over all samples, "
-             f"{about['condition_number_above_boundary']:.1f} over those above the boundary, "
-             f"{about['condition_number_scaled']:.1f} with columns of unit norm"),
+            ("Condition number", f"{about.condition_number:.1f} over all samples, "
+             f"{about.condition_number_above_boundary:.1f} over those above the boundary, "
+             f"{about.condition_number_scaled:.1f} with columns of unit norm"),
             ("Evenness", f"the joints' own parameters have standard errors within a factor of "
-             f"{about['evenness']:.1f}"),
+             f"{about.evenness:.1f}"),
             ("Averaging", f"{before.periods} periods; noise of one period "
              f"{_numbers(before.noise)} N·m, of the mean {before.periods ** -0.5:.2f} times that"),
             ("Fourier fit of the motion (15)", _fourier(found)),

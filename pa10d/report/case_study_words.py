@@ -51,7 +51,7 @@ def _boundaries(found: CaseStudy) -> tuple[str, str]:
 
 
 def _condition(found: CaseStudy) -> tuple[str, str]:
-    value = found.excitation["condition_number"]
+    value = found.excitation.condition_number
     tag = "agrees" if value <= published.CONDITION_NUMBER else "differs"
     return (
         tag,
@@ -126,7 +126,7 @@ def _fast_sines(found: CaseStudy) -> tuple[str, str]:
         f"At 4 s computed torque leaves {_percents(share)} % of the PID's tracking error on "
         f"joints 1 to {len(share)}, with the same feedback. In the paper joint 3 gained least, and "
         "it asks for motions that excite the joints evenly; here the standard errors of the "
-        f"joints' own parameters differ by a factor of {found.excitation['evenness']:.1f}.",
+        f"joints' own parameters differ by a factor of {found.excitation.evenness:.1f}.",
     )
 
 

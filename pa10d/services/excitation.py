@@ -15,9 +15,9 @@ from pa10d.trajectory.excitation.optimise import (
     excitation_problem,
     exciting_trajectory,
 )
-from pa10d.trajectory.excitation.search import Generation as Step
+from pa10d.trajectory.excitation.search import Generation
 
-Generation = Callable[[float, str], None]
+Progress = Callable[[float, str], None]
 ENDLESS = 100_000  # generations, where the time is what ends the search
 
 
@@ -31,7 +31,7 @@ def excite(
     cycles: int = 3,
     workers: int | None = None,
     floor: float | str | None = None,
-    progress: Generation | None = None,
+    progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
     **problem: Any,
 ) -> ExcitingTrajectory:
@@ -47,7 +47,7 @@ def excite(
     asked = excitation_problem(robot, None if joints is None else list(joints), **problem)
     rounds = generations if generations is not None else ENDLESS if seconds else GENERATIONS
 
-    def tell(step: Step) -> None:
+    def tell(step: Generation) -> None:
         if progress is None:
             return
         share = step.seconds / seconds if seconds else step.generation / step.generations

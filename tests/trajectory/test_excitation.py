@@ -39,9 +39,9 @@ def test_a_small_search_is_far_better_than_chance(small):
     problem = small.problem
     rng = np.random.default_rng(0)
     chance = min(problem.condition_number(problem.random(rng)) for _ in range(60))
-    assert small.figures["condition_number"] < 50.0
-    assert small.figures["condition_number"] < 0.8 * chance
-    assert small.figures["columns"] == 32
+    assert small.figures.condition_number < 50.0
+    assert small.figures.condition_number < 0.8 * chance
+    assert small.figures.columns == 32
 
 
 def test_the_figures_are_those_of_the_plan_that_runs(small):
@@ -50,7 +50,7 @@ def test_the_figures_are_those_of_the_plan_that_runs(small):
     span = plan.spans[0]
     q, dq, ddq = (part[:, :4] for part in plan.at(span.begin + np.arange(100) * 0.1))
     found = condition_number(small.problem.arm, q, dq, ddq)
-    assert found == pytest.approx(small.figures["condition_number"], rel=1e-9)
+    assert found == pytest.approx(small.figures.condition_number, rel=1e-9)
     again = plan.at(span.begin + 10.0 + np.arange(100) * 0.1)[0][:, :4]
     assert again == pytest.approx(q, abs=1e-9)
 
@@ -172,7 +172,7 @@ def polished(criterion, seed=4):
 def figure(problem, x, name):
     from pa10d.trajectory.excitation.result import figures
 
-    return figures(problem, x)[name]
+    return getattr(figures(problem, x), name)
 
 
 def test_what_is_asked_for_is_what_gets_better():
@@ -263,7 +263,7 @@ def test_joints_1_to_4_below_45_within_a_minute_on_two_cores():
     with process_map(min(2, os.cpu_count() or 1)) as mapper:
         found = exciting_trajectory(problem, generations=100_000, workers=mapper, seconds=60.0)
     assert found.found.seconds < 65.0
-    assert found.figures["condition_number"] <= 45.0
+    assert found.figures.condition_number <= 45.0
 
 
 @pytest.mark.long
@@ -272,5 +272,5 @@ def test_all_seven_joints():
         found = exciting_trajectory(
             excitation_problem(pa10()), generations=100_000, workers=mapper, seconds=60.0
         )
-    assert found.figures["columns"] == 62
-    assert found.figures["condition_number"] <= 200.0
+    assert found.figures.columns == 62
+    assert found.figures.condition_number <= 200.0

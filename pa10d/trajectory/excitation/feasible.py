@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.problem import CLEAR, ExcitationProblem
+from pa10d.trajectory.excitation.result import ExcitationFigures
 
 Array = NDArray[np.float64]
 
@@ -142,17 +141,17 @@ def refuse_unexcited(problem: ExcitationProblem, x: Array) -> None:
     )
 
 
-def advice(problem: ExcitationProblem, x: Array, figures: dict[str, Any]) -> list[str]:
+def advice(problem: ExcitationProblem, x: Array, figures: ExcitationFigures) -> list[str]:
     """What is not forbidden but should be known: joints that are excited far less than others."""
-    errors = np.array(figures["standard_error"])
+    errors = np.array(figures.standard_error)
     usual = float(np.median(errors))
     found = []
-    if figures["condition_number"] > LARGE:
+    if figures.condition_number > LARGE:
         vectors = np.linalg.svd(problem.observation(x), full_matrices=False)[2]
         worst = int(np.argmax(np.abs(vectors[-1])))
         joint = int(problem.columns.joint_of()[worst])
         found.append(
-            f"condition number {figures['condition_number']:.0f}: {problem.columns.names()[worst]} "
+            f"condition number {figures.condition_number:.0f}: {problem.columns.names()[worst]} "
             f"is seen least; joint {problem.joints[joint] + 1} is held back by its "
             f"{_tightest(problem, x, joint)} limit"
         )

@@ -20,7 +20,7 @@ from pa10d.trajectory.excitation.feasible import (
 )
 from pa10d.trajectory.excitation.mapping import as_mapper
 from pa10d.trajectory.excitation.problem import ExcitationProblem
-from pa10d.trajectory.excitation.result import figures
+from pa10d.trajectory.excitation.result import ExcitationFigures, figures
 from pa10d.trajectory.excitation.search import Found, Generation, search
 from pa10d.trajectory.kinds.excitation import Excitation
 from pa10d.trajectory.limits import limits_of
@@ -32,11 +32,11 @@ GENERATIONS = 25
 
 @dataclass(frozen=True)
 class ExcitingTrajectory:
-    """request: ``{kind, parameters}`` with the coefficients; figures: see ``result.figures``."""
+    """request: ``{kind, parameters}`` with the coefficients."""
 
     request: Excitation
     plan: Plan
-    figures: dict[str, Any]
+    figures: ExcitationFigures
     found: Found
     problem: ExcitationProblem
 
@@ -47,7 +47,7 @@ class ExcitingTrajectory:
     def about(self) -> dict[str, Any]:
         """Figures and provenance."""
         return {
-            **self.figures,
+            **self.figures.document(),
             "seconds": round(self.found.seconds, 2),
             "generations": self.found.generations,
             "evaluations": self.found.evaluations,
