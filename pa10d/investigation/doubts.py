@@ -10,12 +10,13 @@ import numpy as np
 import yaml
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
+from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.dynamics import Robot
 from pa10d.investigation.motions import keep_previews, planned, preview
 from pa10d.investigation.results import NamedEffect, Way
 from pa10d.investigation.words import doubt_words
 from pa10d.services.robots import load_robot
+from pa10d.services.starting_set import SuggestedMotion
 from pa10d.store.folders import write_text
 
 RATE = 100.0  # Hz of the motion's file
@@ -36,8 +37,7 @@ def write_doubts(profile: str, findings: Sequence[NamedEffect], place: Path) -> 
         if plan is None:
             ways.append(None)
             continue
-        request = {"kind": plan.kind, "parameters": plan.parameters}
-        seen = preview(robot, request, "settle")
+        seen = preview(robot, SuggestedMotion(plan.kind, plan.parameters), "settle")
         shown.append(seen)
         stem = f"{number}-{plan.kind}"
         way = Way(
@@ -47,9 +47,9 @@ def write_doubts(profile: str, findings: Sequence[NamedEffect], place: Path) -> 
             plan=f"{stem}.yaml",
             motion=f"{stem}.csv",
         )
-        write_text(folder / f"{stem}.yaml", plan_text(request, way.says))
+        write_text(folder / f"{stem}.yaml", plan_text(plan, way.says))
         try:
-            write_text(folder / f"{stem}.csv", motion_text(robot, request))
+            write_text(folder / f"{stem}.csv", motion_text(robot, plan))
         except UserError as error:
             way = replace(way, problem=str(error), motion=None)
         ways.append(way)
@@ -57,15 +57,16 @@ def write_doubts(profile: str, findings: Sequence[NamedEffect], place: Path) -> 
     return ways
 
 
-def plan_text(request: JsonObject, says: str) -> str:
+def plan_text(plan: NextExperiment, says: str) -> str:
     """What ``pa10d experiment --plan`` and the daemon's API take."""
+    request = {"kind": plan.kind, "parameters": plan.parameters}
     head = f"# {says}\n# To run it: pa10d experiment --plan THIS-FILE\n"
     return head + yaml.safe_dump(request, sort_keys=False, allow_unicode=True)
 
 
-def motion_text(robot: Robot, request: JsonObject) -> str:
+def motion_text(robot: Robot, plan: NextExperiment) -> str:
     """CSV of time, s, and q1 … qn, rad: from rest to rest, at 100 Hz."""
-    samples = planned(robot, request)[0].sample(RATE)
+    samples = planned(robot, plan.kind, plan.parameters)[0].sample(RATE)
     head = ",".join(["time", *(f"q{j + 1}" for j in range(robot.n))])
     rows = np.column_stack([samples.t, samples.q])
     lines = (",".join(f"{v:.9g}" for v in row) for row in rows)

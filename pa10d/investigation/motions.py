@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot
 from pa10d.experiments.motion import whole_motion
 from pa10d.investigation.state import ArmMotion
 from pa10d.profile import Profile
 from pa10d.services.joints import kept_joints
-from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET
+from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET, SuggestedMotion
 from pa10d.store.entries import read_entry
 from pa10d.store.folders import write_json
 from pa10d.trajectory.kinds import read_request
@@ -26,31 +26,30 @@ from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
 Array = NDArray[np.float64]
-Document = dict[str, Any]
 Progress = Callable[[float, str], None]
 
 LOOK = 50.0  # Hz: enough for times, ranges and clearance
 SHOWN = 200  # points of a motion that are drawn
 MOTIONS, LARGEST = "motions.json", 16 << 20  # bytes of it that are read
 
-FRESH: Document = {
-    "kind": "point_to_point",
-    "parameters": {"seed": 17},
-    "why": "Poses that nothing has seen yet: does what was found hold there?",
-}
-LATER: tuple[Document, ...] = (
-    {
-        "kind": "excitation",
-        "parameters": {"seed": 3},
-        "tags": [FIT],
-        "why": "All joints at once: what differs from the model as it was?",
-    },
-    {
-        "kind": "point_to_point",
-        "parameters": {"seed": 8},
-        "tags": [JUDGE],
-        "why": "Other poses, with rests: does the difference show there, too?",
-    },
+FRESH = SuggestedMotion(
+    kind="point_to_point",
+    parameters={"seed": 17},
+    why="Poses that nothing has seen yet: does what was found hold there?",
+)
+LATER = (
+    SuggestedMotion(
+        kind="excitation",
+        parameters={"seed": 3},
+        tags=(FIT,),
+        why="All joints at once: what differs from the model as it was?",
+    ),
+    SuggestedMotion(
+        kind="point_to_point",
+        parameters={"seed": 8},
+        tags=(JUDGE,),
+        why="Other poses, with rests: does the difference show there, too?",
+    ),
 )
 """What is recorded to ask what has changed."""
 
@@ -87,7 +86,7 @@ class MotionPreview:
     dq: Array
     problems: tuple[str, ...] = ()
 
-    def document(self) -> Document:
+    def document(self) -> JsonObject:
         """As JSON; q thinned to a few hundred points."""
         step = max(1, len(self.t) // SHOWN)
         return {
@@ -115,18 +114,18 @@ def previews(
     asked = _asked(data, profile, question)
     found = []
     for k, (entry, purpose) in enumerate(asked):
-        progress(k / len(asked), f"planning {entry['kind']}")
+        progress(k / len(asked), f"planning {entry.kind}")
         found.append(preview(robot, entry, purpose))
     return found
 
 
-def preview(robot: Robot, entry: Mapping[str, Any], purpose: str) -> MotionPreview:
-    """One motion. entry: ``kind``, ``parameters`` and ``why``."""
-    given = {"purpose": purpose, "kind": entry["kind"], "why": entry.get("why", ""),
-             "parameters": dict(entry.get("parameters") or {})}  # fmt: skip
+def preview(robot: Robot, entry: SuggestedMotion, purpose: str) -> MotionPreview:
+    """One motion."""
+    given: JsonObject = {"purpose": purpose, "kind": entry.kind, "why": entry.why,
+                       "parameters": entry.parameters}  # fmt: skip
     none = np.zeros((1, robot.n))
     try:
-        plan, around = planned(robot, entry)
+        plan, around = planned(robot, entry.kind, entry.parameters)
         whole = whole_motion(plan, around.limits.rest_pose(), robot, LOOK)
     except UserError as error:
         motion = ArmMotion(seconds=0.0, **given)
@@ -145,7 +144,7 @@ def keep_previews(place: Path, found: Sequence[MotionPreview]) -> None:
                                  *new])  # fmt: skip
 
 
-def kept_previews(place: Path) -> list[Document]:
+def kept_previews(place: Path) -> list[JsonObject]:
     """What was kept there; a file that is none counts as none, as they are for looking only."""
     try:
         kept = _KEPT.validate_json(read_entry(place / MOTIONS, LARGEST))
@@ -154,11 +153,10 @@ def kept_previews(place: Path) -> list[Document]:
     return [one.model_dump() for one in kept]
 
 
-def planned(robot: Robot, entry: Mapping[str, Any]) -> tuple[Plan, Surroundings]:
-    """``{kind, parameters}`` as a plan of this arm."""
+def planned(robot: Robot, kind: str, parameters: JsonObject) -> tuple[Plan, Surroundings]:
+    """A request as a plan of this arm."""
     around = Surroundings.of(robot)
-    request = {"kind": entry["kind"], "parameters": entry.get("parameters") or {}}
-    return read_request(request).build(around), around
+    return read_request({"kind": kind, "parameters": parameters}).build(around), around
 
 
 def possible(found: Sequence[MotionPreview]) -> list[ArmMotion]:
@@ -166,17 +164,17 @@ def possible(found: Sequence[MotionPreview]) -> list[ArmMotion]:
     return [one.motion for one in found if not one.problems]
 
 
-def _essence(shown: Document) -> str:
+def _essence(shown: JsonObject) -> str:
     return json.dumps([shown["kind"], shown["parameters"], shown["purpose"]], sort_keys=True)
 
 
-def _asked(data: str, profile: Profile, question: str) -> list[tuple[Document, str]]:
+def _asked(data: str, profile: Profile, question: str) -> list[tuple[SuggestedMotion, str]]:
     if question == "changed":
-        return [(entry, entry["tags"][0]) for entry in LATER] + [(FRESH, "fresh")]
+        return [(entry, entry.tags[0]) for entry in LATER] + [(FRESH, "fresh")]
     known = kept_joints(data, profile) is not None
     listed = [
-        (entry, entry["tags"][0] if entry["tags"] else "joints")
+        (entry, entry.tags[0] if entry.tags else "joints")
         for entry in STARTING_SET
-        if not (known and entry["kind"] == "first_motion")
+        if not (known and entry.kind == "first_motion")
     ]
     return [*listed, (FRESH, "fresh")]

@@ -178,8 +178,8 @@ def _through(arm: ArmBench, words: bool) -> dict:
     if fault is not None:
         return {"how": "FAULT", "at": "first_motion", "why": fault.sentence}
     for number, entry in enumerate(STARTING_SET[1:], 2):
-        at = {"at": f"{number} {entry['kind']}"}
-        request = read_request({"kind": entry["kind"], "parameters": entry["parameters"]})
+        at = {"at": f"{number} {entry.kind}"}
+        request = read_request({"kind": entry.kind, "parameters": entry.parameters})
         try:
             _, fault = arm.run_on(request.build(arm.around))
         except (Refused, NotTaken, UserError) as refused:

@@ -92,15 +92,15 @@ def run(seed: int, words: bool = True) -> dict:
         table(arm)
     errors = []
     for entry in STARTING_SET[1:] if fault is None else ():
-        request = read_request({"kind": entry["kind"], "parameters": entry["parameters"]})
+        request = read_request({"kind": entry.kind, "parameters": entry.parameters})
         try:
             rows, fault = arm.run_on(request.build(arm.around))
         except Refused as refused:
-            out["ended"], out["why"] = entry["kind"], f"REFUSED {refused}"
+            out["ended"], out["why"] = entry.kind, f"REFUSED {refused}"
             break
         errors.append(arm.error(rows))
         if fault is not None:
-            out["ended"], out["why"] = entry["kind"], fault.sentence
+            out["ended"], out["why"] = entry.kind, fault.sentence
             break
     out["why"] = out.get("why") or out["first"]
     out["notes"] = arm.notes

@@ -101,7 +101,7 @@ def through_the_starting_set(arm):
     fault = arm.first_motion()
     assert fault is None, fault.sentence
     for entry in STARTING_SET[1:]:
-        rows, fault = arm.run_on(planned(entry["kind"], entry["parameters"]))
+        rows, fault = arm.run_on(planned(entry.kind, entry.parameters))
         assert fault is None, fault.sentence
         assert (arm.error(rows) < arm.limits.following_error).all()
     assert (arm.beyond < OVERSHOOT).all()

@@ -43,7 +43,10 @@ router = APIRouter(prefix="/experiments", tags=["experiments"])
 @router.get("", response_model=KindList)
 async def list_experiments() -> JsonObject:
     """Every kind with the JSON schema of its parameters, and what to record first."""
-    return {"items": [_about(kind) for kind in KINDS], "starting_set": list(STARTING_SET)}
+    return {
+        "items": [_about(kind) for kind in KINDS],
+        "starting_set": [vars(one) for one in STARTING_SET],
+    }
 
 
 @router.get("/{kind}", response_model=KindAbout, responses=responses("not-found"))
