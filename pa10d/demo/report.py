@@ -12,7 +12,7 @@ from pa10d.investigation.report import report_text
 from pa10d.investigation.results import Searched
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Section, Text
-from pa10d.report.facts import Facts, VerdictBanner
+from pa10d.report.facts import Facts, Verdict
 from pa10d.services.library import open_library
 from pa10d.services.models import write_file
 
@@ -38,7 +38,7 @@ def _story(told: Told) -> Section:
                 "afterwards the simulator told what it had hidden."
             ),
             Facts(_facts(told)),
-            VerdictBanner(told.truth, "none" if told.right else "missing"),
+            Verdict(told.truth, "none" if told.right else "missing"),
         ],
     )
 

@@ -15,7 +15,7 @@ from pa10d.investigation.results import LastWord, Searched
 from pa10d.investigation.state import Investigation
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Lines, Section, Table, Text
-from pa10d.report.facts import Facts, VerdictBanner
+from pa10d.report.facts import Facts, Verdict
 from pa10d.report.model_page import dossier_sections
 from pa10d.report.page import page
 from pa10d.report.sheet import sections_of
@@ -47,7 +47,7 @@ def report_text(
         *first,
         Section(
             "In short",
-            [VerdictBanner(found_words(found), found.verdict), Facts(_facts(state, found))],
+            [Verdict(found_words(found), found.verdict), Facts(_facts(state, found))],
         ),
         *_delivery(state),
         *_doubts(state),

@@ -16,7 +16,7 @@ from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
 from pa10d.figures.of_diagnosis import diagnosis_figures
 from pa10d.report.blocks import Block, Cards, Lines, Plot, Section, Table, Text
-from pa10d.report.facts import Facts, VerdictBanner
+from pa10d.report.facts import Facts, Verdict
 from pa10d.report.finding_section import Asked, finding_section
 from pa10d.report.near_noise import near_noise
 from pa10d.report.page import page
@@ -80,7 +80,7 @@ def _glance(found: Diagnosis) -> Section:
         ("joints near the noise", *near_noise(ratio, MATERIAL_REST, ", after all that was found")),
     ]  # fmt: skip
     warnings = [("Note:", warning) for warning in found.warnings]
-    blocks: list[Block] = [VerdictBanner(headline(found), found.verdict), Cards(cards)]
+    blocks: list[Block] = [Verdict(headline(found), found.verdict), Cards(cards)]
     return Section("Verdict", [*blocks, Lines(warnings)] if warnings else blocks)
 
 

@@ -26,7 +26,7 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class VerdictBanner:
+class Verdict:
     """The sentence to be read first; kind: ``missing``, ``none`` or ``unknown``."""
 
     sentence: str

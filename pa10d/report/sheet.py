@@ -16,12 +16,16 @@ from pa10d.figures.texts import Reading
 from pa10d.report.blocks import Cards, Lines, Plot, Section, Table, Text
 from pa10d.report.compare_page import joint_section, summary_sections
 from pa10d.report.diagnosis_page import diagnosis_sections
-from pa10d.report.facts import Command, Facts, VerdictBanner
+from pa10d.report.facts import Command, Facts, Verdict
 from pa10d.report.finding_section import Asked
 
 Sheet = dict[str, Any]
-KINDS = (Cards, Command, Facts, Lines, Plot, Reading, Section, Table, Text, VerdictBanner)
-BLOCKS: dict[str, Any] = {block.__name__.lower(): block for block in KINDS}
+BLOCKS: dict[str, Any] = {
+    "cards": Cards, "command": Command, "facts": Facts, "lines": Lines, "plot": Plot,
+    "reading": Reading, "section": Section, "table": Table, "text": Text, "verdict": Verdict,
+}  # fmt: skip
+"""As the page calls them, whatever their classes are called."""
+NAMES = {block: name for name, block in BLOCKS.items()}
 
 
 def comparison_sheet(comparison: Comparison, steps: Sequence[Stair] = ()) -> dict[str, Sheet]:
@@ -64,7 +68,7 @@ def _plain(value: Any) -> Any:
     """Blocks as ``{"block": "plot", …}``; everything else as JSON knows it."""
     if is_dataclass(value) and not isinstance(value, type):
         plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-        return {"block": type(value).__name__.lower(), **plain}
+        return {"block": NAMES[type(value)], **plain}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
