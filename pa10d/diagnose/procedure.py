@@ -20,7 +20,7 @@ from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
-from pa10d.diagnose.search.steps import Judged, Search, Suspects
+from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import Unexplained, material, remaining, unnamed
@@ -234,7 +234,7 @@ def sized(model: TorqueModel, index: int) -> bool:
     return bool(apart @ turned @ apart > scipy.special.chdtri(len(values), SIZED_LEVEL))
 
 
-def _size(state: SearchState, index: int, judged: Judged) -> Value:
+def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:
     """RMS of the torque where it acts most; its error follows from the held-out slope."""
     columns = state.blocks[index][1]
     torque = {j: c @ state.terms[index].coefficients for j, c in columns.items()}
@@ -247,7 +247,7 @@ def _size(state: SearchState, index: int, judged: Judged) -> Value:
     )
 
 
-def _confusion(term: Term, rival: Judged) -> Confusion:
+def _confusion(term: Term, rival: JudgedCandidate) -> Confusion:
     other = rival.candidate
     return Confusion(other.effect.id, other.joints, reason(term.effect, other.effect))
 

@@ -41,7 +41,7 @@ DRAWS = 20
 
 
 @dataclass(frozen=True)
-class Verdict:
+class KitVerdict:
     """One check: passed, and what was seen where it was not."""
 
     check: str
@@ -49,7 +49,7 @@ class Verdict:
     says: str = ""
 
 
-def check(kind: Effect, draws: int = DRAWS, hide: bool = False, seed: int = 0) -> list[Verdict]:
+def check(kind: Effect, draws: int = DRAWS, hide: bool = False, seed: int = 0) -> list[KitVerdict]:
     """Every check in turn, over ``draws`` random shapes, coefficients and motions each.
 
     hide: also hide it in a simulated arm and look for it again, which takes a minute
@@ -63,7 +63,7 @@ def check(kind: Effect, draws: int = DRAWS, hide: bool = False, seed: int = 0) -
                 wrong = one(kind, robot, np.random.default_rng([seed, len(name)]), draws)
         except Exception as error:  # code of others may fail in any way
             wrong = f"{type(error).__name__}: {error}"
-        out.append(Verdict(name, wrong is None, wrong or ""))
+        out.append(KitVerdict(name, wrong is None, wrong or ""))
         if name == "whole" and wrong is not None:
             break
     return out

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
-from pa10d.regression.covariance import Seen, Uncertainty, uncertainty
+from pa10d.regression.covariance import Uncertainty, WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout, has_sign
-from pa10d.regression.problem import Problem
+from pa10d.regression.problem import LinearProblem
 from pa10d.regression.solution import Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
@@ -55,7 +55,7 @@ def plain_fit(pieces: Pieces, layout: Layout) -> Array:
 
 def weighted_fit(
     pieces: Pieces,
-    problem: Problem[Layout],
+    problem: LinearProblem[Layout],
     smoothing: Smoothing,
     weights: Sequence[Array] | None = None,
 ) -> Fit:
@@ -124,13 +124,15 @@ def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:
     return np.sqrt(np.array(squares) / np.maximum([f.rows for f in factors], 1))
 
 
-def _seen(rows: Rows, indices: Indices, solution: Solution) -> list[Seen]:
+def _seen(rows: Rows, indices: Indices, solution: Solution) -> list[WeightedStretch]:
     """Of one stretch: the columns of every joint under its weight."""
     out = []
     for j, index in enumerate(indices):
         keep, sigma, columns = rows.keep[:, j], solution.sigma[j], rows.columns[j]
         weighted = np.where(keep[:, None], columns / sigma, 0.0)
-        out.append(Seen(weighted, partial(_times, weighted[keep], solution.to_beta[index])))
+        out.append(
+            WeightedStretch(weighted, partial(_times, weighted[keep], solution.to_beta[index]))
+        )
     return out
 
 

@@ -28,7 +28,7 @@ from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout, textbook
-from pa10d.regression.problem import Problem
+from pa10d.regression.problem import LinearProblem
 from pa10d.regression.told import names_of
 
 Array = NDArray[np.float64]
@@ -127,12 +127,12 @@ def _identify(
     say(0.6, "least squares")
     look_through_all(pieces, layout)
     fitted = robust_fit if robust else weighted_fit
-    fit = fitted(pieces, Problem(layout), smoothing)
+    fit = fitted(pieces, LinearProblem(layout), smoothing)
     beside, contradicted = None, []
     if known is not None:
         say(0.75, "least squares with what is known")
         beside, contradicted = known.beside(fit), list(known.contradicted(fit))
-        fit = fitted(pieces, Problem(layout, beside.whole()), smoothing)
+        fit = fitted(pieces, LinearProblem(layout, beside.whole()), smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout, beside)
     warnings = contradicted + warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)

@@ -11,7 +11,7 @@ from pa10d.identify.rows import all_rows
 from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.layout import Layout
 from pa10d.regression.per_joint import gathered
-from pa10d.regression.problem import Problem
+from pa10d.regression.problem import LinearProblem
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ ROUNDS = 15
 SETTLED = 0.01  # standard errors
 
 
-def robust_fit(pieces: Pieces, problem: Problem[Layout], smoothing: Smoothing) -> Fit:
+def robust_fit(pieces: Pieces, problem: LinearProblem[Layout], smoothing: Smoothing) -> Fit:
     """Iteratively reweighted least squares: samples whose residual exceeds TUNING robust standard
     deviations (from the median of absolute values) count in proportion to its inverse."""
     fit = weighted_fit(pieces, problem, smoothing)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.lacking import Stretch, lacking, weight_of
-from pa10d.regression.scores import Memory, Scores, block_of, covariance_of
+from pa10d.regression.scores import Memory, ScoreVectors, block_of, covariance_of
 from pa10d.regression.suspects import Suspects, Tally, worst
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
-class Seen:
+class WeightedStretch:
     """A stretch of one joint's equation. columns (M, k): weighted, zero where nothing counts; the
     estimates answer to their products with errors. basis: gives (m, r) rows of the orthonormal
     basis of the whole weighted fit, where something counts."""
@@ -46,7 +46,7 @@ class Seen:
 
 def uncertainty(
     stretches: Sequence[Stretch],
-    seen: Callable[[], Iterator[Sequence[Seen]]],
+    seen: Callable[[], Iterator[Sequence[WeightedStretch]]],
     turns: Sequence[Array],
     sigma: Array,
     leverage: Array,
@@ -72,7 +72,7 @@ def uncertainty(
         for j in joints
     ]
     block = block_of(memories, sum(len(r) for r in whitened), rate)
-    scores = [Scores(memory, block) for memory in memories]
+    scores = [ScoreVectors(memory, block) for memory in memories]
     lack = lacking(stretches, lowpass) / sigma**2
     suspects = Suspects(stretches)
     tallies = {j: Tally() for j in joints if lack[j] > 0.0}

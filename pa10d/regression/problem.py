@@ -51,7 +51,7 @@ class Knowledge:
 
 
 @dataclass(frozen=True)
-class Problem(Generic[U]):
+class LinearProblem(Generic[U]):
     """unknowns   which there are, and where each stands
     prior      what is known of them beforehand (None: nothing but how smooth maps are)
     sigma      (n,) N·m: joints are weighted by 1/σ² (None: by what the fit leaves of each)
@@ -71,11 +71,11 @@ class Problem(Generic[U]):
         """All that is known besides the data."""
         return self.prior or smoothness(self.unknowns)
 
-    def with_terms(self, terms: Sequence[Term]) -> Problem[U]:
+    def with_terms(self, terms: Sequence[Term]) -> LinearProblem[U]:
         """The same with other effects, or other shapes of them."""
         return replace(self, unknowns=replace(self.unknowns, terms=tuple(terms)))
 
-    def with_term(self, index: int, term: Term) -> Problem[U]:
+    def with_term(self, index: int, term: Term) -> LinearProblem[U]:
         """The same with another effect, or another shape of it, in one place."""
         return self.with_terms([*self.terms[:index], term, *self.terms[index + 1 :]])
 

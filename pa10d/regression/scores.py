@@ -58,7 +58,7 @@ def block_of(memories: Sequence[Memory], samples: int, rate: float) -> int:
     return max(1, min(int(max(BLOCK, 2.0 * longest) * rate), samples // FEWEST_BLOCKS))
 
 
-class Scores:
+class ScoreVectors:
     """Those of one joint, taken in a stretch after the other; all in weighted units.
 
     gram (k, k): their covariance if the residual is stationary; blocks (B, k): their sums over
@@ -83,7 +83,7 @@ class Scores:
         return np.concatenate(self._sums) if self._sums else None
 
 
-def covariance_of(scores: Sequence[Scores], turns: Sequence[Array]) -> tuple[Array, Array]:
+def covariance_of(scores: Sequence[ScoreVectors], turns: Sequence[Array]) -> tuple[Array, Array]:
     """(p, p) covariance of Σ_j turn_j · scores_j, with turn_j (p, k_j), and (p,) the factors by
     which blocks of time raised the standard errors."""
     smooth = np.sum([t @ s.gram @ t.T for s, t in zip(scores, turns, strict=True)], axis=0)

@@ -9,7 +9,7 @@ from bare_sides import RATE, ar1, bare_side, smooth_signal
 from scipy import stats
 
 from pa10d.diagnose.evidence.held_out import (
-    Doubt,
+    ModelUncertainty,
     fit_side_power,
     judge,
     quadratic_form,
@@ -195,6 +195,6 @@ def test_what_the_model_is_off_by_counts_as_doubt():
         change = {0: 0.1 * held @ rng.standard_normal(width) / np.sqrt(width)}
         side = bare_side([np.zeros((SAMPLES, 1))])
         plain.append(judge(side, r0, change).z)
-        honest.append(judge(side, r0, change, Doubt({0: held}, covariance)).z)
+        honest.append(judge(side, r0, change, ModelUncertainty({0: held}, covariance)).z)
     assert np.std(plain) > 1.2
     assert 0.75 < np.std(honest) < 1.12

@@ -11,9 +11,9 @@ from two_links import V0, recordings, robot, state_of, textbook
 from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.procedure import add, diagnose
-from pa10d.diagnose.regression.partial import Partial
+from pa10d.diagnose.regression.partial import PartialFit
 from pa10d.diagnose.search.candidates import Candidate, scan
-from pa10d.diagnose.search.steps import Judged, Search, harmful, rms
+from pa10d.diagnose.search.steps import JudgedCandidate, Search, harmful, rms
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 
@@ -95,10 +95,10 @@ def test_what_one_equation_shifts_elsewhere_is_no_reason_to_choose_it(clean):
     """Of an effect of one joint, only what that joint gains counts; of one of all joints, all."""
     held = clean.held_residual()
     own, everywhere = effect("torque_offset"), effect("joint_elasticity")
-    partial = Partial(np.eye(1), np.zeros(1), np.zeros((1, 1)), np.zeros(1), 5.0, True)
+    partial = PartialFit(np.eye(1), np.zeros(1), np.zeros((1, 1)), np.zeros(1), 5.0, True)
     found = judge(clean.held, held, {0: 0.5 * held[0], 1: 0.5 * held[1]})
-    one = Judged(Candidate(own, (0,), {}, partial), found, 0.0)
-    all_of_them = Judged(Candidate(everywhere, (0,), {}, partial), found, 0.0)
+    one = JudgedCandidate(Candidate(own, (0,), {}, partial), found, 0.0)
+    all_of_them = JudgedCandidate(Candidate(everywhere, (0,), {}, partial), found, 0.0)
     each = [0.75 * len(held[j]) for j in range(2)]
     assert one.gain == pytest.approx(5.0 + each[0])
     assert all_of_them.gain == pytest.approx(5.0 + sum(each))
@@ -113,7 +113,7 @@ def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(cl
     assert best is not None
     change = {j: np.zeros_like(r) for j, r in search.state.held_residual().items()}
     found = judge(search.state.held, search.state.held_residual(), change)
-    assert search.take(Judged(best, found, 0.0, change)) is None
+    assert search.take(JudgedCandidate(best, found, 0.0, change)) is None
     assert len(search.state.terms) == len(clean.terms)
     np.testing.assert_array_equal(search.state.fit.beta, before)
 

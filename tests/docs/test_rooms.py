@@ -19,3 +19,25 @@ def test_every_room_is_described():
     }
     rooms = {path.parent.name for path in (ROOT / "pa10d").glob("*/__init__.py")}
     assert told == rooms | {"client", "replay"}
+
+
+MIRRORS = (
+    "face/",  # what ``import pa10d`` gives is called as the thing inside it
+    "api/", "services/documents.py", "services/viewed.py",  # and so is what clients are told
+    "profile/profile.py", "store/model_schema.py",  # and what stands in files
+    "effects/library/", "trajectory/kinds/",  # named by what nature or a person calls them
+)  # fmt: skip
+SHARED = {"Robot", "Term"}  # a program that an export writes has its own, and knows no other
+
+
+def test_a_class_shares_its_name_with_none_of_another_room():
+    """Two meanings of one word are one too many for whoever reads the second one first."""
+    seen: dict[str, list[str]] = {}
+    for path in sorted((ROOT / "pa10d").rglob("*.py")):
+        place = path.relative_to(ROOT / "pa10d").as_posix()
+        if not place.startswith(MIRRORS):
+            for name in re.findall(r"^class ([A-Z]\w*)", path.read_text(encoding="utf-8"), re.M):
+                seen.setdefault(name, []).append(place)
+    twice = {name: places for name, places in seen.items() if len(places) > 1}
+    assert {name: places for name, places in twice.items() if name not in SHARED} == {}
+    assert set(twice) >= SHARED, "what is no longer shared is no longer listed"

@@ -15,7 +15,7 @@ from pa10d.identify.prior import Prior
 from pa10d.identify.smoothing import Smoothing, with_smoothing
 from pa10d.model.parameters import parameter_list
 from pa10d.regression.layout import textbook
-from pa10d.regression.problem import Problem
+from pa10d.regression.problem import LinearProblem
 
 TRUTH = pa10_truth(3)
 FC3 = "coulomb J3: Fc"
@@ -55,7 +55,7 @@ def problem(run):
     known = Smoothing(np.full(3, 0.01), np.zeros(3, dtype=bool))
     layout = with_smoothing(textbook(TRUTH.robot), known)
     pieces = Pieces([run], TRUTH.robot, layout, 10.0)
-    return pieces, layout, known, weighted_fit(pieces, Problem(layout), known)
+    return pieces, layout, known, weighted_fit(pieces, LinearProblem(layout), known)
 
 
 @pytest.mark.parametrize("percent", [None, 20.0])
@@ -63,7 +63,7 @@ def test_least_squares_with_what_is_known_is_bayes_in_closed_form(problem, perce
     pieces, layout, smoothing, data = problem
     said = [("Fc3", 6.0, 0.1), ("Fv1", 12.0, 0.5), ("Izz3", 0.1, 0.01), ("link J2: m", 12.0, 0.1)]
     known = Prior.of(layout, percent, said).beside(data).whole()
-    found = weighted_fit(pieces, Problem(layout, known), smoothing)
+    found = weighted_fit(pieces, LinearProblem(layout, known), smoothing)
     normal = data.solution.triangle.T @ data.solution.triangle
     right = data.solution.triangle.T @ data.solution.target
     scale = 1 / np.sqrt(np.diag(normal + known.rows.T @ known.rows))

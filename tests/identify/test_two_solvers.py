@@ -17,7 +17,7 @@ from pa10d.identify.fit import weighted_fit
 from pa10d.identify.prior import Prior
 from pa10d.identify.smoothing import Smoothing, with_smoothing
 from pa10d.regression.layout import textbook
-from pa10d.regression.problem import Problem
+from pa10d.regression.problem import LinearProblem
 
 RATE, SECONDS, CUTOFF = 200.0, 20.0, 10.0
 
@@ -40,7 +40,7 @@ def test_two_solvers_of_one_problem_agree(colour, percent):
     layout = with_smoothing(textbook(truth.robot), known)
     sigma = np.array([1.0, 0.7])
     prior = None if percent is None else Prior.of(layout, percent).beside().whole()
-    problem = Problem(layout, prior, sigma)
+    problem = LinearProblem(layout, prior, sigma)
     pieces = Pieces([run], truth.robot, layout, CUTOFF)
     streamed = weighted_fit(pieces, problem, known)
 

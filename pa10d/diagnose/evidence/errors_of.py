@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.diagnose.evidence.held_out import Doubt
+from pa10d.diagnose.evidence.held_out import ModelUncertainty
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import normal_equations
@@ -19,13 +19,13 @@ from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.slopes import with_slopes
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.model import Term
-from pa10d.regression.covariance import Seen, uncertainty
+from pa10d.regression.covariance import WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.per_joint import PerJoint
-from pa10d.regression.scores import Memory, Scores, covariance_of
+from pa10d.regression.scores import Memory, ScoreVectors, covariance_of
 
 Array = NDArray[np.float64]
-Noises = dict[int, Scores]
+Noises = dict[int, ScoreVectors]
 """joint -> what its noise makes of the scores of a fit's basis."""
 
 
@@ -49,7 +49,7 @@ def honest_covariance(state: SearchState) -> Array:
 
 
 @dataclass(frozen=True)
-class Doubts:
+class ModelUncertainties:
     """How uncertain the present model is on the held-out side, whatever is added to it.
 
     What is missing from a model colours its residual, and noise is only what would be left without
@@ -62,7 +62,7 @@ class Doubts:
     noises: Noises
 
     @classmethod
-    def of(cls, state: SearchState, changes: Iterable[PerJoint]) -> Doubts:
+    def of(cls, state: SearchState, changes: Iterable[PerJoint]) -> ModelUncertainties:
         """changes: what each candidate changes on the fit side (weighted), on its own joints."""
         left = dict(state.fit.residual)
         for change in changes:
@@ -72,7 +72,7 @@ class Doubts:
                     left[j] = rest
         return cls(state, _noises(state.train, state.fit.basis, left))
 
-    def beside(self, change: PerJoint) -> Doubt:
+    def beside(self, change: PerJoint) -> ModelUncertainty:
         """With a candidate added that changes the fit side so."""
         fit = self.state.fit
         left = {j: fit.residual[j] - moved for j, moved in change.items()}
@@ -80,12 +80,14 @@ class Doubts:
         return doubt_under(self.state, {**self.noises, **own})
 
 
-def doubt_under(state: SearchState, noises: Noises) -> Doubt:
+def doubt_under(state: SearchState, noises: Noises) -> ModelUncertainty:
     """How uncertain the model is on the held-out side under each joint's noise."""
-    return Doubt(state.held_matrix, _covariance(state, state.fit, noises))
+    return ModelUncertainty(state.held_matrix, _covariance(state, state.fit, noises))
 
 
-def held_noise(state: SearchState, joint: int, noise: Array, heard: NDArray[np.bool_]) -> Scores:
+def held_noise(
+    state: SearchState, joint: int, noise: Array, heard: NDArray[np.bool_]
+) -> ScoreVectors:
     """Of the fit side's basis under a joint's noise as the held-out side has it.
 
     noise: (m_j,) N·m held out; heard: the samples of it that count. What bends so freely that it
@@ -94,7 +96,7 @@ def held_noise(state: SearchState, joint: int, noise: Array, heard: NDArray[np.b
     there = state.held.stretches(joint, heard.astype(float))
     rows = state.held.stretches(joint, noise / state.fit.sigma[joint])
     parts = [(r, t > 0) for (r, _), (t, _) in zip(rows, there, strict=True)]
-    scores = Scores(Memory.of(parts, state.held.runs[0].rate))
+    scores = ScoreVectors(Memory.of(parts, state.held.runs[0].rate))
     for columns in state.train.spread(joint, state.fit.basis[joint]):
         scores.add(columns)
     return scores
@@ -102,9 +104,9 @@ def held_noise(state: SearchState, joint: int, noise: Array, heard: NDArray[np.b
 
 def doubt_of(
     state: SearchState, fit: LeastSquares | None = None, noise: PerJoint | None = None
-) -> Doubt:
+) -> ModelUncertainty:
     """How uncertain the model is on the held-out side."""
-    return Doubt(state.held_matrix, full_covariance(state, fit, noise))
+    return ModelUncertainty(state.held_matrix, full_covariance(state, fit, noise))
 
 
 def moved_by_doubt(state: SearchState, level: float) -> Array:
@@ -210,10 +212,10 @@ def covariance_under(
     spread = [side.spread(j, columns[j]) for j in range(side.n)]
     bases = [side.spread(j, fit.basis[j]) for j in range(side.n)]
 
-    def seen() -> Iterator[list[Seen]]:
+    def seen() -> Iterator[list[WeightedStretch]]:
         for k, keep in enumerate(side.keep):
             yield [
-                Seen(spread[j][k], partial(np.compress, keep[:, j], bases[j][k], axis=0))
+                WeightedStretch(spread[j][k], partial(np.compress, keep[:, j], bases[j][k], axis=0))
                 for j in range(side.n)
             ]
 
@@ -229,7 +231,7 @@ def _noises(side: Side, basis: PerJoint, residual: PerJoint) -> Noises:
     """
     out = {}
     for j, left in residual.items():
-        out[j] = Scores(Memory.of(side.stretches(j, left), side.runs[0].rate))
+        out[j] = ScoreVectors(Memory.of(side.stretches(j, left), side.runs[0].rate))
         for columns in side.spread(j, basis[j]):
             out[j].add(columns)
     return out

@@ -57,7 +57,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Doubt:
+class ModelUncertainty:
     """How uncertain the present model is: joint -> its columns (m_j, p) on the held-out side, and
     the covariance (p, p) of their coefficients under the noise as it is.
 
@@ -81,7 +81,7 @@ def judge(
     side: Side,
     r0: PerJoint,
     change: PerJoint,
-    doubt: Doubt | None = None,
+    doubt: ModelUncertainty | None = None,
     ground: Mapping[int, NDArray[np.bool_]] | None = None,
 ) -> Evidence:
     """r0, change: joint -> (m_j,) N·m on the held-out side; doubt: of the model that left r0;

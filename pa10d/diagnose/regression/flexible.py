@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Spring:
+class JointSpring:
     """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side."""
 
     joint: int
@@ -47,12 +47,12 @@ class Spring:
 
 
 @dataclass(frozen=True)
-class Fitted:
+class SpringFit:
     """Coefficients (p,) of the bodies and of all other terms, beside the spring; left: the sum over
     the joints of the logarithm of what is left over, N·m."""
 
     beta: Array
-    spring: Spring
+    spring: JointSpring
     left: float
 
 
@@ -80,7 +80,7 @@ class Flexible:
         self.others = [(places[i], state.blocks[i][0]) for i in chosen]
         self.size = state.unknowns.size
 
-    def fit(self, beta: Array, spring: Spring, rounds: int) -> Fitted | None:
+    def fit(self, beta: Array, spring: JointSpring, rounds: int) -> SpringFit | None:
         """The best that so many steps reach from there; None where the link would run away."""
         found = self._torque(beta, spring)
         if found is None:
@@ -101,9 +101,9 @@ class Flexible:
             before, left = left, _left(self.side, found)
             if before - left < SPRING_WORTH:
                 break
-        return Fitted(beta, spring, left)
+        return SpringFit(beta, spring, left)
 
-    def _step(self, beta: Array, spring: Spring, torque: PerJoint) -> Array:
+    def _step(self, beta: Array, spring: JointSpring, torque: PerJoint) -> Array:
         """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
         slopes = self._slopes(beta, spring)
         sigma = {j: _rms(self.side.tau[j] - torque[j]) for j in torque}
@@ -119,7 +119,7 @@ class Flexible:
         seen = left[:, kept].T @ triangle[:width, width]
         return np.asarray(right[kept].T @ (seen / values[kept]) / scale)
 
-    def _moved(self, spring: Spring, share: float, step: Array) -> Spring:
+    def _moved(self, spring: JointSpring, share: float, step: Array) -> JointSpring:
         stiffer, damped, rotor = step[self.size :]
         longest = max(abs(stiffer), abs(damped), SPRING_STEP)
         stiffer, damped = (share * SPRING_STEP / longest * x for x in (stiffer, damped))
@@ -130,7 +130,7 @@ class Flexible:
             rotor=max(0.0, spring.rotor + share * float(rotor)),
         )
 
-    def _torque(self, beta: Array, spring: Spring) -> PerJoint | None:
+    def _torque(self, beta: Array, spring: JointSpring) -> PerJoint | None:
         """joint -> (m_j,) filtered torque on the samples that count."""
         rigid, filtered = self._rigid(beta), []
         for run in self.runs:
@@ -146,7 +146,7 @@ class Flexible:
                 out[j] = out[j] + columns @ beta[place]
         return out
 
-    def _slopes(self, beta: Array, spring: Spring) -> PerJoint:
+    def _slopes(self, beta: Array, spring: JointSpring) -> PerJoint:
         """joint -> (m_j, p + 3): by coefficients, ln K, ln C and rotor."""
         rigid, whole = self._rigid(beta), []
         for run in self.runs:
@@ -162,7 +162,7 @@ class Flexible:
         parts = [(slice(self.bodies), bodies), (slice(self.size, width), shapes), *self.others]
         return assembled(parts, width, [len(r) for r in rows])
 
-    def _moving(self, columns: Array, swing: Swing, spring: Spring, dt: float) -> Array:
+    def _moving(self, columns: Array, swing: Swing, spring: JointSpring, dt: float) -> Array:
         """(N, n, b + 3) raw: the regressor's columns at the link, and what the link's
         own change of motion adds to each."""
         j, b = self.joint, self.bodies
@@ -195,12 +195,12 @@ class Flexible:
         return out.reshape(-1, 10)
 
 
-def _swing(context: Context, rigid: Array, spring: Spring) -> Swing | None:
+def _swing(context: Context, rigid: Array, spring: JointSpring) -> Swing | None:
     seen = replace(context, rigid=rigid)
     return Swing.of(seen, spring.joint, spring.stiffness, spring.damping, spring.rotor)
 
 
-def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:
+def zeta_of(state: SearchState, h: Array, spring: JointSpring) -> float:
     """Damping ratio at the link's typical inertia, with these base parameters."""
     rigid = np.zeros(10 * state.model.robot.n)
     rigid[state.model.base.kept] = h

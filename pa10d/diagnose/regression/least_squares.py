@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.regression.side import Side
 from pa10d.model import Unknowns
 from pa10d.regression.per_joint import PerJoint
-from pa10d.regression.problem import Knowledge, Problem
+from pa10d.regression.problem import Knowledge, LinearProblem
 from pa10d.regression.solution import Solution, strong
 
 Array = NDArray[np.float64]
@@ -121,7 +121,7 @@ def least_squares(
 def solved(
     side: Side,
     columns: PerJoint,
-    problem: Problem[Unknowns],
+    problem: LinearProblem[Unknowns],
     start: Array | None = None,
 ) -> LeastSquares:
     """The weighted fit that a problem asks for; start: σ (n,) of the joints at first, where the

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Partial:
+class PartialFit:
     """k candidate columns beside the model, in whitened units.
 
     gram (k, k) and rhs (k,): normal equations of what the model leaves over of the columns
@@ -35,7 +35,7 @@ class Partial:
 
 def partials(
     fit: LeastSquares, columns: PerJoint, effect: Effect, width: int, *, falls: bool = False
-) -> list[Partial]:
+) -> list[PartialFit]:
     """Judge several shapes of one effect at once: their columns lie side by side in ``columns``,
     ``width`` = number of coefficients each; falls: they are the change of what is there already,
     and have no lower bound."""
@@ -58,11 +58,11 @@ def partials(
         power = np.diag(own[s])
         theta, here = np.zeros(width), power > 0  # a coefficient may have no column: it stays zero
         if not here.any() or np.min(np.diag(gram)[here] / power[here]) < ABSORBED:
-            out.append(Partial(gram, rhs[part], seen[:, part], theta, 0.0, False))
+            out.append(PartialFit(gram, rhs[part], seen[:, part], theta, 0.0, False))
             continue
         theta[here] = bounded(gram[np.ix_(here, here)], rhs[part][here], lower[here], upper[here])
         gain = float(2 * theta @ rhs[part] - theta @ gram @ theta)
-        out.append(Partial(gram, rhs[part], seen[:, part], theta, gain, True))
+        out.append(PartialFit(gram, rhs[part], seen[:, part], theta, gain, True))
     return out
 
 

@@ -13,7 +13,7 @@ from pa10d.diagnose.regression.side import Side
 from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
 from pa10d.regression.per_joint import PerJoint, assembled, predict
-from pa10d.regression.problem import Knowledge, Problem
+from pa10d.regression.problem import Knowledge, LinearProblem
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class SearchState:
     ones keeps them. Columns are kept, so a step computes only new ones.
     """
 
-    problem: Problem[Unknowns]
+    problem: LinearProblem[Unknowns]
     model: TorqueModel
     train: Side
     held: Side
@@ -46,7 +46,7 @@ class SearchState:
         """
         kept = model.base.kept
         prior = own_uncertainty(model) if frozen else None
-        problem = Problem(Unknowns(model.base, ()), prior)
+        problem = LinearProblem(Unknowns(model.base, ()), prior)
         train, held = train.through(model), held.through(model)
         state = cls(problem, model, train, held, (train.rigid(kept), held.rigid(kept)))
         for term in model.terms:

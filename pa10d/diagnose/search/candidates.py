@@ -18,7 +18,7 @@ from pa10d.diagnose.constants import (
     TOGETHER,
     WORTH_JUDGING,
 )
-from pa10d.diagnose.regression.partial import Partial, partials
+from pa10d.diagnose.regression.partial import PartialFit, partials
 from pa10d.diagnose.regression.shapes import around, refine
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.ripple import order_peaks
@@ -36,7 +36,7 @@ class Candidate:
     effect: Effect
     joints: tuple[int, ...]
     shape: dict[str, float]
-    partial: Partial
+    partial: PartialFit
 
     @property
     def gain(self) -> float:
@@ -49,7 +49,7 @@ class Candidate:
         return Term(self.effect.id, self.joints, self.partial.theta, dict(self.shape))
 
 
-Best = tuple[dict[str, float], Partial]
+Best = tuple[dict[str, float], PartialFit]
 """A shape and what it adds."""
 
 
@@ -111,10 +111,10 @@ def _prepare(state: SearchState, effects: Iterable[Effect]) -> None:
 
 
 def _refined(state: SearchState, candidate: Candidate) -> Best:
-    known: dict[tuple[float, ...], Partial] = {}
+    known: dict[tuple[float, ...], PartialFit] = {}
     kind, falls = candidate.effect, state.may_fall(candidate.effect)
 
-    def partial_of(shape: dict[str, float]) -> Partial:
+    def partial_of(shape: dict[str, float]) -> PartialFit:
         key = tuple(shape.values())
         if key not in known:
             columns = state.train.columns(kind, candidate.joints, [shape])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import MATERIAL_GAIN, SPRING_HOLDS, SPRING_STEPS, SPRINGS_FOLLOWED
-from pa10d.diagnose.regression.flexible import Fitted, Flexible, Spring, zeta_of
+from pa10d.diagnose.regression.flexible import Flexible, JointSpring, SpringFit, zeta_of
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import Effect
@@ -45,7 +45,7 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
     rotor = shape.get("rotor", 0.0)
     inertia = typical_link(state.train.contexts[0], j, rotor)
     damping = 2.0 * shape["zeta"] * float(np.sqrt(shape["K"] * inertia))
-    spring = Spring(j, shape["K"], damping, rotor)
+    spring = JointSpring(j, shape["K"], damping, rotor)
     starts = []
     for h in bodies:
         beta = state.fit.beta.copy()
@@ -61,15 +61,15 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
     return out
 
 
-def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, Spring]]:
+def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, JointSpring]]:
     """Bodies from the torque that passed, those of the robot's file, and the model's own."""
-    spring = Spring(guess.joint, guess.stiffness, guess.damping, guess.rotor)
+    spring = JointSpring(guess.joint, guess.stiffness, guess.damping, guess.rotor)
     filed = guess.beta.copy()
     filed[: len(state.model.h)] = state.model.base.of(state.model.robot.parameters)
     return [(beta, spring) for beta in (guess.beta, filed, state.fit.beta)]
 
 
-def _followed(model: Flexible, starts: Sequence[tuple[Array, Spring]]) -> Fitted | None:
+def _followed(model: Flexible, starts: Sequence[tuple[Array, JointSpring]]) -> SpringFit | None:
     """The best end of some steps from each start, and of more from the best."""
     few, many = SPRING_STEPS
     ends = []
@@ -83,7 +83,7 @@ def _followed(model: Flexible, starts: Sequence[tuple[Array, Spring]]) -> Fitted
     return model.fit(best.beta, best.spring, many)
 
 
-def _with_spring(state: SearchState, kind: Effect, fitted: Fitted) -> SearchState:
+def _with_spring(state: SearchState, kind: Effect, fitted: SpringFit) -> SearchState:
     out = state.copy()
     out.push(_term(state, kind, fitted))
     out.refit()
@@ -92,7 +92,7 @@ def _with_spring(state: SearchState, kind: Effect, fitted: Fitted) -> SearchStat
     return out
 
 
-def _term(state: SearchState, kind: Effect, fitted: Fitted) -> Term:
+def _term(state: SearchState, kind: Effect, fitted: SpringFit) -> Term:
     spring = fitted.spring
     zeta = zeta_of(state, fitted.beta[: len(state.model.h)], spring)
     values = {"K": spring.stiffness, "zeta": zeta}

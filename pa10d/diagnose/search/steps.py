@@ -26,10 +26,16 @@ from pa10d.diagnose.constants import (
     TELL_APART,
     WORTH_A_ROUND,
 )
-from pa10d.diagnose.evidence.errors_of import Doubts, doubt_of, term_covariance
-from pa10d.diagnose.evidence.held_out import Doubt, Evidence, fit_side_power, judge, rivalry
+from pa10d.diagnose.evidence.errors_of import ModelUncertainties, doubt_of, term_covariance
+from pa10d.diagnose.evidence.held_out import (
+    Evidence,
+    ModelUncertainty,
+    fit_side_power,
+    judge,
+    rivalry,
+)
 from pa10d.diagnose.regression.least_squares import LeastSquares
-from pa10d.diagnose.regression.partial import Partial, partials
+from pa10d.diagnose.regression.partial import PartialFit, partials
 from pa10d.diagnose.regression.shapes import approach, around, free_shapes, refine
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
@@ -48,7 +54,7 @@ Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 
 @dataclass
-class Judged:
+class JudgedCandidate:
     """A candidate with its held-out evidence, corrected for all that were judged beside it."""
 
     candidate: Candidate
@@ -90,11 +96,11 @@ class Judged:
 
 
 @dataclass
-class Step:
+class Addition:
     """One addition: what was chosen, and what else explained the same error nearly as well."""
 
-    chosen: Judged
-    rivals: list[Judged]  # cannot be told apart from it on this data
+    chosen: JudgedCandidate
+    rivals: list[JudgedCandidate]  # cannot be told apart from it on this data
     before: Array
     after: Array
 
@@ -106,7 +112,7 @@ class Search:
     state: SearchState
     suspects: Suspects
     fixed: int
-    steps: list[Step] = field(default_factory=list)
+    steps: list[Addition] = field(default_factory=list)
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int = MOST_STEPS) -> Search:
@@ -129,7 +135,7 @@ class Search:
             spring = self.spring_beside(good)
             if spring is not None:
                 refused |= self.prune() | self.reconsider()
-                self.steps.append(Step(*spring, before, rms(self.state.held_residual())))
+                self.steps.append(Addition(*spring, before, rms(self.state.held_residual())))
                 continue
             if not good:
                 break
@@ -139,7 +145,7 @@ class Search:
                 refused.add(chosen.place)
                 continue
             refused |= dropped | self.reconsider()
-            self.steps.append(Step(chosen, tied, before, rms(self.state.held_residual())))
+            self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
 
     def unsure(self) -> set[Place]:
         """Drop findings that show only where joints contradict each other and whose own values, all
@@ -165,7 +171,7 @@ class Search:
             self.settle()
         return dropped
 
-    def take(self, chosen: Judged) -> set[Place] | None:
+    def take(self, chosen: JudgedCandidate) -> set[Place] | None:
         """Add a candidate and settle; says what became redundant, or None where, refitted around
         it, the model got worse elsewhere or it does not hold itself: not what was promised.
 
@@ -189,7 +195,7 @@ class Search:
         self.state = saved
         return None
 
-    def _with_companion(self, saved: SearchState, chosen: Judged) -> set[Place] | None:
+    def _with_companion(self, saved: SearchState, chosen: JudgedCandidate) -> set[Place] | None:
         """What holds in steady motion and makes only reversals worse may lack what happens there:
         friction that is higher at low speed, and builds up over a way. Add the best other effect of
         the same joint, if with both nothing is worse than before; says what became redundant."""
@@ -205,7 +211,9 @@ class Search:
             return None
         return dropped
 
-    def spring_beside(self, good: Sequence[Judged]) -> tuple[Judged, list[Judged]] | None:
+    def spring_beside(
+        self, good: Sequence[JudgedCandidate]
+    ) -> tuple[JudgedCandidate, list[JudgedCandidate]] | None:
         """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
         beside bodies that have bent to it; the other joint's where the data cannot tell."""
         most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
@@ -229,7 +237,7 @@ class Search:
         found = scan(self.state, [(effect, joints)])
         return sharpened(self.state, found)[0] if found else None
 
-    def rivals_of(self, term: Term) -> list[Judged]:
+    def rivals_of(self, term: Term) -> list[JudgedCandidate]:
         """What explained the same error equally well when the term was chosen."""
         for step in self.steps:
             if step.chosen.place == (term.effect_id, term.joints):
@@ -260,7 +268,7 @@ class Search:
             self.settle()
         return outdone
 
-    def look(self) -> list[Judged]:
+    def look(self) -> list[JudgedCandidate]:
         """Scan all suspects and judge the shortlist on the held-out side."""
         # of a model that stays as it is, what it has already may have changed
         first = self.fixed if self.state.frozen else 0
@@ -275,7 +283,7 @@ class Search:
         columns = [self._columns(c) for c in sharp]
         seen = [_seen_change(self.state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
         own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
-        doubts = Doubts.of(self.state, own)
+        doubts = ModelUncertainties.of(self.state, own)
         return [
             self.judge(c, len(found), s, doubts.beside(o))
             for c, s, o in zip(sharp, seen, own, strict=True)
@@ -302,7 +310,9 @@ class Search:
             out.append(candidate)
         return out
 
-    def judge(self, candidate: Candidate, among: int, seen: PerJoint, doubt: Doubt) -> Judged:
+    def judge(
+        self, candidate: Candidate, among: int, seen: PerJoint, doubt: ModelUncertainty
+    ) -> JudgedCandidate:
         """Held-out evidence of one candidate; seen: what it changes on the fit side (weighted);
         doubt: of the present model beside it."""
         fit, partial = self.state.fit, candidate.partial
@@ -311,7 +321,7 @@ class Search:
         )
         found = judge(self.state.held, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
-        return Judged(candidate, found, p, change)
+        return JudgedCandidate(candidate, found, p, change)
 
     def _corrected(
         self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
@@ -334,14 +344,16 @@ class Search:
             beside = chance_beside_neighbours(self.state.held, left, joint, order)
         return float(max(min(1.0, both * among), beside))
 
-    def prefer(self, good: list[Judged], judged: list[Judged]) -> tuple[Judged, list[Judged]]:
+    def prefer(
+        self, good: list[JudgedCandidate], judged: list[JudgedCandidate]
+    ) -> tuple[JudgedCandidate, list[JudgedCandidate]]:
         """The best candidate, or the simplest of those that this data cannot tell from it."""
         best = max(good, key=lambda j: j.gain)
         tied = [j for j in judged if j is best or self._tied(best, j)]
         chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
         return chosen, [j for j in tied if j.place != chosen.place]
 
-    def _tied(self, best: Judged, other: Judged) -> bool:
+    def _tied(self, best: JudgedCandidate, other: JudgedCandidate) -> bool:
         residual = self.state.held_residual()
         overlap, z = rivalry(self.state.held, residual, best.change, other.change)
         alike = np.all(other.evidence.after < (1.0 + MATERIAL_GAIN) * best.evidence.after)
@@ -422,7 +434,7 @@ class Search:
                 dropped.add((earlier.effect_id, earlier.joints))
         return dropped
 
-    def judge_term(self, index: int) -> Judged:
+    def judge_term(self, index: int) -> JudgedCandidate:
         """Held-out evidence of a term already in the model, on top of all others."""
         rest = self.state.fit.without(self.state.place(index))
         term = self.state.terms[index]
@@ -436,7 +448,7 @@ class Search:
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
         seen = _seen_change(rest, train, candidate)
         p = self._corrected(rest, seen, candidate, found, SHORTLIST)
-        return Judged(candidate, found, p)
+        return JudgedCandidate(candidate, found, p)
 
     def _align(self) -> None:
         """A frozen model brings its own timing: nothing there may be explained by moving it."""
@@ -465,7 +477,7 @@ class Search:
 
         train = self.state.train
 
-        def fitted(shape: dict[str, float]) -> Partial:
+        def fitted(shape: dict[str, float]) -> PartialFit:
             columns = train.columns(term.effect, term.joints, [shape])
             return partials(rest, columns, term.effect, width, falls=falls)[0]
 

@@ -32,7 +32,7 @@ from pa10d.diagnose.constants import (
     UNKNOWN_GROUND,
 )
 from pa10d.diagnose.evidence.errors_of import Noises, doubt_under, held_noise
-from pa10d.diagnose.evidence.held_out import Doubt, Evidence, judge
+from pa10d.diagnose.evidence.held_out import Evidence, ModelUncertainty, judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects.variables import remembered
@@ -233,7 +233,7 @@ class Noise:
     noises: Noises
     own: Noises
 
-    def beside(self, prediction: Prediction) -> Doubt:
+    def beside(self, prediction: Prediction) -> ModelUncertainty:
         """With this one added: the noise of its joint is what it leaves."""
         own = {prediction.joint: self.own[id(prediction)]}
         return doubt_under(self.state, {**self.noises, **own})
