@@ -1,9 +1,13 @@
-"""Numbers and axes as a person reads them."""
+"""Numbers and axes as a person reads them, and blocks as the page draws them."""
+
+import re
+from importlib.resources import files
 
 import pytest
 
 from pa10d.common.words import counted, joint_words, times
 from pa10d.figures.plotly import log_axis
+from pa10d.report.sheet import BLOCKS
 
 
 @pytest.mark.parametrize(
@@ -29,3 +33,10 @@ def test_joints_are_named_as_one_says_them():
     assert joint_words([0, 1]) == "joints 1 and 2"
     assert joint_words(range(7)) == "joints 1 to 7"
     assert (counted(1, "run"), counted(2, "run")) == ("1 run", "2 runs")
+
+
+def test_the_page_draws_every_block_that_a_sheet_may_have():
+    text = files("pa10d.web").joinpath("parts/blocks.js").read_text(encoding="utf-8")
+    makers = text.partition("const makers = {")[2].partition("\n};")[0]
+    inside_a_plot = {"reading"}
+    assert set(re.findall(r"^  (\w+): ", makers, re.M)) == set(BLOCKS) - inside_a_plot
