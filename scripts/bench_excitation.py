@@ -79,13 +79,13 @@ def _measured(
             problem, generations=100_000, seed=seed, workers=mapper, seconds=seconds, progress=note
         )
     took = time.perf_counter() - began
-    reached.append((took, result.figures["condition_number"]))
+    reached.append((took, result.figures.condition_number))
     keys = (
         "condition_number", "condition_number_model_base", "condition_number_scaled",
         "smallest_singular_value", "columns", "evenness",
     )  # fmt: skip
     return {
-        **{key: result.figures[key] for key in keys},
+        **{key: getattr(result.figures, key) for key in keys},
         "seconds": took,
         "best_of_60_random": chance,
         "evaluations": result.found.evaluations,
