@@ -76,6 +76,8 @@ PASSED_SAMPLES = 400  # of a run, that say where a spring may be
 PASSED_ROUNDS = 2  # in which friction and bodies settle behind a spring
 PASSED_MODES = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # of a link, over the motion's highest
 #   frequency, from which springs are sought
+SWUNG_MODES = (1.4, 2.0, 2.8, 4.0, 5.6, 8.0)  # the same of a link that swings by itself, below
+#   the cut-off
 STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3

@@ -20,6 +20,7 @@ from pa10d.diagnose.constants import (
     PASSED_ROUNDS,
     PASSED_SAMPLES,
     PASSED_ZETA,
+    SWUNG_MODES,
 )
 from pa10d.diagnose.regression.partial import solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
@@ -54,9 +55,9 @@ def guesses(state: SearchState, joints: Sequence[int]) -> list[Guess]:
     found = []
     for j in joints:
         tried = []
-        for mode in PASSED_MODES:
-            omega = 2.0 * np.pi * mode * thin.highest
-            tried.append(thin.guess(j, float(links[j]) * omega**2, omega, plain[1]))
+        for mode, band in thin.modes():
+            omega = 2.0 * np.pi * mode
+            tried.append(thin.guess(j, float(links[j]) * omega**2, omega, plain[1], band))
         found.append(max(tried, key=lambda g: g.gain))
     return sorted(found, key=lambda g: -g.gain)
 
@@ -119,8 +120,20 @@ class _Thin:
             sigma = np.sqrt(np.maximum(left, 1e-12) / counts)
         return beta, sigma
 
-    def guess(self, j: int, stiffness: float, omega: float, plain: Array) -> Guess:
-        """What a spring would bring, beside what the model leaves without it (plain, (n,))."""
+    def modes(self) -> list[tuple[float, float]]:
+        """Hz of a link's mode, and up to which the torque is wound: that of the motion; or that of
+        a link which swings faster than it is moved, as it does after every reversal, where the
+        low-pass lets it through."""
+        motion = PASSED_BAND * self.highest
+        swings = [self.highest * mode for mode in SWUNG_MODES]
+        cutoff = min(run.lowpass.cutoff for run in self.state.train.runs)
+        return [(self.highest * mode, motion) for mode in PASSED_MODES] + [
+            (hertz, PASSED_BAND * hertz) for hertz in swings if hertz < cutoff
+        ]
+
+    def guess(self, j: int, stiffness: float, omega: float, plain: Array, band: float) -> Guess:
+        """What a spring would bring, beside what the model leaves without it (plain, (n,)); band:
+        Hz, up to which the torque is wound."""
         side, size = self.state.train, self.state.unknowns.size
         beta, rotor = self.state.fit.beta.copy(), 0.0
         shared = j in side.contexts[0].rotor_in_load
@@ -131,8 +144,9 @@ class _Thin:
                 q, dq, ddq = (x.copy() for x in self.motion[number])
                 rubs = self.whole[number][:, j] @ beta[len(self.kept) :]
                 passed = run.tau[:, j] - rubs - rotor * ddq[:, j]
-                band = min(PASSED_BAND * self.highest, 0.4 * run.rate)
-                wound = Lowpass(len(passed), run.rate, band).derivatives(passed / stiffness)
+                wound = Lowpass(len(passed), run.rate, min(band, 0.4 * run.rate)).derivatives(
+                    passed / stiffness
+                )
                 for x, lag in zip((q, dq, ddq), wound, strict=True):
                     x[:, j] -= lag
                 motions.append((q, dq, ddq))
