@@ -151,7 +151,7 @@ def _beyond_the_band(
         said.append(
             f"joint {j + 1}: an error that comes again {largest:.4g} times a turn ({size:.2g} N·m) "
             f"lies above the low-pass of {cutoff:g} Hz, at about {found.frequency(largest):.0f} "
-            "Hz, and is not judged; a fit with a higher cut-off would see it"
+            "Hz, and is not judged; only a fit with a higher cut-off can look at it"
         )
     return said
 

@@ -104,7 +104,7 @@ def _summary(comparison: Comparison) -> Section:
         [
             ("worst joint", f"{worst + 1} {robot.joint_names[worst]}",
              f"{times(pooled.standing[worst])} the noise floor" if pooled.by_noise
-             else f"{pooled.standing[worst]:.1%} of its torque's range"),
+             else f"{100 * pooled.standing[worst]:.2g} % of its torque's range"),
             ("joints near the noise",
              *near_noise(pooled.scores.rms / pooled.noise_floor, MATERIAL)),
             ("stands out", place, share),
