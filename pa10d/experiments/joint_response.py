@@ -29,6 +29,8 @@ PATH = 3  # degree of the path through a window of steady sliding
 DRIFT = 2  # degree of what a window has beside the lines
 ALIKE = 0.05  # of a response: what no model of ours explains
 PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
+STEEPEST = 5.0  # times the URDF's slope, of either sign
+SLOPE = 1.0  # by which gravity's slope may differ from the URDF's, of it: masses are rough, too
 LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
 SPRINGY = 5.0  # by which a spring has to lower the misfit, times ln of the number of points
 DOUBT = (1.25, 3.0)  # least and most
@@ -95,12 +97,14 @@ def stroke_friction(strokes: Sequence[tuple[Array, Array]], rate: float) -> Fric
 
 @dataclass(frozen=True)
 class Response:
-    """rad per N·m at lines (K,) Hz and its relative error (K,); kg·m² that the URDF has there."""
+    """rad per N·m at lines (K,) Hz and its relative error (K,); kg·m² that the URDF has there, and
+    N·m/rad by which its gravity pulls the joint away, negative where it hangs."""
 
     lines: Array
     value: Complex
     error: Array
     inertia: float = 0.0
+    gravity: float = 0.0
 
 
 def response_of(
@@ -161,41 +165,45 @@ def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate
 
     rotor, viscous: what is thought; with one pose alone the two inertias cannot be told apart, and
     stay in the ratio that is thought. A spring is believed where it lowers the misfit much.
+    Gravity's slope is fitted along: a link that hangs swings at a line as behind a soft spring.
     """
     start = np.log([max(rotor, 1e-9), 1.0])
     friction = np.log(max(viscous, 1e-2 * rotor))
 
     def misfit(x: Array) -> Array:
-        parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR]
+        parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR, (x[4:5] - 1.0) / SLOPE]
         for one in seen:
             off = np.log(one.value / _model(x, one, rate)) / one.error
             parts += [off.real, off.imag]
         return np.concatenate(parts)
 
-    low = [*(start - 4.0), friction - 3.0, -0.5 / rate]
-    high = [*(start + 4.0), friction + 3.0, LONGEST]
-    first = np.array([*start, friction, 1e-4])
+    low = [*(start - 4.0), friction - 3.0, -0.5 / rate, -STEEPEST]
+    high = [*(start + 4.0), friction + 3.0, LONGEST, STEEPEST]
+    first = np.array([*start, friction, 1e-4, 1.0])
     best = scipy.optimize.least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
     points = 2 * sum(len(one.lines) for one in seen)
     chosen, cost = best.x, best.cost - 0.5 * SPRINGY * np.log(points)
-    for swing in np.geomspace(seen[0].lines[0], 0.7 * seen[0].lines[-1], 4):
-        stiffness = 2.0 * np.log(2 * np.pi * swing) + start[0]
+    swings = 2.0 * np.log(2 * np.pi * np.geomspace(seen[0].lines[0], 0.7 * seen[0].lines[-1], 4))
+    # where the rotor swings on the spring, or the link does and keeps the rotor still
+    for stiffness in [*(swings + start[0]), *(swings + np.log(max(seen[0].inertia, rotor)))]:
         ends = [*low, stiffness - 3.0], [*high, stiffness + 3.0]
         tried = scipy.optimize.least_squares(
             misfit, [*first, stiffness], bounds=ends, loss="soft_l1"
         )
         if tried.cost < cost:
             chosen, cost = tried.x, tried.cost
-    stiffness = float(np.exp(chosen[4])) if len(chosen) > 4 else np.inf
     inertia, link, damping = (float(np.exp(v)) for v in chosen[:3])
+    stiffness = float(np.exp(chosen[5])) if len(chosen) > 5 else np.inf
     left = float(np.sqrt(2 * max(cost, 0.0) / points))
     return Fitted(inertia, link, damping, float(chosen[3]), stiffness, left)
 
 
 def _model(x: Array, one: Response, rate: float) -> Complex:
-    """x: logarithms of rotor, link, viscous; delay; logarithm of stiffness where there is one."""
-    spring = (float(np.exp(x[0])), float(np.exp(x[4]))) if len(x) > 4 else (0.0, np.inf)
-    case = Case(float(np.exp(x[0]) + np.exp(x[1]) * one.inertia), float(np.exp(x[2])), *spring)
+    """x: logarithms of rotor, link, viscous; delay; factor on gravity's slope; logarithm of
+    stiffness where there is one."""
+    spring = (float(np.exp(x[0])), float(np.exp(x[5]))) if len(x) > 5 else (0.0, np.inf)
+    inertia, pull = float(np.exp(x[0]) + np.exp(x[1]) * one.inertia), float(x[4]) * one.gravity
+    case = Case(inertia, float(np.exp(x[2])), *spring, gravity=pull)
     s = np.asarray(2j * np.pi * one.lines, dtype=np.complex128)
     return np.asarray(case.response(s) * np.exp(-s * (BUS_DELAY / rate + x[3])))
 

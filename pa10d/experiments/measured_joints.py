@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.control.gains import PidGains
+from pa10d.control.gains import PidGains, gravity_slope
 from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot
 from pa10d.dynamics.mass import mass_matrices
@@ -149,5 +149,6 @@ def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array, j: int) -> 
         noise = float(step[j]) / np.sqrt(12.0)
         mass = mass_matrices(robot, q[:1, -1])[0]
         response = response_of(q, torque, rate, lines_of(rate), noise, j, mass)
-        found.append(replace(response, inertia=float(mass[j, j])))
+        slope = gravity_slope(robot, robot.parameters, q[:1, -1])[0]
+        found.append(replace(response, inertia=float(mass[j, j]), gravity=float(slope[j])))
     return found
