@@ -12,6 +12,7 @@ from pa10d.control.clock import Clock
 from pa10d.control.commands import Commands
 from pa10d.control.guard import asked
 from pa10d.control.mailbox import Mailbox
+from pa10d.control.realtime import tidy
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
@@ -63,6 +64,7 @@ class Loop:
                 select.select([self._connection], [], [], IDLE)
                 self._clock.restart()
                 self._listen()
+                tidy()
             else:
                 self._wait()
                 if not self._settling():

@@ -9,6 +9,7 @@ import os
 from pa10d.common.processor import stay_on_one, take_priority
 
 PRIORITY = 80
+GATHERED = 10_000  # objects more than were let go since the last look
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 
 
@@ -23,6 +24,14 @@ def prepare(priority: int = PRIORITY) -> list[str]:
     gc.disable()
     stay_on_one()
     return [*take_priority(priority), *_lock_memory()]
+
+
+def tidy() -> None:
+    """Collect what has gathered since, where no cycle is due. Nobody else does, once ``prepare``
+    has switched it off: every try to reach silent drives leaves dictionaries and nodes that hold
+    each other, and locked memory besides."""
+    if gc.get_count()[0] > GATHERED:
+        gc.collect()
 
 
 def _lock_memory() -> list[str]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import socket
 import threading
 import time
+import weakref
 from types import SimpleNamespace
 
 import pytest
 
 from pa10d.control.loop import SETTLE, Loop
 from pa10d.control.mailbox import LARGEST
+from pa10d.control.realtime import GATHERED
 from pa10d.control.states import ArmState
 
 PERIOD = 0.01
@@ -73,3 +76,37 @@ def test_a_look_lets_time_pass_and_a_sign_of_life_does_not(standing):
     assert settled(arm, pipe, each) == each
     tell(pipe, "look")
     assert settled(arm, pipe, 2 * each) == 2 * each
+
+
+class Drive:
+    """One of many that hold each other, as nodes and dictionaries of a bus do."""
+
+
+def tangle(count):
+    """The first of a ring of drives, of which nobody else knows."""
+    drives = [Drive() for _ in range(count)]
+    for one, other in zip(drives, [*drives[1:], drives[0]], strict=True):
+        one.next = other
+    return weakref.ref(drives[0])
+
+
+@pytest.fixture
+def uncollected():
+    """As in a control process in real time: nobody collects by itself."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+def test_what_a_try_to_connect_leaves_is_let_go(standing, uncollected):
+    arm, pipe = standing
+    settled(arm, pipe, round(SETTLE / PERIOD))
+    arm.state = ArmState.OFFLINE
+    left = tangle(GATHERED)
+    assert left() is not None
+    until = time.monotonic() + 20
+    while left() is not None and time.monotonic() < until:
+        tell(pipe, "alive")
+        heard(pipe, "alive")
+    assert left() is None
