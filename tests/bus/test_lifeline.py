@@ -110,7 +110,8 @@ def test_a_real_arm_is_not_powered_before_its_risks_are_accepted(tmp_path: Path)
                 arm.begin_enable()
             assert caught.value.kind == "unaccepted_risk"
             lines = caught.value.cause.split("\n")
-            assert [line[:9] for line in lines] == ["joint 2: ", "joint 3: "]
+            assert [line.split(":")[0] for line in lines] == ["joints 2 and 3"]  # alike
+            assert caught.value.axes == (1, 2)
             accepting = {"accepted_risks": ["unknown_reaction"]}
             arm.drives = [drive.model_copy(update=accepting) for drive in arm.drives]
             by_hand.enable(arm)

@@ -85,7 +85,7 @@ def test_nobody_on_the_bus_is_no_go(tmp_path):
     assert (status, go) == (1, False)
     level, sentence = found["drives"][0]
     assert level == "error"
-    assert "joint 1" in sentence
+    assert sentence.startswith("joints 1 to 7: ")
 
 
 def lacking(folder, index, **drive):
