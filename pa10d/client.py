@@ -21,6 +21,7 @@ from typing import Any
 import httpx
 
 from pa10d.common.errors import UserError
+from pa10d.daemon.offline import passes
 
 Document = dict[str, Any]
 Progress = Callable[[float, str], None]
@@ -28,6 +29,7 @@ Progress = Callable[[float, str], None]
 REQUEST = 90.0  # s for an answer: longer than the daemon itself waits for drives
 LOOK_EVERY = 0.25  # s between looks at a job
 START = 180.0  # s for a daemon to come up; compiled code may have to be made first
+HOPELESS = 20.0  # s of one reason to be offline: the daemon has tried several times to connect
 OVER = ("succeeded", "failed", "cancelled")
 
 
@@ -122,14 +124,22 @@ class Client:
         return self._ask("PUT", "/api/v1/robot/controller", json=body)
 
     def wait_for_robot(self, *states: str, timeout: float = 30.0) -> Document:
-        """Until the arm is in one of the states; UserError with its reasons where it is not."""
+        """Until the arm is in one of the states; UserError with its reasons where it is not.
+
+        A reason to be offline that stays the same over ``HOPELESS`` is not waited out.
+        """
         until = time.monotonic() + timeout
+        reason, since = None, time.monotonic()
         while True:
             robot = self.robot()
             if robot["state"] in states:
                 return robot
-            if time.monotonic() > until:
-                why = robot["offline_reason"] or (robot["fault"] or {}).get("sentence", "")
+            now = time.monotonic()
+            if robot["offline_reason"] != reason:
+                reason, since = robot["offline_reason"], now
+            hopeless = now > since + HOPELESS and not passes(reason)
+            if now > until or hopeless:
+                why = reason or (robot["fault"] or {}).get("sentence", "")
                 wanted = " or ".join(states)
                 raise UserError(f"the arm is {robot['state']}, expected {wanted}; {why}")
             time.sleep(0.1)

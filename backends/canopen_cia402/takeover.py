@@ -205,8 +205,11 @@ def _rated_torque(remote: Remote, drive: Drive) -> list[str]:
     rated = remote.read(0x6076)
     if not rated:
         return []
-    found = rated * vendors.rated_torque_unit(remote.read(0x1018, 1) or 0)
-    if isclose(found, drive.rated_torque, rel_tol=RATED_TORQUE_TOLERANCE):
+    unit = vendors.rated_torque_unit(remote.read(0x1018, 1) or 0)
+    found = rated * unit
+    half = 0.5 * unit * (1.0 + 1e-9)  # the drive tells whole units, of a small motor few
+    apart = max(half, RATED_TORQUE_TOLERANCE * found)
+    if isclose(found, drive.rated_torque, rel_tol=0.0, abs_tol=apart):
         return []
     return [
         f"Motor rated torque (0x6076): found {found:g} N·m, profile has {drive.rated_torque:g}: "

@@ -35,7 +35,7 @@ def daemon_for(
 
     before: called before one is started, to say at once what it would say later."""
     from pa10d.client import START, local_daemon, running_daemon
-    from pa10d.daemon.robot.robot import STARTING
+    from pa10d.daemon.offline import STARTING
     from pa10d.profile import load_profile
     from pa10d.store.location import data_folder
 

@@ -143,6 +143,13 @@ def test_nothing_is_written_to_a_drive_that_is_refused() -> None:
         assert node.sdo[0x60B2].raw == 300
 
 
+def test_the_rated_torque_of_a_small_motor_is_told_in_few_units() -> None:
+    with node_made_from(EROB, x6076=17) as node:  # mN·m
+        configure(node, wish(0.0174))
+        with pytest.raises(SetupError, match=r"0x6076.*found 0\.017 N·m, profile has 0\.0181"):
+            configure(node, wish(0.0181))
+
+
 def test_an_inhibit_time_that_stays_is_refused() -> None:
     with node_made_from(EROB, frozen=((0x1800, 3),)) as node:
         node.sdo[0x1800][3].raw = 1000

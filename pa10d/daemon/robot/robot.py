@@ -23,6 +23,7 @@ from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
 from pa10d.daemon.events import Events
+from pa10d.daemon.offline import AGAIN, LEFT, RENEWED, STARTING
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.fault_files import keep_fault
@@ -41,9 +42,6 @@ ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 ENDED = 5.0  # s for control to end that holds nothing
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
-STARTING = "the control process is starting"
-RENEWED = "control is being started anew, with the profile as it is now"
-LEFT = "disconnected on request"
 UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
 CHOOSING = ("inactive", "holding")  # states in which control takes another law
 DIED = "the drives stopped by themselves; look at the log, then reset"
@@ -457,9 +455,7 @@ class RobotProcess:
         self.control = None
         was = self._told.state
         how = child.how_it_ended()
-        self.why_offline = (
-            RENEWED if self._renewing else f"the control process {how}; it is being started again"
-        )
+        self.why_offline = RENEWED if self._renewing else f"the control process {how}; {AGAIN}"
         log.warning("control process %s while %s", how, was)
         if was != "offline":
             cause = f"the control process {how} while the arm was {was}"
