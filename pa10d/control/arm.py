@@ -33,6 +33,7 @@ from pa10d.control.torque_path import TorquePath
 Array = NDArray[np.float64]
 
 GIVE = 5e-3  # rad that a load may turn a joint in its closed brake; more, and somebody moved it
+NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 
@@ -61,6 +62,7 @@ class Arm:
         self._stop: Stop | None = None
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
+        self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
         self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
         self._switch_by = 0.0  # s, until when the drives may switch
         self._asked_off = False  # the backend took in that it shall switch off
@@ -85,7 +87,7 @@ class Arm:
                 asked("close", self.backend.close)
             raise Refused("connect", self.state, (ArmState.OFFLINE,), why) from error
         self.path.forget()
-        self._held_at, self._asked_off = None, False
+        self._held_at, self._held_by, self._asked_off = None, None, False
         self.state = ArmState.INACTIVE
         self.cycle()
 
@@ -111,7 +113,7 @@ class Arm:
         require("enable", self.state, ArmState.INACTIVE)
         self._require_inside()
         self._admit("enable", self.path.controller)
-        self.path.power_up(self._gravity(self.path.q))
+        self.path.power_up(self._holding_torque(self.path.q))
         self._stood_at = self.path.q.copy()
         self._open_since = self.path.time
         self._switch(ArmState.ENABLING)
@@ -356,6 +358,8 @@ class Arm:
         """Brakes on, power off: the end of every stop but one that is held."""
         if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
+        if self.state in (ArmState.HOLDING, ArmState.STOPPING) and not self.path.limp:
+            self._held_by = self.path.q.copy(), self.path.sent.copy()
         self.motion, self._stop = None, None
         self._switch(ArmState.DISABLING)
         self._ask_off()
@@ -395,14 +399,25 @@ class Arm:
 
     def _admit(self, command: str, controller: Controller) -> None:
         """Refused where its model is far beside the torque that holds the arm now; unpowered, of
-        that which gravity is thought to need."""
+        that which is thought to hold it."""
         if not isinstance(controller, HasModel):
             return
         path = self.path
-        held = path.sent if self.state == ArmState.HOLDING else self._gravity(path.q)
+        held = path.sent if self.state == ArmState.HOLDING else self._holding_torque(path.q)
         wrong = wrong_with_torque(controller, path.q, held, path.limits)
         if wrong is not None:
             raise Refused(command, self.state, (self.state,), wrong)
+
+    def _holding_torque(self, q: Array) -> Array:
+        """N·m (n,) thought to hold the arm at q: what held it last, where that was near; it counts
+        for more than a description that may be wrong by its half."""
+        gravity = self._gravity(q)
+        if self._held_by is None:
+            return gravity
+        there, torque = self._held_by
+        if np.abs(q - there).max() > NEAR:
+            return gravity
+        return torque + gravity - self._gravity(there)
 
     def _require_inside(self) -> None:
         q, limits = self.path.q, self.path.limits

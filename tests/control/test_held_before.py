@@ -1,0 +1,83 @@
+"""Enabling again begins with the torque that held the arm, not with what a rough URDF thinks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms import PERIOD, cycles, limits, servo, until
+from fake_backend import FakeBackend, Flywheels
+
+from pa10d.control.arm import NEAR, Arm
+from pa10d.control.journal import Journal
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+
+INACTIVE, HOLDING = ArmState.INACTIVE, ArmState.HOLDING
+LOAD = 6.0  # N·m that the arm truly needs
+THOUGHT = 9.0  # N·m by the URDF
+
+
+class Loaded(Flywheels):
+    def step(self, torque, dt):
+        super().step(np.asarray(torque) - LOAD, dt)
+
+
+@pytest.fixture
+def arm():
+    backend = FakeBackend(Loaded(2), PERIOD)
+    thought = lambda q: THOUGHT + np.zeros(2)  # noqa: E731
+    arm = Arm(backend, limits(), servo, thought, Journal(Ring.create(2, 4096, PERIOD)))
+    arm.connect()
+    cycles(arm, 3)
+    return arm
+
+
+def enabled(arm):
+    """rad/s of the fastest joint meanwhile."""
+    began = arm.journal.count
+    arm.enable()
+    until(arm, HOLDING)
+    rows, _ = arm.journal.ring.read(began)
+    return float(np.abs(arm.journal.ring.layout.get(rows, "dq")).max())
+
+
+def switched_off(arm):
+    arm.disable()
+    until(arm, INACTIVE)
+
+
+def test_the_torque_that_held_it_comes_first(arm):
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    assert arm.path.sent == pytest.approx([LOAD, LOAD], abs=0.1)
+    switched_off(arm)
+    assert enabled(arm) < 0.1 * jolt
+
+
+def test_a_reset_forgets_no_torque(arm):
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    arm.emergency("daemon_gone", "killed")
+    until(arm, ArmState.FAULT)
+    arm.reset()
+    until(arm, INACTIVE)
+    assert enabled(arm) < 0.2 * jolt
+
+
+def test_elsewhere_the_description_is_all_there_is(arm):
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    switched_off(arm)
+    arm.backend.plant.q += 1.5 * NEAR
+    cycles(arm, 500)
+    assert enabled(arm) == pytest.approx(jolt, rel=0.2)
+
+
+def test_a_new_connection_knows_nothing_of_the_last(arm):
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    switched_off(arm)
+    arm.disconnect()
+    arm.connect()
+    cycles(arm, 3)
+    assert enabled(arm) == pytest.approx(jolt, rel=0.2)
