@@ -14,6 +14,7 @@ from two_links import COULOMB, RATE, V0, recordings, textbook
 from pa10d.diagnose.procedure import diagnose
 from pa10d.effects.base import smooth_sign
 from pa10d.judgement import run_residual, turning
+from pa10d.measurement.standstill import stops
 
 SUBSTEPS = 10
 
@@ -63,11 +64,34 @@ def test_noise_does_not_know_when_a_joint_turned_round(pole):
     rng = np.random.default_rng(7)
     said = []
     for _ in range(60):
-        noise = [scipy.signal.lfilter([1.0], [1.0, -pole], rng.standard_normal(run.error.shape),
-                                      axis=0) for run in seen]  # fmt: skip
         drawn = [
-            replace(run, measured=run.modelled + n) for run, n in zip(seen, noise, strict=True)
+            with_error(run, scipy.signal.lfilter([1.0], [1.0, -pole], noise, axis=0))
+            for run in seen
+            for noise in [rng.standard_normal(run.raw_error.shape)]
         ]
         said += [one.p_value for one in turning(drawn) if one is not None]
     assert len(said) == 120
     assert scipy.stats.kstest(said, "uniform", alternative="greater").pvalue > 0.01
+
+
+def test_what_a_joint_may_do_while_it_stands_is_no_error_after_it():
+    """It sticks: friction of 500 times the noise is anything then, and the low-pass carries it."""
+    runs = recordings(6)
+    seen = [run_residual(textbook(runs), runs[name]) for name in ("valid_a", "valid_b")]
+    rng = np.random.default_rng(8)
+    drawn = []
+    for run in seen:
+        error = rng.standard_normal(run.raw_error.shape)
+        for joint, found in enumerate(stops(run.seen.dq, RATE)):
+            for start, stop in found:
+                error[start:stop, joint] += 500.0 * rng.uniform(-1.0, 1.0)
+        drawn.append(with_error(run, error))
+    for one in turning(drawn):
+        assert one.strokes > 12
+        assert one.p_value > 0.01
+
+
+def with_error(run, error):
+    """The run with another error (N, n), N·m, before the low-pass."""
+    filtered = run.equation.lowpass.of_torque(error)
+    return replace(run, raw_error=error, measured=run.modelled + filtered)
