@@ -207,13 +207,14 @@ def calmer(data: str, profile: str, known: JsonObject, fault: JsonObject) -> Jso
 def firmed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> Calmer | None:
     """See ``calmer``, of a joint that fell behind; axis: 0-based."""
     bound, gains = arm_limits(profile, robot).following_error, known.gains
-    heavier = after_fall(robot, known.figures, gains, float(bound[axis]), axis)
-    if heavier is None:
-        return None
-    again = learnt(profile, robot, heavier)
-    share = _firmness(again.gains, axis) / _firmness(gains, axis)
-    if share < FIRMER or not np.isfinite(again.sensitivity[axis]):
-        return None
+    figures, share = known.figures, 0.0
+    while share < FIRMER:  # half as light may lie within the doubt that there was
+        heavier = after_fall(robot, figures, gains, float(bound[axis]), axis)
+        if heavier is None:
+            return None
+        figures, again = heavier, learnt(profile, robot, heavier)
+        if np.isfinite(again.sensitivity[axis]):
+            share = _firmness(again.gains, axis) / _firmness(gains, axis)
     note = (
         f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
         f"alone: gains {share:.2g} times as firm were set, and it is tried again"

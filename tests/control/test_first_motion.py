@@ -216,6 +216,18 @@ def test_a_weak_servo_that_fell_behind_gets_firmer_a_strong_one_does_not():
     assert firmed(arm.profile, arm.robot, strong, 5) is None
 
 
+def test_a_step_that_makes_nothing_firmer_is_followed_by_another(tmp_path):
+    """Joint 4 stands on 0.57 N·m/rad of gravity, thought to be 0.22: twice the kp with less
+    integral is no firmer against slow pushes, and was the end of trying."""
+    arm = foreign(100, tmp_path)
+    places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
+    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    again = firmed(arm.profile, arm.robot, known, 3).known
+    assert again.gains.kp[3] > 1.9 * known.gains.kp[3]
+    assert again.gains.ki[3] > known.gains.ki[3]
+    assert again.sensitivity[3] <= 2.0
+
+
 @pytest.mark.long
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("seed", range(60))
