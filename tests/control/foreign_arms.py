@@ -32,6 +32,7 @@ from pa10d.trajectory.kinds import read_request
 
 WRONG = 3.0  # times too heavy or too light a body of the URDF is, at most
 SOFTEST, STIFFEST = 1.2, 60.0  # times gravity's slope, of a gear's spring
+SMALLEST = 0.5  # 1/rad: nobody builds a gear that gives way by more than 2 rad under its own limit
 SPRINGY = 0.35  # of the arms have one
 SPARE = 1.6, 4.0  # times gravity's torque, of a torque limit
 AXES = np.eye(3)
@@ -87,7 +88,8 @@ def drawn(seed: int, folder: Path) -> dict:
     if rng.random() < SPRINGY:
         j = int(rng.integers(0, n))
         times = np.exp(rng.uniform(np.log(SOFTEST), np.log(STIFFEST)))
-        options["springs"] = {j + 1: round(float(times * max(slope[j], 0.02 * slope.max())), 1)}
+        stiffness = max(times * max(slope[j], 0.02 * slope.max()), SMALLEST * effort[j])
+        options["springs"] = {j + 1: float(f"{stiffness:.4g}")}
     document["simulation"]["options"] = options
     return {"rate": rate, "profile": _loaded(folder, document), "options": options,
             "slope": slope}  # fmt: skip
