@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 RATE = 250.0  # Hz
 PUSH = 20.0  # N·m, about what the drawn effect amounts to
 
+HEAVIEST = 100.0  # kg·m² of a rotor that is drawn
+
 
 @dataclass(frozen=True)
 class Path:
@@ -61,10 +63,14 @@ def shape(
         if s.scale == "choice":
             found[s.name] = float(rng.choice([low, high]))
         elif s.scale == "log":
+            if s.unit == "N·m/rad":  # a gear gives way by less than a radian under the arm's loads
+                low = max(low, float(np.abs(like.load).max()))
             found[s.name] = float(np.exp(rng.uniform(np.log(low), np.log(high))))
         elif s.unit == "rad" and high - low > 10.0:
             found[s.name] = float(rng.uniform(like.q.min(), like.q.max()))
         else:
+            if s.unit == "kg·m²":  # a rotor far heavier than the arm leaves nothing to look at
+                high = min(high, HEAVIEST)
             found[s.name] = float(rng.uniform(low, high))
     return found
 

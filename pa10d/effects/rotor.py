@@ -17,9 +17,7 @@ from pa10d.effects.context import Context
 
 Array = NDArray[np.float64]
 
-ROTOR = ShapeParameter(
-    "rotor", "kg·m²", 0.0, 100.0, optional=True, step=lambda s: 0.25 * s["rotor"]
-)
+ROTOR = ShapeParameter("rotor", "kg·m²", 0.0, 1e3, optional=True, step=lambda s: 0.25 * s["rotor"])
 LIGHTEST = 0.02  # of the inertia that a joint moves: the least that a link is taken to have
 
 

@@ -27,14 +27,18 @@ LINK = """<link name="{n}"><inertial><origin xyz="0 0 -0.2"/><mass value="{m}"/>
 JOINT = """<joint name="{n}" type="revolute"><parent link="{p}"/><child link="{c}"/>
 <origin xyz="0 0 {z}"/><axis xyz="0 1 0"/>
 <limit lower="-3" upper="3" velocity="10" effort="300"/></joint>"""
-URDF = (
-    '<robot name="two"><link name="base"/>'
-    + LINK.format(n="upper", m=4, i=0.08)
-    + LINK.format(n="lower", m=2.5, i=0.04)
-    + JOINT.format(n="a", p="base", c="upper", z=0)
-    + JOINT.format(n="b", p="upper", c="lower", z=-LENGTH)
-    + "</robot>"
-)
+
+
+def urdf(size: float) -> str:
+    """size: kg of what weighs a kilogram."""
+    return (
+        '<robot name="two"><link name="base"/>'
+        + LINK.format(n="upper", m=4 * size, i=0.08 * size)
+        + LINK.format(n="lower", m=2.5 * size, i=0.04 * size)
+        + JOINT.format(n="a", p="base", c="upper", z=0)
+        + JOINT.format(n="b", p="upper", c="lower", z=-LENGTH)
+        + "</robot>"
+    )
 
 
 def weight(q1: float, q2: float) -> tuple[float, float]:
@@ -92,13 +96,17 @@ def recording(seconds: float, seed: int, joint: int, hertz: float) -> tuple[np.n
     return np.column_stack([np.arange(len(out)) / RATE, out]), (k1, k2)[joint]
 
 
-@pytest.mark.parametrize("joint", [pytest.param(0, marks=pytest.mark.long), 1])
-def test_a_spring_that_swings_after_reversals_is_found(tmp_path, joint):
-    (tmp_path / "two.urdf").write_text(URDF)
+@pytest.mark.parametrize(
+    ("joint", "size"), [pytest.param(0, 1.0, marks=pytest.mark.long), (1, 1.0), (1, 1e-3)]
+)
+def test_a_spring_that_swings_after_reversals_is_found(tmp_path, joint, size):
+    """Of an arm of 6 kg, and of one of 6 g: nothing but the unit of mass differs."""
+    (tmp_path / "two.urdf").write_text(urdf(size))
     robot = pa10d.load_robot(tmp_path / "two.urdf")
     runs = []
     for seconds, seed in ((16.0, 1), (10.0, 2)):
         rows, stiffness = recording(seconds, seed, joint, 10.0)
+        rows[:, 3:] *= size
         path = tmp_path / f"run{seed}.csv"
         np.savetxt(path, rows, delimiter=",", header="time,q1,q2,tau1,tau2", comments="")
         runs.append(pa10d.load_run(path, robot))
@@ -107,5 +115,6 @@ def test_a_spring_that_swings_after_reversals_is_found(tmp_path, joint):
         ("joint_elasticity", (joint + 1,))
     ]
     spring = found.findings[0].parameters["K"]
-    assert abs(spring.value - stiffness) < 2 * spring.std_error
+    assert abs(spring.value - stiffness * size) < 2 * spring.std_error
+    assert spring.std_error < 0.1 * spring.value
     assert np.all(found.findings[0].rms_after < 0.3 * found.rms)

@@ -22,7 +22,8 @@ def with_slopes(side: Side, term: Term) -> PerJoint:
     shapes, widths = [term.shape], []
     for s in free_shapes(term.effect, term.shape):
         value = term.shape[s.name]
-        step = SLOPE_STEP * max(abs(value), 1e-3 * (s.upper - s.lower))
+        own = abs(value) if s.scale == "log" else max(abs(value), s.step_at(term.shape))
+        step = SLOPE_STEP * (own or 1e-3 * (s.upper - s.lower))
         ends = [value - step, value + step]
         if s.lower <= value <= s.upper:  # else an angle of a joint that turns on and on
             ends = [float(np.clip(end, s.lower, s.upper)) for end in ends]

@@ -6,6 +6,8 @@ from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Vie
 from pa10d.effects.rotor import ROTOR, link_inertia, rotor_starts
 from pa10d.effects.twist import twisted_torque
 
+STIFFNESS = 0.1, 1e7  # N·m/rad, N/m: a finger's tendon, a large robot's first gear
+
 
 class JointElasticity(Effect):
     """The gear gives under load like a stiff spring. The link lags behind the motor, where the
@@ -28,7 +30,7 @@ class JointElasticity(Effect):
     # with a free share a spring that is too stiff or too soft would do as well
     coefficients = (Coefficient("share", "1", 0.97, 1.03, whole_at_one=True),)
     shapes = (
-        ShapeParameter("K", "N·m/rad", 5.0, 1e7, "log"),
+        ShapeParameter("K", "N·m/rad", *STIFFNESS, "log"),
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
         ROTOR,
     )
@@ -73,7 +75,7 @@ class JointElasticity(Effect):
         for rotor in rotor_starts(context, joints[0], (0.1, 0.35, 0.7)):
             inertia = float(np.median(link_inertia(context, joints[0], rotor.get("rotor", 0.0))))
             out += [
-                {"K": float(np.clip(inertia * (2 * np.pi * f) ** 2, 5.0, 1e7)), "zeta": 0.05}
+                {"K": float(np.clip(inertia * (2 * np.pi * f) ** 2, *STIFFNESS)), "zeta": 0.05}
                 | rotor
                 for f in (2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 20.0)
             ]
