@@ -39,6 +39,7 @@ SETTLED = 2e-5  # s: a change below this ends the iteration
 SLOW = 0.03  # of the fast speed: friction may be anything below
 CORRELATED = 6.0  # decimated samples that are worth one independent one, residuals being coloured
 SIGNIFICANT = 4.0  # standard errors
+LIKELY = 2.0  # standard errors: left out, such a shift costs more than its own doubt does
 AGREE = 3.0  # standard errors by which slow and fast parts of the motion may differ
 FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
 
@@ -72,14 +73,14 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     """What all joints say; where fast parts of the motion say otherwise, what those say."""
     motion = motion_up_to([(r.q, r.rate) for r in pieces.recordings])
     band = min(1.0, motion / pieces.cutoff)
-    found = _iterated(pieces, layout, band, lambda rows: rows, SIGNIFICANT)
+    found = _iterated(pieces, layout, band, lambda rows: rows, LIKELY)
     if abs(found.estimate) > SIGNIFICANT * found.std_error:
         fast = _iterated(pieces, layout, band, _differenced, 0.0)
         doubt = np.hypot(found.std_error, fast.std_error)
         if abs(fast.estimate - found.estimate) > AGREE * doubt:
             found = replace(fast, slow=found.estimate)
-    significant = SIGNIFICANT * found.std_error < abs(found.estimate) < FARTHEST
-    return replace(found, seconds=found.estimate if significant else 0.0)
+    likely = LIKELY * found.std_error < abs(found.estimate) < FARTHEST
+    return replace(found, seconds=found.estimate if likely else 0.0)
 
 
 def _iterated(

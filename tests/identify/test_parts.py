@@ -44,6 +44,16 @@ def test_a_common_delay_is_found_and_taken_out(seconds):
     assert any("torque is" in w and "ms" in w for w in model.notes["warnings"])
 
 
+def test_a_likely_delay_is_taken_though_it_is_not_proven():
+    """Three standard errors: taken for zero it would turn friction round at the wrong time."""
+    truth = pa10_truth(4)
+    run = noisy(truth)
+    late = replace(run, tau=delayed(run.tau, 7e-4, RATE))
+    assert identify([late], truth.robot, name="m", cutoff=10.0).shift == pytest.approx(
+        7e-4, abs=3e-4
+    )
+
+
 def test_no_delay_is_claimed_where_there_is_none():
     truth = pa10_truth(4)
     shifts = [
