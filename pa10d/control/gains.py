@@ -232,12 +232,18 @@ def after_fall(
     """The same joints, but one that was ``bound`` rad behind and did not swing: half as light as it
     was thought to be at most. None where it was pressed on strongly enough to move, or is taken for
     as heavy as it may be."""
-    pressed, heaviest = float(gains.kp[axis]) * bound, 1.0 / float(figures.doubt[axis])
-    if pressed > PUSH * robot.effort[axis] or figures.least[axis] <= heaviest:
+    heaviest = 1.0 / float(figures.doubt[axis])
+    if not lightly_pressed(robot, gains, bound, axis) or figures.least[axis] <= heaviest:
         return None
     lighter = figures.least.copy()
     lighter[axis] *= 0.5
     return figures.but(lighter=lighter)
+
+
+def lightly_pressed(robot: Robot, gains: PidGains, bound: float, axis: int) -> bool:
+    """Whether a joint ``bound`` rad behind was pressed on with less than its push, which friction
+    alone may hold; one that was pressed on harder may have met something."""
+    return bool(gains.kp[axis] * bound <= PUSH * robot.effort[axis])
 
 
 def _timing(control: Control, figures: JointFigures, j: int) -> LoopTiming:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.control.joint_figures import JointFigures
+from pa10d.control.gains import PUSH
+from pa10d.control.joint_figures import ROUGH, JointFigures
 from pa10d.control.live_model import LiveModel, remainder
 from pa10d.dynamics import Robot
 from pa10d.experiments.shaking import small_torques, torque_ahead
@@ -23,6 +24,9 @@ Array = NDArray[np.float64]
 Rows = tuple[Array, Array, Array]
 
 SETTLE = 0.5  # s at rest before and after the plan
+STICKS = 0.25  # of the torque limit: more dry friction than that holds no joint that is to move
+BEHIND = 0.5  # of the bound of the following error, until such a joint has come loose
+ASTRAY = 0.1  # … that a joint may be from where a motion left it
 
 
 @dataclass(frozen=True)
@@ -35,16 +39,27 @@ class Whole:
     violations: tuple[Violation, ...]
 
 
-def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float, pace: float = 1.0) -> Whole:
+def whole_motion(
+    plan: Plan,
+    start: Array,
+    robot: Robot,
+    rate: float,
+    pace: float = 1.0,
+    softly: Array | None = None,
+) -> Whole:
     """From ``start`` (n,) rad at rest to the end of the plan, and what is wrong with it.
 
-    The way is one on which the arm meets nothing; pace: how many times slower than usual.
+    The way is one on which the arm meets nothing; pace: how many times slower than usual; softly:
+    (n,) rad/s² by which each joint gathers speed on it at most.
     """
     around, pause = Surroundings.of(robot), round(SETTLE * rate)
+    limits = around.limits
+    if softly is not None:
+        limits = replace(limits, acceleration=np.minimum(limits.acceleration, softly / GENTLE))
     lead = _standing(start, pause)
     here = start
     for point in free_way(around, start, plan.start):
-        motion = move(here, point, around.limits, GENTLE / pace**2)
+        motion = move(here, point, limits, GENTLE / pace**2)
         t = np.arange(1.0, np.ceil(motion.duration * rate) + 1) / rate
         lead = _after(lead, motion.at(np.minimum(t, motion.duration)))
         lead = _after(lead, _standing(point, pause))
@@ -54,6 +69,20 @@ def whole_motion(plan: Plan, start: Array, robot: Robot, rate: float, pace: floa
     samples = MotionSamples(np.arange(float(len(rows[0]))) / rate, *rows)
     violations = check(samples, robot, limits_of(robot), measured=start)
     return Whole(samples, len(lead[0]), len(lead[0]) + len(body[0]), tuple(violations))
+
+
+def softly(figures: JointFigures, bound: Array, away: Array) -> Array | None:
+    """(n,) rad/s² for the way of an arm that is only being measured; None for the usual way.
+
+    A joint that sticks is pushed by a torque that grows, and its servo may be too weak to help: its
+    path has to wait until that torque is as large as friction may be. Where friction is known that
+    is so after a fault alone, which leaves more than the joint that strokes away from its place.
+    bound: (n,) rad; away: (n,) rad, from where the arm stands to where the plan begins.
+    """
+    known = not bool((figures.doubt >= ROUGH).all())
+    if known and np.count_nonzero(np.abs(away) > ASTRAY * bound) <= 1:
+        return None
+    return np.asarray(2.0 * BEHIND * bound / (STICKS / PUSH) ** 2)
 
 
 def rows_of(whole: Whole, model: TorqueModel | None, live: LiveModel | None) -> Array:

@@ -21,7 +21,7 @@ from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.margins import margins, poses_of
-from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
+from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.identify.scale import Body
@@ -120,7 +120,10 @@ def prepare_motion(
             kept = {**told, **plan.to_dict()}
             (place / PACED).write_text(json.dumps(kept), encoding="utf-8")
     else:
-        whole = whole_motion(plan, np.array(start), robot, rate)
+        unhurried = None
+        if figures is not None and under_way:
+            unhurried = softly(figures, bounds.following_error, plan.start - np.array(start))
+        whole = whole_motion(plan, np.array(start), robot, rate, softly=unhurried)
         if model is None and plan.kind != "first_motion":
             said = [Check("warning", "tracking", UNKNOWN)]
     _, q, dq, ddq = whole.samples

@@ -24,6 +24,7 @@ from pa10d.control.gains import (
     after_fall,
     after_swing,
     fitted_gains,
+    lightly_pressed,
     pid_gains,
     pulls,
 )
@@ -50,6 +51,7 @@ Data = str | os.PathLike[str] | None
 FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
 FIRMER = 1.1  # times as firm: less is the same
+SLOWER, SLOWEST = 0.5, 0.25  # share of the strokes' speed, at once and at last, where no gains help
 STILL_FALLS = (
     "its servo is as firm as it can be at this rate without shaking it: raise control.rate, "
     "correct the URDF's masses and inertias, give first_motion a pose in which this joint hangs, "
@@ -220,6 +222,31 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> Cal
         f"alone: gains {share:.2g} times as firm were set, and it is tried again"
     )
     return Calmer(again, note)
+
+
+def slower(
+    data: str, profile: str, known: JsonObject, fault: JsonObject, part: str, speed: float
+) -> float | None:
+    """See ``slowed``, of what clients are told."""
+    before, what = KnownJoints.from_document(known), Fault.from_document(fault)
+    return slowed(*load_robot(profile), before, what, part, speed)
+
+
+def slowed(
+    profile: Profile, robot: Robot, known: KnownJoints, fault: Fault, part: str, speed: float
+) -> float | None:
+    """Share of the strokes' speed for a joint that fell behind though its gains are as firm as
+    they may be. What friction asks for beyond what is known of it grows with the speed, and the
+    servo has more time to find it. None where it does not stroke, where strokes are slow already,
+    and where it may have met something.
+
+    speed: share at which it fell behind
+    """
+    j, less = fault.axis, SLOWER * speed
+    if part == "friction" or fault.kind != "following_error" or j is None or less < SLOWEST:
+        return None
+    bound = float(arm_limits(profile, robot).following_error[j])
+    return less if lightly_pressed(robot, known.gains, bound, j) else None
 
 
 def _firmness(gains: PidGains, axis: int) -> float:

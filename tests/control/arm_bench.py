@@ -3,6 +3,8 @@ with the encoder's counts, the drives' per mille and the bus's cycle of delay.""
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 from fake_backend import FakeBackend
 from rough_plant import make
@@ -15,18 +17,17 @@ from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
+from pa10d.daemon.motions.first_motion import TRIES
 from pa10d.dynamics import robot_from_profile
 from pa10d.experiments.measured_joints import measured_figures
-from pa10d.experiments.motion import measured_torque, rows_of, whole_motion
+from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
 from pa10d.profile import load_profile
-from pa10d.services.joints import calmed, firmed, learnt, not_held, torque_steps
+from pa10d.services.joints import calmed, firmed, learnt, not_held, slowed, torque_steps
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
-
-TRIES = 5
 
 
 class BusLike(FakeBackend):
@@ -99,7 +100,10 @@ class ArmBench:
                 self.notes.append(f"{plan.kind}: {chosen.check.sentence}")
             plan, whole, ahead = chosen.plan, chosen.whole, self.joints.figures
         else:
-            whole = whole_motion(plan, start, self.robot, self.rate)
+            unhurried = None
+            if ahead is not None:
+                unhurried = softly(ahead, self.limits.following_error, plan.start - start)
+            whole = whole_motion(plan, start, self.robot, self.rate, softly=unhurried)
         rows = rows_of(whole, None, None)
         if ahead is not None:
             rows[:, -self.robot.n :] += measured_torque(plan, whole, self.robot, ahead, self.rate)
@@ -134,15 +138,9 @@ class ArmBench:
         parts, get = {}, self.ring.layout.get
         for part in PARTS:
             asked = {"kind": "first_motion", "parameters": {"part": part}}
-            request = read_request(asked)
-            if not request.has_any(self.around):
+            if not read_request(asked).has_any(self.around):
                 continue
-            plan = request.build(self.around)
-            for _ in range(TRIES):
-                ahead = self.known.figures
-                rows, fault = self.run(plan, ahead)
-                if fault is None or not self._calm(fault):
-                    break
+            plan, rows, fault = self._measured_part(part, asked)
             if fault is not None:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
@@ -153,6 +151,24 @@ class ArmBench:
             self._use_known()
         self._take_joints()
         return None
+
+    def _measured_part(self, part, asked):
+        """As the daemon has it: calmer or firmer gains, and where none help, slower strokes."""
+        tried = Counter()
+        while True:
+            plan = read_request(asked).build(self.around)
+            rows, fault = self.run(plan, self.known.figures)
+            if fault is None:
+                return plan, rows, None
+            tried[fault.axis] += 1
+            if tried[fault.axis] < TRIES and self._calm(fault):
+                continue
+            now = asked["parameters"].get("speed", 1.0)
+            speed = slowed(self.profile, self.robot, self.known, fault, part, now)
+            if speed is None or not self._again():
+                return plan, rows, fault
+            asked["parameters"]["speed"] = speed
+            self.notes.append(f"strokes at {speed:g} of their speed")
 
     def _use_known(self):
         self.use(self.known.gains)
@@ -172,6 +188,10 @@ class ArmBench:
             return False
         self.notes.append(calmer.note)
         self.known = calmer.known
+        return self._again()
+
+    def _again(self) -> bool:
+        """Reset, and enabled with what is known now."""
         while self.arm.state != ArmState.FAULT:
             self.arm.cycle()
         self.arm.reset()

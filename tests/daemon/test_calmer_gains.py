@@ -43,8 +43,8 @@ class Robot:
 class Workers:
     """What the services would say; ``calmer`` until there is nothing calmer."""
 
-    def __init__(self, calmest):
-        self.calmest, self.calls = calmest, []
+    def __init__(self, calmest, slower=False):
+        self.calmest, self.slower, self.calls = calmest, slower, []
 
     async def run(self, what, _, **asked):
         name = what.split(":")[1]
@@ -52,6 +52,8 @@ class Workers:
         if name == "parts_to_run":
             before = known_joints(OLD).gains.document()
             return {"parts": ["friction"], "begin": known(0), "before": before}
+        if name == "slower":
+            return 0.5 if self.slower and asked["speed"] == 1.0 else None
         if name == "calmer":
             assert Fault.from_document(asked["fault"]).joint == 2
             step = int(asked["known"]["gains"]["kd"][0]) + 1
@@ -67,14 +69,16 @@ def known(step):
     return known_joints(step).document()
 
 
-def measured(monkeypatch, swings, calmest=10, fault=FAULT):
+def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False):
     """→ the robot, the workers, and the result or the error."""
-    robot, workers = Robot(swings), Workers(calmest)
+    robot, workers = Robot(swings), Workers(calmest, slower)
+    robot.speeds = []
 
     class Experiment:
         def __init__(self, daemon, request, report, figures):
             self.request = request
             assert request.parameters["part"] == "friction"
+            robot.speeds.append(request.parameters.get("speed", 1.0))
             assert isinstance(figures, JointFigures)
 
         async def carry_out(self):
@@ -136,3 +140,26 @@ def test_a_joint_that_falls_behind_is_tried_again_or_the_way_out_is_said(monkeyp
     for words in ("raise control.rate", "the URDF's masses", "a brake or a collision"):
         assert words in str(found)
     assert "keep_joints" not in workers.calls
+
+
+BEHIND = Fault("following_error", "is 0.2 rad from where it should be", axis=1)
+
+
+def test_a_joint_that_no_gains_help_strokes_more_slowly(monkeypatch):
+    robot, _, found = measured(monkeypatch, 1, calmest=0, fault=BEHIND, slower=True)
+    assert robot.speeds == [1.0, 0.5]
+    assert found.notes[0].startswith("joint 2 fell behind: strokes at 0.5 of their speed")
+    assert robot.resets == 1
+
+
+def test_and_once_more_is_the_end(monkeypatch):
+    robot, workers, found = measured(monkeypatch, 2, calmest=0, fault=BEHIND, slower=True)
+    assert robot.speeds == [1.0, 0.5]
+    assert isinstance(found, UserError)
+    assert "keep_joints" not in workers.calls
+
+
+def test_what_swings_is_never_tried_more_slowly(monkeypatch):
+    robot, workers, _ = measured(monkeypatch, 9, calmest=0, slower=True)
+    assert robot.speeds == [1.0]
+    assert "slower" not in workers.calls

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import UserError
+from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import KnownJoints, MeasuredJoints
 from pa10d.daemon.jobs.jobs import Progress, part
@@ -21,9 +24,11 @@ if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
 
 SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
-TRIES = 5  # with calmer and calmer gains where the arm swings, firmer ones where it falls behind
+TRIES = 5  # of one joint: with calmer gains where it swings, firmer ones where it falls behind
 STILL = {"oscillation": STILL_SWINGS, "following_error": STILL_FALLS}
 SKIPPED = "measured on {}, and neither profile nor URDF has changed since: nothing to do"
+
+SLOWED = "joint {} fell behind: strokes at {:g} of their speed, and it is tried again"
 
 
 class FirstMotion:
@@ -83,38 +88,55 @@ class FirstMotion:
     ) -> tuple[str, KnownJoints]:
         """One part → its run, and what is known then: gains get calmer where the arm swings."""
         parameters = {**self._request.parameters, "part": name}
-        request = replace(
-            self._request, parameters=parameters, controller="pid", model=None, name=None
-        )
-        for left in reversed(range(TRIES)):
+        tried: Counter[int | None] = Counter()
+        while True:
             await self._robot.use_gains(known.gains, keep=False)
+            request = replace(
+                self._request, parameters=parameters, controller="pid", model=None, name=None
+            )
             experiment = Experiment(self._daemon, request, report, known.figures)
             try:
                 found = await experiment.carry_out()
             except UserError as error:
-                known = await self._calmer(known, error, left > 0)
+                fault = self._robot.fault
+                if fault is None or fault.kind not in STILL:
+                    raise
+                tried[fault.joint] += 1
+                calmer = await self._calmer(known, fault) if tried[fault.joint] < TRIES else None
+                if calmer is not None:
+                    known = calmer
+                elif (speed := await self._slower(name, known, fault, parameters)) is not None:
+                    parameters["speed"] = speed
+                    self.result.notes.append(SLOWED.format(fault.joint, speed))
+                else:
+                    still = STILL[fault.kind]
+                    raise UserError(f"joint {fault.joint}: {fault.cause}; {still}") from error
+                await self._robot.reset()
                 continue
             self.moved = True
             self.result.seconds = (self.result.seconds or 0.0) + (found.seconds or 0.0)
             self.result.recorded += found.recorded
             self.result.runs += found.runs
             return found.runs[0], known
-        raise AssertionError("the last try raises")
 
-    async def _calmer(self, known: KnownJoints, error: UserError, again: bool) -> KnownJoints:
-        """What is known after a joint swung or fell behind, the fault left for that; any other end
-        is the end."""
-        fault = self._robot.fault
-        if fault is None or fault.kind not in STILL:
-            raise error
-        told = known.document()
-        calmer = await self._ask("calmer", known=told, fault=fault.document()) if again else None
+    async def _calmer(self, known: KnownJoints, fault: Fault) -> KnownJoints | None:
+        """What is known after a joint swung or fell behind; None where no gains would help."""
+        calmer = await self._ask("calmer", known=known.document(), fault=fault.document())
         if calmer is None:
-            still = STILL[fault.kind]
-            raise UserError(f"joint {fault.joint}: {fault.cause}; {still}") from error
+            return None
         self.result.notes.append(calmer["note"])
-        await self._robot.reset()
         return KnownJoints.from_document(calmer)
+
+    async def _slower(
+        self, name: str, known: KnownJoints, fault: Fault, parameters: Mapping[str, Any]
+    ) -> float | None:
+        """Share of the strokes' speed at which it is tried again; None where that is no help."""
+        if fault.kind != "following_error":
+            return None
+        speed = float(parameters.get("speed", 1.0))
+        told = {"known": known.document(), "fault": fault.document()}
+        less: float | None = await self._ask("slower", part=name, speed=speed, **told)
+        return less
 
     async def _ask(self, what: str, **more: Any) -> Any:
         return await self._daemon.workers.run(

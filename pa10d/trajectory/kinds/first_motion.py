@@ -46,6 +46,9 @@ class FirstMotion(Kind):
         "for joints whose inertia depends on it); all of them where absent",
     )
     again: bool = Field(default=False, description="also where the joints have been measured")
+    speed: float = Field(
+        default=1.0, ge=0.1, le=1.0, description="share of the usual speed of the strokes"
+    )
 
     def build(self, around: Surroundings) -> Plan:
         """Segments named after their joint and what is seen in them."""
@@ -63,7 +66,8 @@ class FirstMotion(Kind):
             segments.append(self._nudges(calm, joints, home))
         if self.part in (None, "response"):
             for j in joints:
-                segments += _shaken(calm, home, j) + _quick(calm, home, j)
+                segments += _shaken(calm, home, j, self.speed)
+                segments += _quick(calm, home, j, self.speed)
         if self.part in (None, "poses"):
             segments += self._elsewhere(calm, joints, home)
         return joined(self.kind, joints, segments, calm)
@@ -90,7 +94,12 @@ class FirstMotion(Kind):
         heavy = home if self.pose is not None else heavy_pose(around, self.seed)
         here, there = (_own_inertia(around, pose) for pose in (home, heavy))
         ratio = np.maximum(there / here, here / there)
-        return [part for j in joints if ratio[j] > VARIES for part in _shaken(around, heavy, j)]
+        return [
+            part
+            for j in joints
+            if ratio[j] > VARIES
+            for part in _shaken(around, heavy, j, self.speed)
+        ]
 
 
 def heavy_pose(around: Surroundings, seed: int) -> Array:
@@ -118,8 +127,8 @@ def _own_inertia(around: Surroundings, pose: Array) -> Array:
     return np.asarray(mass + 0.1 * mass.max() * (around.limits.torque / around.limits.torque.max()))
 
 
-def _shaken(around: Surroundings, pose: Array, j: int) -> list[Segment]:
-    speed = min(SLOW * around.limits.velocity[j] / CALM, SLOW_MOST)
+def _shaken(around: Surroundings, pose: Array, j: int, share: float) -> list[Segment]:
+    speed = share * min(SLOW * around.limits.velocity[j] / CALM, SLOW_MOST)
     travel = speed * (LEAD + PERIOD + _ramp(around, j, speed))
     lower, upper = around.free_range(pose, j)
     if travel > upper - lower:
@@ -128,11 +137,11 @@ def _shaken(around: Surroundings, pose: Array, j: int) -> list[Segment]:
     return _to_and_fro(around, pose, j, begin, speed, LEAD + PERIOD, "shaken")
 
 
-def _quick(around: Surroundings, pose: Array, j: int) -> list[Segment]:
+def _quick(around: Surroundings, pose: Array, j: int, share: float) -> list[Segment]:
     """Over the way of the slow strokes, where they began."""
-    slow = _shaken(around, pose, j)[0].motion
+    slow = _shaken(around, pose, j, share)[0].motion
     begin, travel = slow.start[j], slow.end[j] - slow.start[j]
-    speed = min(FAST * around.limits.velocity[j] / CALM, FAST_MOST)
+    speed = share * min(FAST * around.limits.velocity[j] / CALM, FAST_MOST)
     while (run := travel / speed - _ramp(around, j, speed)) < RUN:
         speed *= 0.9
     return _to_and_fro(around, pose, j, begin, speed, run, "quick")
