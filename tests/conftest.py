@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import tempfile
-import time
 from collections import Counter
 from pathlib import Path
 
@@ -15,8 +14,7 @@ from hypothesis import settings
 settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
 
-LOOK, LOOKS = 2e-3, 0.3  # s: sleeps by which the machine is measured, and for how long
-TOO_LATE = 20e-3  # s: two periods of the loops that tests run in real time
+pytest_plugins = ["clock_witness"]
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -41,22 +39,6 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if "long" in item.keywords:
             item.add_marker(skip)
-
-
-@pytest.fixture(autouse=True)
-def _time_is_kept(request):
-    """What needs real time is not tried on a machine that does not keep it just now."""
-    if request.node.get_closest_marker("realtime") is None:
-        return
-    worst = max(_lateness(LOOK) for _ in range(round(LOOKS / LOOK)))
-    if worst > TOO_LATE:
-        pytest.skip(f"this machine came {worst * 1e3:.0f} ms late, {TOO_LATE * 1e3:.0f} may be")
-
-
-def _lateness(seconds: float) -> float:
-    due = time.monotonic() + seconds
-    time.sleep(seconds)
-    return time.monotonic() - due
 
 
 def pytest_terminal_summary(terminalreporter):
