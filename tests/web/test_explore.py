@@ -12,6 +12,7 @@ from pa10d.services.library import open_library
 ARM = "parseFloat(document.querySelector('#explore .arm-reading').textContent.slice(3))"
 SEEN = """parseFloat([...document.querySelectorAll("#explore [role=status]")]
   .map((one) => one.textContent.split("Seen: ")[1]).find(Boolean) ?? "nan")"""
+DRAWN = "!document.querySelector('#explore .chart[data-waiting]')"
 LEGEND = "document.querySelector('#explore .u-legend .u-value').textContent"
 
 
@@ -24,6 +25,7 @@ def page(archive, visit):
     page.get_by_label("train_a").check()
     page.keyboard.press("Escape")
     page.locator("#explore .chart canvas").nth(1).wait_for()
+    until(page, DRAWN)
     yield page
     assert not visitor.errors
     assert not visitor.foreign()
@@ -128,7 +130,7 @@ def test_quantities_and_models_lie_over_each_other_in_one_plot(page):
 def test_a_quantity_against_one_of_another_joint(page):
     with page.expect_response(lambda r: "columns" in r.url and "channel=tau1&channel=q2" in r.url):
         page.get_by_label("against").select_option("position of 2 S2")
-    until(page, "!document.querySelector('#explore .chart[data-waiting]')")
+    until(page, DRAWN)
     assert page.locator("#explore .plot .bad").all_inner_texts() == [""] * 2
     assert page.locator("#explore .u-over").count() == 2
 
@@ -163,6 +165,17 @@ def test_two_cursors_by_hand_and_by_keys_read_what_was_recorded(page, archive):
     page.locator("#explore [role=status]", has_text="Seen: 12.00 to 14.00").wait_for()
     page.get_by_role("button", name="Order spectrum").press("Enter")
     page.get_by_text("Order spectrum of torque measured, 12.00 to 14.00 s").wait_for()
+
+
+def test_a_click_counts_though_its_plot_is_made_anew_under_the_button(page):
+    box = page.locator("#explore .u-over").first.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 3, box["y"] + 40)
+    page.mouse.down()
+    page.evaluate("document.querySelector('#explore .u-over').dataset.old = 'yes'")
+    page.get_by_label("quantity of plot 1").select_option("velocity, differentiated")
+    until(page, "!document.querySelector('#explore .u-over').dataset.old")
+    page.mouse.up()
+    assert float(page.get_by_label("cursor A, s").input_value()) == pytest.approx(20, abs=0.3)
 
 
 def test_a_file_that_is_dropped_here_is_seen_here(archive, visit, csv_text):

@@ -30,6 +30,13 @@ export class Chart {
     Object.assign(this, { height, key, zoomed, pointed, clicked, bands: [], marks: [] });
     this.box = el("div", { class: "chart" });
     new ResizeObserver(() => this.plot?.setSize(this.size())).observe(this.box);
+    let pressed = null; // of the box, not of the plot: that may be made anew, or move, under the button
+    this.box.addEventListener("pointerdown", (event) => { pressed = event.button === 0 ? event.clientX : null; });
+    this.box.addEventListener("pointerup", (event) => {
+      const over = this.plot?.over, x = event.clientX;
+      if (!this.clicked || !this.shape || pressed === null || !over?.contains(event.target) || Math.abs(x - pressed) >= 4) return;
+      this.clicked(this.plot.posToVal(x - over.getBoundingClientRect().left, "x"), event.shiftKey);
+    });
   }
 
   size() { return { width: Math.max(200, this.box.clientWidth), height: this.height }; }
@@ -102,12 +109,6 @@ export class Chart {
         setCursor: [(u) => { if (pointed && u.cursor.left >= 0) pointed(u.posToVal(u.cursor.left, "x")); }],
       },
     }, data, this.box);
-    let pressed = null;
-    const { over } = this.plot, place = (event) => event.clientX - over.getBoundingClientRect().left;
-    over.addEventListener("mousedown", (event) => { pressed = place(event); });
-    over.addEventListener("click", (event) => {
-      if (this.clicked && Math.abs(place(event) - pressed) < 4) this.clicked(this.plot.posToVal(place(event), "x"), event.shiftKey);
-    });
   }
 
   /** Cursors that stay: [a, b], null where there is none. */
