@@ -59,13 +59,14 @@ class PidGains:
     """(n,) each: N·m/rad, N·m/(rad·s), N·m·s/rad.
 
     push: N·m/s by which the torque on a joint that sticks grows, until it comes loose; the first
-    motion alone needs it.
+    motion alone needs it. friction: N·m of dry friction as measured, which motions bring along.
     """
 
     kp: Array
     ki: Array
     kd: Array
     push: Array = field(default_factory=lambda: np.zeros(1))
+    friction: Array = field(default_factory=lambda: np.zeros(1))
 
     def document(self) -> dict[str, list[float]]:
         """For JSON and the pipe to the control process."""
@@ -78,7 +79,8 @@ class PidGains:
 
     def softened(self, share: float) -> PidGains:
         """The same poles, slower: ``share`` of the bandwidth."""
-        return PidGains(share**2 * self.kp, share**3 * self.ki, share * self.kd, self.push)
+        kp, ki, kd = share**2 * self.kp, share**3 * self.ki, share * self.kd
+        return replace(self, kp=kp, ki=ki, kd=kd)
 
 
 def nominal_inertia(robot: Robot) -> Array:
@@ -233,17 +235,23 @@ def after_fall(
     was thought to be at most. None where it was pressed on strongly enough to move, or is taken for
     as heavy as it may be."""
     heaviest = 1.0 / float(figures.doubt[axis])
-    if not lightly_pressed(robot, gains, bound, axis) or figures.least[axis] <= heaviest:
+    lightly = lightly_pressed(robot, figures, gains, bound, axis)
+    if not lightly or figures.least[axis] <= heaviest:
         return None
     lighter = figures.least.copy()
     lighter[axis] *= 0.5
     return figures.but(lighter=lighter)
 
 
-def lightly_pressed(robot: Robot, gains: PidGains, bound: float, axis: int) -> bool:
-    """Whether a joint ``bound`` rad behind was pressed on with less than its push, which friction
-    alone may hold; one that was pressed on harder may have met something."""
-    return bool(gains.kp[axis] * bound <= PUSH * robot.effort[axis])
+def lightly_pressed(
+    robot: Robot, figures: JointFigures, gains: PidGains, bound: float, axis: int
+) -> bool:
+    """Whether what pressed on a joint ``bound`` rad behind was less than its push, which friction
+    alone may hold, once measured friction has turned round; one that was pressed on harder may have
+    met something.
+    """
+    turned = 2.0 * figures.coulomb[axis]
+    return bool(gains.kp[axis] * bound - turned <= PUSH * robot.effort[axis])
 
 
 def _timing(control: Control, figures: JointFigures, j: int) -> LoopTiming:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.gains import PidGains
+from pa10d.control.held_friction import HeldFriction
 from pa10d.control.reference import Reference
 
 Array = NDArray[np.float64]
@@ -47,6 +48,7 @@ class Pid:
         self._limit, self._period = limit, period
         self._integral = np.zeros_like(limit)
         self._pushed = np.zeros_like(limit)  # N·m of the integral that pushes gave
+        self._held = HeldFriction(gains.friction, period)
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
 
@@ -60,6 +62,7 @@ class Pid:
         rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
         self._pushed[:] = 0.0
+        self._held.start(q)
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
         """PID on the tracking error."""
@@ -67,6 +70,8 @@ class Pid:
         self._integral += self._period * self.gains.ki * error
         if self.pushes:
             self._integral += self._push(error, dq)
+        if self._held.known:
+            self._integral -= self._held.let_go(q, dq, reference.dq != 0.0)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
         return self.gains.kp * error + damping + self._integral + reference.extra

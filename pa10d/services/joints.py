@@ -246,7 +246,7 @@ def slowed(
     if part == "friction" or fault.kind != "following_error" or j is None or less < SLOWEST:
         return None
     bound = float(arm_limits(profile, robot).following_error[j])
-    return less if lightly_pressed(robot, known.gains, bound, j) else None
+    return less if lightly_pressed(robot, known.figures, known.gains, bound, j) else None
 
 
 def _firmness(gains: PidGains, axis: int) -> float:
@@ -301,7 +301,7 @@ def learnt(profile: Profile, robot: Robot, figures: JointFigures) -> KnownJoints
     bound = arm_limits(profile, robot).following_error
     fitted = fitted_gains(robot, profile.control, bound, figures)
     push = PUSH * robot.effort if (figures.doubt >= ROUGH).all() else np.zeros(robot.n)
-    gains = replace(fitted.gains, push=push)
+    gains = replace(fitted.gains, push=push, friction=figures.coulomb)
     span = inertias(robot, figures)
     return KnownJoints(
         figures=figures,

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pa10d.control.faults import Fault
-from pa10d.control.gains import PUSH
+from pa10d.control.gains import PUSH, lightly_pressed
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.experiments.motion import BEHIND, STICKS, softly, whole_motion
 from pa10d.services.joints import learnt, slowed
@@ -91,3 +91,15 @@ def test_one_that_was_pressed_on_hard_may_have_met_something(arm):
     assert slowed(arm.profile, arm.robot, known, FELL, "response", 1.0) is None
     known.gains.kp[5] = 0.9 * PUSH * arm.robot.effort[5] / bound
     assert slowed(arm.profile, arm.robot, known, FELL, "response", 1.0) == 0.5
+
+
+def test_friction_that_has_turned_round_counts_as_what_held_a_joint(arm):
+    """An integral that still holds it for the stroke before presses by that much less."""
+    bound, axis = 0.2, 5
+    gains, robot = arm.known.gains, arm.robot
+    pressed = PUSH * robot.effort[axis] + 1.0
+    stiff = replace(gains, kp=np.full(robot.n, pressed / bound))
+    figures = arm.known.figures
+    for coulomb, lightly in ((0.0, False), (0.4, False), (0.6, True)):
+        measured = replace(figures, coulomb=np.full(robot.n, coulomb))
+        assert lightly_pressed(robot, measured, stiff, bound, axis) == lightly

@@ -1,0 +1,47 @@
+"""What of a joint's dry friction its integral holds while it waits.
+
+A joint that creeps slides: its friction is against the way it creeps, and the integral holds it.
+Measured friction comes on top, by the way the joint is to move (``torque_ahead``): sent the other
+way, it would be short of all that it held. So that is let go as its motion begins. How far it crept
+tells the share, by the stop model: between -1 and 1 times friction, full after ``CREPT``. Where a
+joint has not crept, or slipped, nobody knows, and nothing is let go.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CREPT = 1e-3  # rad after which a joint slides, whatever its gear gives way by
+SLIPS = 0.02  # rad/s: what held such a joint when it stopped nobody knows
+LET_GO = 0.05  # s
+
+
+class HeldFriction:
+    """Of all joints; a joint moves where its reference does, else it waits.
+
+    coulomb: (n,) N·m as measured, 0 where it was not; period: s.
+    """
+
+    def __init__(self, coulomb: Array, period: float) -> None:
+        self.known = bool(coulomb.any())
+        self._coulomb, self._share = coulomb, min(1.0, period / LET_GO)
+        self._crept, self._last = np.zeros_like(coulomb), np.zeros_like(coulomb)
+
+    def start(self, q: Array) -> None:
+        """Nothing is known yet."""
+        self._crept, self._last = np.zeros_like(q), q.copy()
+
+    def let_go(self, q: Array, dq: Array, moving: Array) -> Array:
+        """(n,) N·m by which the integral gets less in this cycle.
+
+        q: (n,) rad; dq: (n,) rad/s; moving: (n,) whether the reference moves.
+        """
+        gone = moving * self._share * self._crept
+        further = self._crept + (q - self._last) / CREPT
+        waits = np.where(np.abs(dq) < SLIPS, np.clip(further, -1.0, 1.0), 0.0)
+        self._crept = np.where(moving, self._crept - gone, waits)
+        self._last[:] = q
+        return np.asarray(self._coulomb * gone)
