@@ -144,7 +144,7 @@ class CanopenBackend:
             if self._cycle and any(word & 0x6F in (0x27, 0x07) for word in self.statuses()):
                 self._brake_at_last()
             if self._cycle:
-                self._brakes.set_all(self._feedback.time)
+                self._brakes.set_all()
                 self._port.send(self._poll.settings())
             with self._network.listening():
                 let_go(self._network, self._nodes)
@@ -318,9 +318,15 @@ class CanopenBackend:
             self._watch.mode,
             self._watch.refused,
             self._watch.altered,
+            self._output_taken,
             every(self.profile.can.sdo_reserve, self.profile.can.bitrate),
         )
-        self._brakes = Brakes([report.outputs for report in self.reports], self._set_output)
+        self._brakes = Brakes(
+            [report.brake for report in self.reports],
+            [limits.acceleration for limits in self.scales.limits],
+            self._set_output,
+            self._watch.output_unanswered,
+        )
         self._feedback.temperature = self._poll.values if self._poll.measured else None
         self._exchange = Exchange(
             nodes,
@@ -355,9 +361,14 @@ class CanopenBackend:
     def _set_output(self, axis: int, value: int) -> None:
         self._poll.set(axis, OUTPUTS, PHYSICAL, value)
 
+    def _output_taken(self, axis: int, index: int) -> None:
+        if index == OUTPUTS:
+            self._brakes.taken(axis)
+
     def _send_words(self) -> None:
         """Controlwords and torques, as far as the brakes let them pass."""
-        words = self._brakes.let_pass(self._words, self.statuses(), self._feedback.time)
+        feedback = self._feedback
+        words = self._brakes.let_pass(self._words, self.statuses(), feedback.time, feedback.q)
         self._connected().send(self._exchange.pack(words, self._per_mille))
 
     def _other(self, can_id: int, data: bytes) -> None:

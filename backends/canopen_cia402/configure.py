@@ -9,7 +9,7 @@ from math import isfinite, pi
 import canopen
 
 from backends import cia402, vendors
-from backends.canopen_cia402.brakes import take_brake
+from backends.canopen_cia402.brakes import ON_US_ALONE, Brake, take_brake
 from backends.canopen_cia402.layout import Layout
 from backends.canopen_cia402.lifeline import be_watched
 from backends.canopen_cia402.mapping import map_pdos
@@ -66,7 +66,7 @@ class DriveReport:
     heard: bool = True  # it tells that it lives, by heartbeats or when it is asked
     guarded: bool = False  # it is asked by remote frames, as it watches no heartbeat
     risks: dict[Risk, str] = field(default_factory=dict)  # what nobody may overlook; in lacks too
-    outputs: int | None = None  # beside the brake in 0x60FE:1; None: no brake to be set there
+    brake: Brake = field(default_factory=Brake)
     lacks: list[str] = field(default_factory=list)
     fixed: dict[tuple[int, int], int] = field(default_factory=dict)  # what nobody else may change
 
@@ -83,12 +83,16 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
     """Check and set up one drive by SDO; SetupError names every reason to refuse it."""
     remote = Remote(node)
     _require_usable(remote, wish)
-    outputs, brake_lacks = take_brake(remote, wish.drive)
+    brake, brake_lacks = take_brake(remote, wish.drive)
     lifeline = be_watched(remote, wish.master, wish.silence_ms, wish.drive.heartbeat_ms)
+    risks = dict(lifeline.risks)
+    if brake.ours:
+        risks["brake_on_us"] = ON_US_ALONE
+        brake_lacks = [ON_US_ALONE, *brake_lacks]
     lacks = [*lifeline.lacks, *brake_lacks, *hear_emergencies(remote)]
     lacks += [lack(index) for index in WANTED if not declared(node, index)]
     lacks += untold(remote)
-    lacks += _set_up(remote, wish)
+    lacks += _set_up(remote, wish, brake)
     command, feedback = map_pdos(remote)
     shows_mode = remote.read(0x6061) is not None
     return DriveReport(
@@ -105,8 +109,8 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         shows_mode=shows_mode,
         heard=lifeline.heard,
         guarded=lifeline.guarded,
-        risks=lifeline.risks,
-        outputs=outputs,
+        risks=risks,
+        brake=brake,
         lacks=list(dict.fromkeys(lacks)),
         fixed=fixed_entries(remote, shows_mode),
     )
@@ -153,20 +157,36 @@ def _mode_reasons(remote: Remote) -> list[str]:
     ]
 
 
-def _set_up(remote: Remote, wish: Wish) -> list[str]:
+def _set_up(remote: Remote, wish: Wish, brake: Brake) -> list[str]:
     """Write the settings; the answer lists what did not take."""
-    lacks = []
+    lacks = _choose_quick_stop(remote, brake)
     for index, sub, value in _settings(remote, wish):
-        problem = remote.write(index, value, sub)
-        if problem == "absent":
-            lacks.append(lack(index))
-        elif problem:
-            name, meaning = WANTED[index]
-            lacks.append(f"{name} (0x{index:04X}): {problem}; {meaning}")
+        lacks += _not_taken(index, remote.write(index, value, sub))
     if (most := _most_torque(wish)) is not None:
         lacks += let_through(remote, most)
     lacks += _left_to_the_user(remote)
     return lacks + _choose_torque_mode(remote)
+
+
+def _not_taken(index: int, problem: str | None) -> list[str]:
+    """What it means that a setting was not taken, nothing where it was."""
+    if problem is None:
+        return []
+    if problem == "absent":
+        return [lack(index)]
+    name, meaning = WANTED[index]
+    return [f"{name} (0x{index:04X}): {problem}; {meaning}"]
+
+
+def _choose_quick_stop(remote: Remote, brake: Brake) -> list[str]:
+    """Down a ramp, then without power; but with it where the brake has to be closed by us first."""
+    wanted = [cia402.QuickStop.QUICK_STOP]
+    if brake.ours:
+        wanted.insert(0, cia402.QuickStop.STAY_QUICK_STOP)
+    for option in wanted:
+        if (problem := remote.write(0x605A, option)) is None:
+            break
+    return _not_taken(0x605A, problem)
 
 
 def _choose_torque_mode(remote: Remote) -> list[str]:
@@ -192,7 +212,6 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
     settings = [
         (0x1006, 0, round(wish.period * 1e6)),
         (0x1029, 1, 0),
-        (0x605A, 0, cia402.QuickStop.QUICK_STOP),
         (0x605C, 0, 1),
         (0x605E, 0, cia402.FaultReaction.QUICK_STOP),
     ]

@@ -44,6 +44,7 @@ class Poll:
     ``modes``: which axes show their mode, and who is told what they show;
     ``on_refusal`` gets axis, index and abort code of a ``set`` that a drive does not take;
     ``on_change`` axis, index, sub-index, what was there and what is there of a ``fixed`` entry;
+    ``on_taken`` axis and index of what a drive confirms that was written to it;
     ``period`` s between two questions."""
 
     def __init__(
@@ -54,11 +55,13 @@ class Poll:
         on_mode: Callable[[int, int], None],
         on_refusal: Callable[[int, int, int], None],
         on_change: Callable[[int, int, int, int, int], None],
+        on_taken: Callable[[int, int], None],
         period: float = SLOWEST,
     ) -> None:
         self.values: NDArray[np.float64] = np.full(len(nodes), np.nan)
         self._nodes, self._temperatures = nodes, temperatures
         self._on_mode, self._on_refusal, self._on_change = on_mode, on_refusal, on_change
+        self._on_taken = on_taken
         self._period = period
         self._to_set: dict[int, bytes] = {}  # axis -> frame
         self._free = 0.0  # s, from when on another request may go out
@@ -133,6 +136,7 @@ class Poll:
         if command == ABORTED and not self._asked(axis, index, sub):
             self._on_refusal(axis, index, int.from_bytes(four, "little"))
         if command == WRITTEN:
+            self._on_taken(axis, index)
             self._suspect(axis, index, sub)
         if (size := SIZES.get(command)) is None:
             return

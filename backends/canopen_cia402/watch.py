@@ -140,6 +140,11 @@ class Watch:
         text = f"does not set its brake's output (0x{index:04X}), SDO abort 0x{code:08X}"
         self.tell(fault("brake_output", text, axis))
 
+    def output_unanswered(self, axis: int) -> None:
+        """Nor did it answer, however often it was told."""
+        text = "does not answer when its brake's output (0x60FE) is set"
+        self.tell(fault("brake_output", text, axis))
+
     def altered(self, axis: int, index: int, sub: int, was: int, found: int) -> None:
         """An entry that gives the drive's numbers their meaning is not what we left there."""
         where = f"0x{index:04X}:{sub}" if index in SUBS else f"0x{index:04X}"

@@ -71,10 +71,11 @@ class Limits(_Strict):
     torque: list[Positive] | None = None  # N·m at the joint side
 
 
-Risk = Literal["unwatched", "unknown_reaction"]
+Risk = Literal["unwatched", "unknown_reaction", "brake_on_us"]
 """What a drive may lack and a profile may take upon itself: ``unwatched``, it does not notice that
 the control PC died (no 0x1016 and no node guarding); ``unknown_reaction``, what it does then cannot
-be chosen (no 0x6007)."""
+be chosen (no 0x6007); ``brake_on_us``, its brake is closed by the control PC alone
+(0x60FE:2) and stays open when that dies."""
 
 
 class Drive(_Strict):

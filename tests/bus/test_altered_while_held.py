@@ -107,7 +107,8 @@ def test_questions_fit_into_what_the_bus_keeps_free() -> None:
 
 def test_seven_drives_are_asked_for_everything_within_seven_seconds() -> None:
     nodes = list(range(1, 8))
-    poll = Poll(nodes, [(0x2000, 0.1)] * 7, [True] * 7, print, print, print, every(0.02, 1_000_000))
+    told = [print] * 4
+    poll = Poll(nodes, [(0x2000, 0.1)] * 7, [True] * 7, *told, every(0.02, 1_000_000))
     entries = {(0x1A00, sub): 0 for sub in range(22)}
     for axis in range(7):
         poll.fix(axis, entries)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from bus_helpers import Driver, make_profile, running, second_master, virtual_arm
 
 from backends import by_hand
 from backends.canopen_cia402.backend import CanopenBackend
-from backends.canopen_cia402.brakes import CLOSES_IN, Brakes
+from backends.canopen_cia402.brakes import CLOSES_IN, Brake, Brakes
 from backends.cia402 import Control
+from backends.eds import OWN_EDS
 from backends.frames import frame, frames
-from backends.protocol import BackendFault
+from backends.protocol import BackendFault, Feedback
 from backends.virtual.drives.injection import Injection
 from backends.virtualbus import VirtualBus
 from pa10d.profile import Profile
@@ -55,8 +59,9 @@ def test_the_output_follows_the_power(tmp_path: Path, ends: str) -> None:
         arm.open()
         try:
             assert any("joint 2: Digital outputs (0x60FE): its mask" in w for w in arm.warnings)
-            assert brake(profile, 1) == (1, 1)
             driver = Driver(arm)
+            driver.run(0.1)
+            assert brake(profile, 1) == (1, 1)
             sequence_of(spy, 11)
             by_hand.enable(arm, driver.hold)
             driver.run(0.1)
@@ -115,20 +120,157 @@ def test_an_output_that_the_drive_refuses_is_a_fault(tmp_path: Path) -> None:
         assert "`brake_output`" in (Path(__file__).parents[2] / "docs" / "faults.md").read_text()
 
 
+@pytest.mark.parametrize("ends", ["quick stop", "fault", "refused quick stop"])
+def test_nothing_falls_before_a_brake_that_only_we_close(tmp_path: Path, ends: str) -> None:
+    """The pendulum is held at 0.8 rad against gravity; its drive does not close the brake."""
+    settings: dict[str, Any] = {}
+    if ends == "refused quick stop":
+        text = OWN_EDS.read_text()
+        at = text.index("[605A]")
+        end = text.index("HighLimit=", at)
+        (tmp_path / "plain.eds").write_text(
+            text[:end] + text[end:].replace(text[end:].splitlines()[0], "HighLimit=2", 1)
+        )
+        settings = {"drive": {"eds": str(tmp_path / "plain.eds")}}
+    profile = make_profile(tmp_path, 1, **settings)
+    with virtual_arm(profile):
+        give_the_brake_to_the_master(profile, 0)
+        arm = CanopenBackend(profile)
+        arm.open()
+        try:
+            lifted = Lifted(arm)
+            by_hand.enable(arm, lifted.torque)
+            lifted.run(2.0)
+            held_at = arm.read().q[0]
+            arm.write(lifted.torque(arm.read()))
+            with second_master(profile, 0) as node:
+                stays = ends != "refused quick stop"
+                assert node.sdo[0x605A].raw == (6 if stays else 2)
+                if ends == "fault":
+                    node.sdo[0x2F00][2].raw = 0x2310
+                    node.sdo[0x2F00][1].raw = int(Injection.FAULT)
+            if "quick stop" in ends:
+                arm.quick_stop()
+            lowest = held_at
+            for _ in range(100):
+                with suppress(BackendFault):
+                    lowest = min(lowest, arm.read().q[0])
+                arm.write(np.zeros(1))
+            assert held_at - lowest < 2e-3, "rad; 8e-3 where power goes first"
+            assert arm.statuses()[0] & 0x6F in (0x40, 0x08)
+            assert brake(profile, 0) == (1, 1)
+        finally:
+            arm.close()
+
+
+class Lifted(Driver):
+    """Holds its joints at 0.8 rad."""
+
+    def torque(self, feedback: Feedback, moving: bool = True) -> Any:
+        now, q = feedback.time, feedback.q.copy()
+        dq = np.zeros_like(q)
+        if self._last is not None and now > self._last[0]:
+            dq = (q - self._last[1]) / (now - self._last[0])
+        self._last = (now, q)
+        return np.clip(600 * (min(0.8, 0.8 * now) - q) - 60 * dq + 20 * np.sin(q), -100, 100)
+
+
+def test_a_brake_that_only_we_close_is_a_risk_to_be_accepted(tmp_path: Path) -> None:
+    profile = make_profile(tmp_path, 2)
+    with virtual_arm(profile):
+        give_the_brake_to_the_master(profile, 1)
+        arm = CanopenBackend(profile)
+        arm.open()
+        try:
+            arm.profile = profile.model_copy(update={"simulation": None})  # as if it were real
+            with pytest.raises(BackendFault, match=r"accepted_risks: \[brake_on_us\]") as caught:
+                arm.begin_enable()
+            assert caught.value.axes == (1,)
+        finally:
+            arm.close()
+
+
+AT = np.zeros(2)
+ON, OFF, QUICK = ([int(w)] * 2 for w in (Control.ENABLE, Control.SWITCH_ON, Control.QUICK_STOP))
+IS_ENABLED, IN_QUICK_STOP, REACTS = [0x1627] * 2, [0x1607] * 2, [0x160F] * 2
+
+
+class Told:
+    """What the drive of axis 1 was told, and whether it confirms."""
+
+    def __init__(self, ours: bool = False, answers: bool = True) -> None:
+        self.sent: list[tuple[int, int]] = []
+        self.silent: list[int] = []
+        self.answers = answers
+        self.brakes = Brakes(
+            [Brake(), Brake(0xA0000, ours)], [2.0, 2.0], self._take, self.silent.append
+        )
+
+    def _take(self, axis: int, value: int) -> None:
+        self.sent.append((axis, value))
+        if self.answers:
+            self.brakes.taken(axis)
+
+
 def test_power_waits_for_the_brake_and_other_outputs_stay() -> None:
-    sent: list[tuple[int, int]] = []
-    brakes = Brakes([None, 0xA0000], lambda axis, value: sent.append((axis, value)))
-    enabled, on = [0x1627] * 2, [int(Control.ENABLE)] * 2
-    off = [int(Control.SWITCH_ON)] * 2
-    assert brakes.let_pass(on, [0x0623] * 2, 0.0) == on
+    told = Told()
+    brakes, sent = told.brakes, told.sent
+    assert brakes.let_pass(ON, [0x0623] * 2, 0.0, AT) == ON
     assert sent == [], "powered, but not yet enabled: it is set already"
-    assert brakes.let_pass(on, enabled, 0.1) == on
-    assert brakes.let_pass(off, enabled, 1.0) == [Control.SWITCH_ON, Control.ENABLE]
-    assert brakes.let_pass(off, enabled, 1.0 + CLOSES_IN / 2) == [Control.SWITCH_ON, Control.ENABLE]
-    assert brakes.let_pass(off, enabled, 1.0 + CLOSES_IN) == off
-    assert brakes.let_pass(on, enabled, 2.0) == on, "enabled again before it went off"
-    for stopping in (0x1607, 0x160F):
-        brakes.let_pass([int(Control.QUICK_STOP)] * 2, [stopping] * 2, 3.0)
-    assert sent == [(1, 0xA0000), (1, 0xA0001), (1, 0xA0000)]
-    brakes.let_pass(on, [0x0628] * 2, 4.0)
+    assert brakes.let_pass(ON, IS_ENABLED, 0.1, AT) == ON
+    assert brakes.let_pass(OFF, IS_ENABLED, 1.0, AT) == [Control.SWITCH_ON, Control.ENABLE]
+    half = brakes.let_pass(OFF, IS_ENABLED, 1.0 + CLOSES_IN / 2, AT)
+    assert half == [Control.SWITCH_ON, Control.ENABLE]
+    assert brakes.let_pass(OFF, IS_ENABLED, 1.0 + CLOSES_IN, AT) == OFF
+    assert brakes.let_pass(ON, IS_ENABLED, 2.0, AT) == ON, "enabled again before it went off"
+    brakes.let_pass(QUICK, IS_ENABLED, 3.0, AT)
+    for stopping in (IN_QUICK_STOP, REACTS):
+        brakes.let_pass(QUICK, stopping, 3.0, AT)
+    assert sent == [(1, 0xA0000), (1, 0xA0001), (1, 0xA0000)], "not onto an axis that moves"
+    brakes.let_pass(ON, [0x0628] * 2, 4.0, AT)
     assert sent[-1] == (1, 0xA0001), "a fault takes the power, whatever was asked"
+
+
+@pytest.mark.parametrize("state", [IN_QUICK_STOP, REACTS])
+def test_a_brake_that_only_we_close_falls_in_as_the_axis_comes_to_rest(state: list[int]) -> None:
+    told = Told(ours=True)
+    brakes, sent = told.brakes, told.sent
+    brakes.let_pass(ON, IS_ENABLED, 0.0, AT)
+    q, speed, now = np.zeros(2), 1.0, 0.0
+    passed = [brakes.let_pass(QUICK, IS_ENABLED, 0.0, q)[1]]
+    while len(sent) < 2:
+        now, q, speed = now + 0.01, q + 0.01 * speed, speed - 0.02
+        passed.append(brakes.let_pass(QUICK, state, now, q)[1])
+        assert speed > 0.0, "it stands, and its brake is open"
+    assert speed == pytest.approx(2.0 * CLOSES_IN, abs=0.03), "rest is as far away as the brake"
+    brakes.let_pass(QUICK, state, now + 0.9 * CLOSES_IN, q)
+    assert set(passed) == {Control.QUICK_STOP}
+    off = [int(Control.DISABLE_VOLTAGE)] * 2
+    ends = brakes.let_pass(off, state, now + 0.95 * CLOSES_IN, q)[1]
+    assert ends == (Control.QUICK_STOP if state == IN_QUICK_STOP else Control.DISABLE_VOLTAGE)
+    ends = brakes.let_pass(QUICK, state, now + CLOSES_IN, q)[1]
+    assert ends == (Control.DISABLE_VOLTAGE if state == IN_QUICK_STOP else Control.QUICK_STOP)
+
+
+def test_who_does_not_confirm_is_told_again_and_not_waited_for_for_ever() -> None:
+    told = Told()
+    told.brakes.let_pass(ON, IS_ENABLED, 0.0, AT)
+    told.answers = False
+    told.sent.clear()
+    for k in range(99):
+        assert told.brakes.let_pass(OFF, IS_ENABLED, 1.0 + 0.01 * k, AT)[1] == Control.ENABLE
+    assert 18 <= len(told.sent) <= 20
+    assert set(told.sent) == {(1, 0xA0001)}
+    assert told.silent == []
+    assert told.brakes.let_pass(OFF, IS_ENABLED, 2.01, AT) == OFF
+    told.brakes.let_pass(OFF, IS_ENABLED, 2.1, AT)
+    assert told.silent == [1], "said once"
+
+    late = Told(answers=False)
+    late.brakes.let_pass(ON, IS_ENABLED, 0.0, AT)
+    late.brakes.taken(1)
+    late.brakes.let_pass(OFF, IS_ENABLED, 1.0, AT)
+    late.brakes.let_pass(OFF, IS_ENABLED, 1.2, AT)
+    late.brakes.taken(1)
+    assert late.brakes.let_pass(OFF, IS_ENABLED, 1.3, AT)[1] == Control.ENABLE
+    assert late.brakes.let_pass(OFF, IS_ENABLED, 1.35, AT) == OFF, "counted from the answer on"

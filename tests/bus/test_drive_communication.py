@@ -418,7 +418,12 @@ def test_the_brake_can_be_set_by_an_output(bench: Bench) -> None:
     assert bench.read(0x2F04) == 0, "not without its bit in the mask"
     bench.write(0x60FE, 1, 4, 2)
     bench.sync()
+    assert bench.read(0x2F04) == 0, "it takes its time"
+    bench.sync(20)
     assert bench.read(0x2F04) == 1
+    bench.write(0x60FE, 0, 4, 1)
+    assert bench.control(0) == "SWITCH ON DISABLED"
+    assert bench.read(0x2F04) == 0, "whose mask gives it to the master has it from nobody else"
 
 
 # --- by canopen ---

@@ -91,7 +91,7 @@ def test_a_drive_without_heartbeat_is_not_said_to_have_lost_it(tmp_path: Path) -
 
 
 def test_accepted_risks_are_typed(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"accepted_risks.*'unwatched' or 'unknown_reaction'"):
+    with pytest.raises(UserError, match=r"accepted_risks.*'unwatched', .* or 'brake_on_us'"):
         make_profile(tmp_path, 1, drive={"accepted_risks": ["whatever"]})
     made = make_profile(tmp_path, 1, drive={"accepted_risks": ["unwatched"]})
     assert made.drives is not None

@@ -66,14 +66,20 @@ class VirtualDrive:
         self._inside = True  # the software position limits
         self._limited = False
         self._speed = 0.0  # rad/s
-        self._held_by_output = False  # a master set the brake by 0x60FE
+        self._output_alone = False  # by its mask 0x60FE works the brake, and nothing else does
+        self._output_set = False
+        self._set_for = inf  # s, since the output was set
         self.restarted(completely=True)
         if boot_time <= 0:
             self.node.boot()
 
     @property
     def brake_closed(self) -> bool:
-        return self.brake and (self.machine.brake_closed or self._held_by_output)
+        """A master that has the brake by its mask has it alone: power off does not close it."""
+        by_output = self._output_set and self._set_for >= self.machine.timing.brake_close - 1e-9
+        if self._output_alone:
+            return self.brake and by_output
+        return self.brake and (self.machine.brake_closed or by_output)
 
     @property
     def follows(self) -> bool:
@@ -105,6 +111,7 @@ class VirtualDrive:
             self.node.sync()
         self._measure(q, velocity, torque)
         self._speed = abs(velocity)
+        self._set_for += dt
         self.machine.advance(dt, abs(velocity) < REST_SPEED)
         self.node.advance(dt)
         if self.node.state == BOOTING:
@@ -254,8 +261,11 @@ class VirtualDrive:
         polarity = number(0x607E)
         self._position_sign = -1 if polarity & POSITION_TURNED else 1
         self._velocity_sign = -1 if polarity & VELOCITY_TURNED else 1
-        mask = number(0x60FE, 2, SET_BRAKE)
-        self._held_by_output = bool(number(0x60FE, 1) & mask & SET_BRAKE)
+        mask = number(0x60FE, 2, SET_BRAKE) & SET_BRAKE
+        was_set, self._output_set = self._output_set, bool(number(0x60FE, 1) & mask)
+        if self._output_set and not was_set:
+            self._set_for = 0.0
+        self._output_alone = bool(mask and self.dictionary.has(0x60FE, 2))
         rpm = number(0x6080, default=0) or UNLIMITED  # zero as it comes: nobody has set it
         self.fastest = rpm * 2 * pi / 60 / self._gear_ratio  # rad/s
         options.quick_stop = number(0x605A, default=cia402.QuickStop.QUICK_STOP)

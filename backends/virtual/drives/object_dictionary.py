@@ -88,6 +88,10 @@ class LiveDictionary:
         value = self.values.get(key_of(index, sub), default)
         return value if isinstance(value, int) else default
 
+    def has(self, index: int, sub: int = 0) -> bool:
+        """Whether the EDS declares such an object."""
+        return key_of(index, sub) in self.entries
+
     def set(self, index: int, value: Value, sub: int = 0) -> None:
         """Change a value from inside the drive; ignored where the EDS declares no such object."""
         key = key_of(index, sub)
