@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from threadpoolctl import threadpool_limits
-
 from pa10d.checks.angles import Known, check_angles
 from pa10d.checks.channels import check_channels
 from pa10d.checks.commanded import check_commanded
@@ -15,6 +13,7 @@ from pa10d.checks.gravity import check_gravity
 from pa10d.checks.held import check_held
 from pa10d.checks.timing import check_timing, unit_of_stamps
 from pa10d.checks.units import beyond_limits, check_units
+from pa10d.common.parallel import one_thread
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
@@ -63,13 +62,12 @@ def check_recording(
         *check_counters(wraps, names),
         *check_units(recording, robot),
     ]
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         findings += check_angles(recording, robot, known)
     if robot is not None:
         findings += beyond_limits(recording, robot)
         if delay and not any(finding.severity == "error" for finding in findings):
-            # the matrices are many and small: threads of the linear algebra would mostly wait
-            with threadpool_limits(limits=1, user_api="blas"):
+            with one_thread():
                 findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
                 if not any(finding.code == "turned" for finding in findings):
                     findings += check_gravity(recording, robot)

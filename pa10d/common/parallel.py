@@ -1,5 +1,9 @@
-"""Maps over several processes, for computations that come in independent tasks: fresh ones at low
-priority for tasks that say all they need, a forked one for tasks that share much in memory."""
+"""How many threads and processes a computation takes.
+
+Maps over several processes are for what comes in independent tasks: fresh ones at low priority for
+tasks that say all they need, a forked one for tasks that share much in memory. One thread of linear
+algebra is for matrices that are many and small.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,10 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import cache
 from typing import Any, NoReturn, TypeVar
+
+from threadpoolctl import ThreadpoolController
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -21,6 +28,20 @@ R = TypeVar("R")
 NICENESS = 10
 PR_SET_PDEATHSIG = 1
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Linear algebra on one thread (``with`` or decorator): where matrices are many and small the
+    others would mostly wait."""
+    with _linear_algebra().limit(limits=1):
+        yield
+
+
+@cache
+def _linear_algebra() -> ThreadpoolController:
+    """The libraries that have threads of their own; looking for them takes a millisecond."""
+    return ThreadpoolController().select(user_api="blas")
 
 
 @contextmanager

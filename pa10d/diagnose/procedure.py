@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled, UserError
+from pa10d.common.parallel import one_thread
 from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS, SIZED_LEVEL
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
@@ -34,11 +34,8 @@ from pa10d.model import Term, TorqueModel
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-# the matrices are many and small: threads of the linear algebra would mostly wait
-one_thread = threadpool_limits.wrap(limits=1, user_api="blas")
 
-
-@one_thread
+@one_thread()
 def diagnose(
     model: TorqueModel,
     fit: Sequence[Recording],
@@ -117,7 +114,7 @@ def diagnose(
     )
 
 
-@one_thread
+@one_thread()
 def add(
     model: TorqueModel,
     effect_id: str,

@@ -87,24 +87,28 @@ def reduce_columns(matrix: Array, tolerance: float = 1e-5) -> BaseParameters:
     that rounds π to six digits fills the gap with pivots near 1e-6 that no measurement could
     use, hence the tolerance.
     """
+    if matrix.shape[0] > matrix.shape[1]:  # lengths and angles of columns are those of the factor
+        matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     total = matrix.shape[1]
     order = [10 * link + k for link in reversed(range(total // 10)) for k in range(10)]
     norms = np.linalg.norm(matrix, axis=0)
     largest = norms.max() if norms.size else 0.0
-    kept, dropped, pivots, rests = [], [], [], []
-    basis = np.empty((matrix.shape[0], 0))
+    kept: list[int] = []
+    dropped, pivots, rests = [], [], []
+    basis = np.empty((total, len(matrix)))  # orthonormal rows, as many as columns are kept
     for c in order:
         if norms[c] <= largest * 1e-13:
             dropped.append(c)
             continue
         unit = matrix[:, c] / norms[c]
-        rest = unit - basis @ (basis.T @ unit)
-        rest -= basis @ (basis.T @ rest)  # twice is enough (Kahan)
+        found = basis[: len(kept)]
+        rest = unit - found.T @ (found @ unit)
+        rest -= found.T @ (found @ rest)  # twice is enough (Kahan)
         size = float(np.linalg.norm(rest))
         if size > tolerance:
+            basis[len(kept)] = rest / size
             kept.append(c)
             pivots.append(size)
-            basis = np.column_stack([basis, rest / size])
         else:
             dropped.append(c)
             rests.append(size)

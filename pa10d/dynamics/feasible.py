@@ -137,7 +137,7 @@ class _Problem:
         linear = np.zeros(self.size + self.rows)
         linear[: self.inertial] = -weight[: self.inertial] * self.wanted
         quadratic = np.concatenate([weight, np.ones(self.rows)])
-        equal = sp.hstack([sp.csc_matrix(self.data / unit), -sp.identity(self.rows)])
+        equal = np.hstack([self.data / unit, -np.identity(self.rows)])
         return self._solve(
             quadratic, linear, equal, self.target / unit, clarabel.ZeroConeT(self.rows)
         )
@@ -151,10 +151,10 @@ class _Problem:
         ball = np.vstack([np.zeros(self.size), -self.data / SLACK])
         side = np.concatenate([[1.0], -self.data @ start / SLACK])
         cone = clarabel.SecondOrderConeT(self.rows + 1)
-        return self._solve(weight, linear, sp.csc_matrix(ball), side, cone)
+        return self._solve(weight, linear, ball, side, cone)
 
     def _solve(
-        self, quadratic: Array, linear: Array, matrix: Any, side: Array, cone: Any
+        self, quadratic: Array, linear: Array, matrix: Array, side: Array, cone: Any
     ) -> tuple[Array, str]:
         """argmin ½xᵀQx + lᵀx with side - matrix·x in the cone and all that makes x feasible."""
         width = len(linear)
@@ -167,18 +167,17 @@ class _Problem:
             cones.append(clarabel.NonnegativeConeT(len(limits)))
         for link, values in enumerate(self.prior):
             definite, limit = _definite(values, self.scale[10 * link : 10 * link + 10])
-            before = sp.csc_matrix((10, 10 * link))
-            after = sp.csc_matrix((10, width - 10 * link - 10))
-            blocks.append(sp.hstack([before, sp.csc_matrix(definite), after]))
+            own = np.zeros((10, width))
+            own[:, 10 * link : 10 * link + 10] = definite
+            blocks.append(own)
             sides.append(limit)
             cones.append(clarabel.PSDTriangleConeT(4))
         settings = clarabel.DefaultSettings()
         settings.verbose = False
-        stacked = sp.csc_matrix(sp.vstack(blocks))
         solver = clarabel.DefaultSolver(
             sp.diags(quadratic, format="csc"),
             linear,
-            stacked,
+            sp.csc_matrix(np.vstack(blocks)),
             np.concatenate(sides),
             cones,
             settings,
@@ -199,12 +198,11 @@ def _definite(link: Array, scale: Array) -> tuple[Array, Array]:
     return matrix, side
 
 
-def _bounds(
-    lower: Array, upper: Array, scale: Array, first: int, size: int
-) -> tuple[sp.csc_matrix, Array]:
+def _bounds(lower: Array, upper: Array, scale: Array, first: int, size: int) -> tuple[Array, Array]:
     low, high = np.flatnonzero(np.isfinite(lower)), np.flatnonzero(np.isfinite(upper))
     count = len(low) + len(high)
     signs = np.concatenate([-np.ones(len(low)), np.ones(len(high))])
     columns = first + np.concatenate([low, high]).astype(int)
-    matrix = sp.csc_matrix((signs, (np.arange(count), columns)), shape=(count, size))
+    matrix = np.zeros((count, size))
+    matrix[np.arange(count), columns] = signs
     return matrix, np.concatenate([-lower[low] / scale[low], upper[high] / scale[high]])

@@ -16,7 +16,7 @@ from pa10d.dynamics.robot import Robot
 
 Array = NDArray[np.float64]
 
-LANES = 64  # samples that are worked on at once: what they need fits the second-level cache
+LANES = 128  # samples that are worked on at once: what they need fits the second-level cache
 
 
 def regressor(

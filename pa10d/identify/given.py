@@ -58,9 +58,11 @@ def read_given(text: str) -> tuple[str, float, float]:
 
 def placed(layout: Layout, statements: Iterable[tuple[str, float, float]]) -> tuple[Given, ...]:
     """The statements, each at its place; one without an end to its doubt says nothing."""
+    told, out = list(statements), list[Given]()
+    if not told:
+        return ()
     names = _Names(layout)
-    out: list[Given] = []
-    for name, value, error in statements:
+    for name, value, error in told:
         if not np.isfinite(value) or np.isnan(error) or error < 0:
             raise UserError(
                 f"prior {name}={value:g}±{error:g}: expected a value and an error of at least 0"

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from pa10d.common.errors import Cancelled
+from pa10d.common.parallel import one_thread
 from pa10d.dynamics import Robot
 from pa10d.identify.advice import warnings_of
 from pa10d.identify.blocks import Pieces, middle
@@ -23,7 +23,12 @@ from pa10d.identify.prior import Prior
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
-from pa10d.identify.smoothing import find_smoothing, sharp_where_unseen, with_smoothing
+from pa10d.identify.smoothing import (
+    Smoothing,
+    find_smoothing,
+    sharp_where_unseen,
+    with_smoothing,
+)
 from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -34,6 +39,7 @@ from pa10d.regression.told import names_of
 Array = NDArray[np.float64]
 
 
+@one_thread()
 def identify(
     recordings: Sequence[Recording],
     robot: Robot,
@@ -72,27 +78,6 @@ def identify(
 
     check(recordings, robot)
     speeds = None if faster_than is None else check_speeds(faster_than, robot)
-    # the matrices are many and small: threads of the linear algebra would mostly wait
-    with threadpool_limits(limits=1, user_api="blas"):
-        return _identify(
-            recordings, robot, name, cutoff, with_effects, robust, speeds,
-            prior, given, say, tick,
-        )  # fmt: skip
-
-
-def _identify(
-    recordings: Sequence[Recording],
-    robot: Robot,
-    name: str,
-    cutoff: float | None,
-    with_effects: Sequence[str],
-    robust: bool,
-    faster_than: Array | None,
-    prior: float | None,
-    given: Sequence[tuple[str, float, float]],
-    say: Callable[[float, str], None],
-    tick: Callable[[], None],
-) -> TorqueModel:
     say(0.0, "base parameters")
     layout = textbook(robot, with_effects)
     known = Prior.of(layout, prior, given)
@@ -102,25 +87,22 @@ def _identify(
         why = _cut_off(recordings, robot, textbook(robot) if with_effects else layout, tick)
         cutoff = why.hertz
     check_length(recordings, cutoff)
-    pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick, faster_than)
-    seen = check_motion(excitation(pieces), recordings, faster_than)
+    pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick, speeds)
+    seen = check_motion(excitation(pieces), recordings, speeds)
     look_through_textbook(pieces, layout)
     layout = with_starting_shapes(layout, pieces)
     say(0.2, "smoothing speed of the friction sign")
-    smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
-    layout = with_smoothing(layout, smoothing)
+    smoothing, layout = _sharpened(pieces, layout)
     say(0.4, "timing of torque against position")
     shift = find_shift(pieces, layout)
     if shift.seconds != 0.0:
         pieces.shift_by(shift.seconds)
-        smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
-        layout = with_smoothing(layout, smoothing)
+        smoothing, layout = _sharpened(pieces, layout)
     say(0.5, "what the torque channel has passed")
     channel = find_channel(pieces, layout, smoothing, shift)
     if channel is not None:
         pieces.pass_through(channel)
-        smoothing = sharp_where_unseen(find_smoothing(pieces, layout), faster_than)
-        layout = with_smoothing(layout, smoothing)
+        smoothing, layout = _sharpened(pieces, layout)
         rest = find_shift(pieces, layout)
         pieces.shift_by(rest.seconds)
         shift = shift.later(rest)
@@ -148,12 +130,18 @@ def _identify(
         "open": names_of(layout.names(), fit.open),
         "robust": robust,
     }
-    if faster_than is not None:
-        notes["faster_than"] = faster_than.tolist()
+    if speeds is not None:
+        notes["faster_than"] = speeds.tolist()
     if known is not None:
         notes["prior"] = known.document()
     say(1.0, "done")
     return model_of(name, layout, fit, feasible, cutoff, shift, channel, recordings, notes)
+
+
+def _sharpened(pieces: Pieces, layout: Layout) -> tuple[Smoothing, Layout]:
+    """How sharp the friction signs are, and the layout with them."""
+    smoothing = sharp_where_unseen(find_smoothing(pieces, layout), pieces.faster_than)
+    return smoothing, with_smoothing(layout, smoothing)
 
 
 def _cut_off(
@@ -164,6 +152,4 @@ def _cut_off(
     check_length(parts, probe_cutoff(parts))
     pieces = Pieces(parts, robot, layout, probe_cutoff(parts), 0.0, tick)
     check_motion(excitation(pieces), parts)
-    smoothing = find_smoothing(pieces, layout)
-    wide = with_smoothing(layout, smoothing)
-    return choose_cutoff(first_model(pieces, wide), parts)
+    return choose_cutoff(first_model(pieces, _sharpened(pieces, layout)[1]), parts)

@@ -75,7 +75,7 @@ def triangles_of(
             if len(found) <= j:
                 found.append(Triangle(columns.shape[1] + 1))
             mask = chosen[:, j]
-            found[j].add(np.column_stack([columns[mask], rows.tau[mask, j]]))
+            found[j].add(columns[mask], rows.tau[mask, j])
     return found
 
 

@@ -57,8 +57,9 @@ def lacking(stretches: Sequence[Stretch], lowpass: Lowpass) -> Array:
     n = stretches[0].residual.shape[1]
     rate = lowpass.rate / lowpass.factor
     out = np.zeros(n)
+    quarters = _quarters(np.concatenate([s.q for s in stretches]))
     for j in range(n):
-        if _never_comes_again(stretches, j, rate):
+        if _never_comes_again(stretches, quarters, j, rate):
             continue
         own = [(s.residual[:, j], s.keep[:, j]) for s in stretches]
         gamma, count = autocovariance(own, longest_lag([len(k) for _, k in own], rate))
@@ -80,7 +81,9 @@ def weight_of(lack: Array, samples: Array) -> Array:
     return np.asarray(lack * np.maximum(samples / LOOKS, 1.0))
 
 
-def _never_comes_again(stretches: Sequence[Stretch], joint: int, rate: float) -> bool:
+def _never_comes_again(
+    stretches: Sequence[Stretch], quarters: Sequence[Labels], joint: int, rate: float
+) -> bool:
     """Are the mean residuals of both halves of the data in the same states far from alike?"""
     samples = sum(len(s.keep) for s in stretches)
     block = max(1, min(int(BLOCK * rate), samples // FEWEST_BLOCKS))
@@ -90,7 +93,7 @@ def _never_comes_again(stretches: Sequence[Stretch], joint: int, rate: float) ->
     keep = np.concatenate([s.keep[:, joint] for s in stretches])
     residual = np.concatenate([s.residual[:, joint] for s in stretches])[keep]
     first = halves[keep] == 0
-    for labels in _states(stretches, joint):
+    for labels in _states(stretches, quarters, joint):
         seen = labels[keep]
         size = int(seen.max(initial=0)) + 1
         count = [np.bincount(seen[h], minlength=size) for h in (first, ~first)]
@@ -109,13 +112,19 @@ def _never_comes_again(stretches: Sequence[Stretch], joint: int, rate: float) ->
     return True
 
 
-def _states(stretches: Sequence[Stretch], joint: int) -> Iterator[Labels]:
+def _quarters(q: Array) -> list[Labels]:
+    """Per joint (M,): in which quarter of its angles (M, n) it is."""
+    return [np.searchsorted(np.quantile(a, (0.25, 0.5, 0.75)), a).astype(np.int64) for a in q.T]
+
+
+def _states(
+    stretches: Sequence[Stretch], quarters: Sequence[Labels], joint: int
+) -> Iterator[Labels]:
     """Cells of a joint's own motion, then of its angle and each other joint's."""
-    q, dq = (np.concatenate([getattr(s, x) for s in stretches]) for x in ("q", "dq"))
-    quarter = [np.searchsorted(np.quantile(a, (0.25, 0.5, 0.75)), a).astype(np.int64) for a in q.T]
-    speed = np.abs(dq[:, joint])
+    dq = np.concatenate([s.dq[:, joint] for s in stretches])
+    speed = np.abs(dq)
     fast = (speed > np.median(speed)).astype(np.int64)
-    yield 4 * quarter[joint] + 2 * (dq[:, joint] > 0) + fast
-    for other in range(q.shape[1]):
+    yield 4 * quarters[joint] + 2 * (dq > 0) + fast
+    for other, quarter in enumerate(quarters):
         if other != joint:
-            yield 4 * quarter[joint] + quarter[other]
+            yield 4 * quarters[joint] + quarter

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+BLOCK = 64  # columns that LAPACK may reduce at a time: as many as it ever does
+
+
 @dataclass
 class Triangle:
     """R of the rows seen so far: ‖R·x‖ = ‖rows·x‖ for every x; their number and column sums."""
@@ -26,18 +29,28 @@ class Triangle:
         self.sums = np.zeros(self.width)
         self.rows = 0
 
-    def add(self, rows: Array) -> None:
-        """Take in more rows (m, width)."""
-        if not len(rows):
+    def add(self, *parts: Array) -> None:
+        """Take in more rows (m, width), in parts (m, k) or (m,) that stand side by side."""
+        new = len(parts[0])
+        if not new:
             return
-        self.rows += len(rows)
-        self.sums += rows.sum(axis=0)
-        stacked = np.concatenate([self.r, rows])
+        self.rows += new
+        known = len(self.r)
+        stacked = np.empty((known + new, self.width), order="F")  # as LAPACK wants it: no copy
+        stacked[:known] = self.r
+        start = 0
+        for part in parts:
+            wide = part.reshape(new, -1)
+            stop = start + wide.shape[1]
+            stacked[known:, start:stop] = wide
+            self.sums[start:stop] += wide.sum(axis=0)
+            start = stop
         if len(stacked) <= self.width:
             self.r = stacked
             return
-        factor = scipy.linalg.qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0]
-        self.r = np.array(factor[: self.width])
+        work = BLOCK * self.width
+        factor = scipy.linalg.lapack.dgeqrf(stacked, lwork=work, overwrite_a=True)[0]
+        self.r = np.triu(factor[: self.width])
 
     def without(self, columns: slice) -> Triangle:
         """The same rows with some columns left out."""
