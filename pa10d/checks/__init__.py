@@ -11,8 +11,10 @@ from pa10d.checks.finding import CheckFinding, Mend
 from pa10d.checks.geometry import check_geometry
 from pa10d.checks.gravity import check_gravity
 from pa10d.checks.held import check_held
+from pa10d.checks.order import check_order
+from pa10d.checks.resolution import check_resolution
 from pa10d.checks.timing import check_timing, unit_of_stamps
-from pa10d.checks.units import beyond_limits, check_units
+from pa10d.checks.units import beyond_limits, check_speeds, check_units
 from pa10d.common.parallel import one_thread
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.recording import Recording
@@ -59,6 +61,7 @@ def check_recording(
             if not (f.code == "jump" and f"q{f.joint}" in wraps)
         ),
         *check_held(recording, names),
+        *check_resolution(recording, robot),
         *check_counters(wraps, names),
         *check_units(recording, robot),
     ]
@@ -66,10 +69,14 @@ def check_recording(
         findings += check_angles(recording, robot, known)
     if robot is not None:
         findings += beyond_limits(recording, robot)
+        if not any(finding.severity == "error" for finding in findings):
+            findings += check_speeds(recording, robot)
         if delay and not any(finding.severity == "error" for finding in findings):
             with one_thread():
-                findings += [*check_delay(recording, robot), *check_geometry(recording, robot)]
-                if not any(finding.code == "turned" for finding in findings):
+                findings += check_delay(recording, robot)
+                order = list(check_order(recording, robot))
+                findings += order or check_geometry(recording, robot)
+                if not order and not any(finding.code == "turned" for finding in findings):
                     findings += check_gravity(recording, robot)
     return in_order(findings)
 

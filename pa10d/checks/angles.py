@@ -17,6 +17,7 @@ from pa10d.checks.counters import Wraps
 from pa10d.checks.finding import CheckFinding, Mend, Severity
 from pa10d.checks.geometry import middle_of, squares_left, surely_less
 from pa10d.dynamics.robot import Robot
+from pa10d.measurement.counters import centred
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -46,9 +47,10 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     """One finding at most: positions are logged in one unit, whichever joints show it."""
     n = recording.joints
     turning = np.ones(n, bool) if robot is None else ~robot.prismatic
+    turning &= ~np.array([f"q{j + 1}" in (known.wraps or {}) for j in range(n)])
     largest = np.abs(recording.q).max(axis=0)
     stated = np.isin(np.arange(n), list(known.stated))
-    if (largest[turning & ~stated] > COUNTS).any():
+    if (largest[turning & ~stated] > COUNTS).any():  # what begins anew is asked again once mended
         mends = _of_all(turning, "rev/COUNTS", complete=False)
         yield CheckFinding(
             "error",
@@ -84,13 +86,16 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
         )  # fmt: skip
     else:
         turns = f", or {largest[far].max() / (2 * np.pi):.0f} turns" if not sure else ""
+        off = _whole_turns_off(recording, robot, far)
+        a_turn = "whole turns off, " if off else ""
+        told_off = f"turns: --map {_options(off)}; " if off else ""
         yield CheckFinding(
             severity, "angle_unit",
-            f"{reaches}: degrees, or angles at the motor{turns}; neither speeds nor limits nor "
-            f"weight tell which{told.because}",
-            f"degrees: --map {_options(degrees)}; at the motor: --map {_options(geared)}"
+            f"{reaches}: {a_turn}degrees, or angles at the motor{turns}; neither speeds nor limits "
+            f"nor weight tell which{told.because}",
+            f"{told_off}degrees: --map {_options(degrees)}; at the motor: --map {_options(geared)}"
             f"{_ratio(known)}",
-            mends=tuple(replace(m, complete=False) for m in (*degrees, *geared)),
+            mends=tuple(replace(m, complete=False) for m in (*off, *degrees, *geared)),
         )  # fmt: skip
 
 
@@ -221,6 +226,16 @@ def _unbounded(robot: Robot | None, n: int) -> Flags:
     if robot is None:
         return np.zeros(n, bool)
     return np.asarray(~(np.isfinite(robot.lower) & np.isfinite(robot.upper)))
+
+
+def _whole_turns_off(recording: Recording, robot: Robot | None, far: Flags) -> tuple[Mend, ...]:
+    """What brings the joints that are far off between their limits, where whole turns do."""
+    if robot is None or (far & _unbounded(robot, len(far))).any():
+        return ()
+    turn, joints = 2 * np.pi, _which(far)
+    q = np.stack([centred(recording.q[:, j], turn) for j in joints], axis=1)
+    within = (q >= robot.lower[joints]) & (q <= robot.upper[joints])
+    return tuple(Mend(f"q{j + 1}", "wrap2pi*rad") for j in joints) if within.all() else ()
 
 
 def _of_all(turning: Flags, unit: str, complete: bool) -> tuple[Mend, ...]:

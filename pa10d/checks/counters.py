@@ -17,7 +17,7 @@ def wraps_in(recording: Recording) -> dict[str, Wrap]:
     """As far as equal steps still tell it."""
     blocks = {"q": recording.q, "tau": recording.tau, "dq": recording.dq}
     found = {
-        f"{field}{j + 1}": wrap_of(block[:, j])
+        f"{field}{j + 1}": wrap_of(block[:, j], position=field == "q")
         for field, block in blocks.items()
         if block is not None
         for j in range(recording.joints)
@@ -32,18 +32,21 @@ def check_counters(wraps: Wraps, names: tuple[str, ...] | None) -> Iterator[Chec
         j = int(field[len(kind) :]) - 1
         label = joint_label(j, names)
         if wrap.sign_bits:
-            yield _lost_sign(wrap.sign_bits, field, kind, label, j)
+            yield _lost_sign(wrap, field, kind, label, j)
         elif kind == "q":  # torques and speeds that jump do not run on behind it
             yield _ran_over(wrap, field, label, j)
 
 
-def _lost_sign(bits: int, field: str, kind: str, label: str, j: int) -> CheckFinding:
-    signed = Mend(field, f"i{bits}")
+def _lost_sign(wrap: Wrap, field: str, kind: str, label: str, j: int) -> CheckFinding:
+    bits = wrap.sign_bits
+    word, signed = WORDS[bits], Mend(field, f"i{bits}")
+    seen = f"jumps between 0 and {word:.0f}"
+    if not wrap.told:
+        seen = f"stays between {word / 2:.0f} and {word:.0f}"
     return CheckFinding(
         "error",
         "wrapped",
-        f"{label}: {kind} jumps between 0 and {WORDS[bits]:.0f}: numbers with a sign, read without "
-        f"it ({WORDS[bits] - 1:.0f} for −1)",
+        f"{label}: {kind} {seen}: numbers with a sign, read without it ({word - 1:.0f} for −1)",
         f"--map {signed.option}, with the unit's factor behind it, such as [i{bits}*0.001]",
         j + 1,
         (signed,),

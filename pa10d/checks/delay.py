@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.checks.finding import CheckFinding, joint_label
+from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
@@ -108,13 +108,15 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
         else "",
     )
     for j in np.flatnonzero(delay.friction < 0):
+        tau, q = (Mend(f"{kind}{j + 1}", "-1", complete=False) for kind in ("tau", "q"))
         yield CheckFinding(
             "warning",
             "sign",
             f"{joint_label(int(j), robot.joint_names)}: friction would drive instead of brake "
             f"({delay.friction[j]:.2g} W): tau and q may have opposite signs",
-            "check the joint's sign; negate one of the two columns",
+            f"--map {tau.option} if the torque counts the other way, {q.option} if the angle does",
             int(j) + 1,
+            (tau, q),
         )
 
 

@@ -13,15 +13,19 @@ class Mend:
     """A field that is to be read in another unit: ``q{n}`` for all joints, ``q3`` for one.
 
     complete: False where its unit has words in it, such as RATIO, for what only the owner knows.
+    source: the field whose column it is to be read from, in the unit that one is in; '': its own.
     """
 
     field: str
     unit: str
     complete: bool = True
+    source: str = ""
 
     @property
     def option(self) -> str:
         """As ``--map`` takes it, with the names of this program for the file's columns."""
+        if self.source:
+            return f"{self.source}={self.field}"
         return f"'{self.field}[{self.unit}]={self.field.removesuffix('{n}')}'"
 
 

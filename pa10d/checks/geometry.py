@@ -53,9 +53,9 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
         yield from _weighed(part, robot)
 
 
-def middle_of(recording: Recording) -> Recording:
-    """As much of a recording as geometry is asked of."""
-    count = min(len(recording.t), int(LONGEST * recording.rate))
+def middle_of(recording: Recording, longest: float = LONGEST) -> Recording:
+    """As much of a recording as geometry is asked of, ``longest`` s."""
+    count = min(len(recording.t), int(longest * recording.rate))
     first = (len(recording.t) - count) // 2
     return recording.part(first, first + count, "")
 
@@ -63,7 +63,7 @@ def middle_of(recording: Recording) -> Recording:
 def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
     """The joint whose turning round helps most is turned; then the others are asked again."""
     kept = base_parameters(robot).kept
-    view = _View.of(part, robot, kept)
+    view = TextbookView.of(part, robot, kept)
     if view is None:
         return
     scale = np.maximum(view.tau.std(axis=0), 1e-9)
@@ -74,7 +74,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
     while asked:
         found = {}
         for j in sorted(asked):
-            other = _View.of(_with_signs(part, j, (-1, 1)), robot, kept)
+            other = TextbookView.of(_with_signs(part, j, (-1, 1)), robot, kept)
             for signs in TURNED:
                 seen = view if signs[0] > 0 else other
                 if seen is not None:
@@ -89,7 +89,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
         (j, signs), share = min(shares.items(), key=lambda item: item[1])
         yield j, (signs, share)
         part = _with_signs(part, j, signs)
-        view, left = _View.of(part, robot, kept) or view, found[j, signs]
+        view, left = TextbookView.of(part, robot, kept) or view, found[j, signs]
         asked.remove(j)
 
 
@@ -107,7 +107,7 @@ def surely_less(new: Array, old: Array) -> bool:
 def squares_left(part: Recording, robot: Robot) -> Array:
     """Per block what the textbook model leaves of the torques, each joint by its torque's size;
     empty where there is too little motion."""
-    view = _View.of(part, robot, base_parameters(robot).kept)
+    view = TextbookView.of(part, robot, base_parameters(robot).kept)
     if view is None:
         return np.empty(0)
     left = view.left(np.maximum(view.tau.std(axis=0), 1e-9))
@@ -122,7 +122,7 @@ def _with_signs(part: Recording, joint: int, signs: tuple[int, int]) -> Recordin
 
 
 @dataclass(frozen=True)
-class _View:
+class TextbookView:
     """Both sides of the textbook equation: columns (M, n, p), tau (M, n), which samples count, and
     the block (M,) that each lies in."""
 
@@ -132,16 +132,16 @@ class _View:
     blocks: NDArray[np.int64]
 
     @staticmethod
-    def of(part: Recording, robot: Robot, kept: NDArray[np.int64]) -> _View | None:
+    def of(part: Recording, robot: Robot, kept: NDArray[np.int64]) -> TextbookView | None:
         """None where there is too little motion."""
         run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
         columns = textbook_columns(run, kept)
         keep = run.keep & steady_sign(run)
         if keep.sum() < 3 * columns.shape[2]:
             return None
-        return _View(columns, run.tau, keep, blocks_of(run))
+        return TextbookView(columns, run.tau, keep, blocks_of(run))
 
-    def turned(self, joint: int, sign: int) -> _View:
+    def turned(self, joint: int, sign: int) -> TextbookView:
         """The same with a joint's torque times ``sign``: nothing else depends on it."""
         tau = self.tau.copy()
         tau[:, joint] *= sign

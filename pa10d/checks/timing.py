@@ -52,12 +52,16 @@ def check_timing(recording: Recording, timing: Timing | None) -> Iterator[CheckF
 def _plausible(rate: float) -> Iterator[CheckFinding]:
     if (unit := unit_of_stamps(rate)) is not None:
         stamps = Mend("time", unit)
+        counted = Mend("time", "1/RATE", complete=False)
+        by_one = abs(rate - 1) < 1e-6
         yield CheckFinding(
             "error",
             "time_unit",
-            f"{rate:.3g} Hz: the stamps look like {STAMPS[unit][1]}",
-            f"--map {stamps.option}",
-            mends=(stamps,),
+            f"{rate:.3g} Hz: the stamps look like {STAMPS[unit][1]}"
+            + (", or number the samples" if by_one else ""),
+            f"--map {stamps.option}"
+            + (f", or {counted.option} with the samples' rate in Hz" if by_one else ""),
+            mends=(stamps, counted) if by_one else (stamps,),
         )
         return
     if rate < SLOW:
@@ -101,10 +105,15 @@ def _steps(timing: Timing) -> Iterator[CheckFinding]:
         )
     if timing.gaps:
         begin, longest = max(timing.gaps, key=lambda gap: gap[1])
+        many = f"{len(timing.gaps)} gaps" if len(timing.gaps) > 1 else "a gap"
+        out = timing.unmeasured
         yield CheckFinding(
             "warning",
             "gaps",
-            f"{len(timing.gaps)} gaps without samples, {sum(g[1] for g in timing.gaps):.3g} s in "
-            f"all, the longest {longest:.3g} s at {begin:.3f} s, filled by straight lines",
-            "cut the file at long gaps: what stands in them was never measured",
+            f"{many} without samples, {sum(g[1] for g in timing.gaps):.3g} s in "
+            f"all, the longest {longest:.3g} s at {begin:.3f} s, filled by straight lines"
+            + (" that no fit and no judgement uses" if out else ""),
+            "look for what the logger lost there"
+            if out
+            else "what stands in them was never measured: log every sample, or cut the file",
         )

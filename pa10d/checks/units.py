@@ -14,6 +14,10 @@ from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 
+OVER = 0.02  # s over which a speed is taken: encoders are coarse
+FASTER = 1.5  # times its limit the median joint moves, which no arm does for long
+MUCH = 10.0  # times: no limit of a URDF is so wrong at most joints
+
 
 def beyond_limits(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """Real recordings leave the URDF's limits; it is said, never refused."""
@@ -48,6 +52,29 @@ def check_units(recording: Recording, robot: Robot | None) -> Iterator[CheckFind
         yield from _torques(np.abs(recording.tau).max(axis=0), robot)
 
 
+def check_speeds(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
+    """How fast joints go from stamp to stamp: much faster than they can where the stamps are in
+    longer units than they are taken for, or count samples."""
+    known = np.isfinite(robot.velocity)
+    span = max(1, round(OVER * recording.rate))
+    if not known.any() or len(recording.t) <= 2 * span:
+        return
+    went = np.abs(recording.q[span:] - recording.q[:-span]) * recording.rate / span
+    usual = np.quantile(went, 0.9, axis=0)
+    share = usual[known] / robot.velocity[known]
+    if np.median(share) < FASTER:  # of most joints: one limit may be a placeholder
+        return
+    j = int(np.flatnonzero(known)[share.argmax()])
+    yield CheckFinding(
+        "error" if np.median(share) > MUCH else "warning",
+        "time_unit",
+        f"by the stamps joint {j + 1} moves at {usual[j]:.3g} rad/s, its limit is "
+        f"{robot.velocity[j]:.3g}, and others likewise: the stamps are no seconds, or q no rad",
+        "say in --map what the stamps count: [min] behind their column, or [1/RATE] where they "
+        "number the samples, with the samples' rate in Hz",
+    )
+
+
 def _speeds(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]:
     names = None if robot is None else robot.joint_names
     for j in range(recording.joints):
@@ -55,10 +82,12 @@ def _speeds(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]
         if slope is None:
             continue
         label = joint_label(j, names)
+        mend: Mend | None = None
         if abs(slope * DEGREE - 1) < 0.2:
-            said = "is in degrees per second"
+            said, mend = "is in degrees per second", Mend(f"dq{j + 1}", "deg/s")
         elif slope < 0:
             said = "has the opposite sign of the slope of q"
+            mend = Mend(f"dq{j + 1}", "-1") if 0.8 < -slope < 1.25 else None
         elif not 0.8 < slope < 1.25:
             said = f"is {slope:.3g} times the slope of q"
         else:
@@ -67,8 +96,11 @@ def _speeds(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]
             "warning",
             "velocity_unit",
             f"{label}: dq {said}",
-            "the fit differentiates q itself; mend dq for other uses",
+            "the fit differentiates q itself; "
+            + (f"--map {mend.option}" if mend else "mend dq")
+            + " for other uses",
             j + 1,
+            (mend,) if mend else (),
         )
 
 

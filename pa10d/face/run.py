@@ -53,7 +53,7 @@ class Run(ByContent):
             temperature=given.get("temperature"), extra=_channels(extra or {}, len(t)),
         )  # fmt: skip
         timing, even = equal_steps(t, samples)
-        self.name = name
+        self.name, self._unmeasured = name, timing.unmeasured
         self.time = frozen(timing.grid)
         self.q, self.tau = frozen(even.q), frozen(even.tau)
         self.dq = None if even.dq is None else frozen(even.dq)
@@ -64,9 +64,10 @@ class Run(ByContent):
     @property
     def recording(self) -> Recording:
         """The same for the science underneath."""
-        return Recording(
+        recording = Recording(
             self.name, self.time, self.q, self.tau, self.dq, self.temperature, self.extra
         )
+        return recording.without(self._unmeasured) if self._unmeasured else recording
 
     @property
     def rate(self) -> float:
@@ -77,7 +78,7 @@ class Run(ByContent):
     def content(self) -> Hashable:
         arrays = (self.time, self.q, self.tau, self.dq, self.temperature)
         extra = tuple((name, bits(values)) for name, values in sorted(self.extra.items()))
-        return self.name, tuple(map(bits, arrays)), extra
+        return self.name, self._unmeasured, tuple(map(bits, arrays)), extra
 
     def __len__(self) -> int:
         return len(self.time)
@@ -111,6 +112,7 @@ def load_run(
         found.timing.grid, samples.q, samples.tau, samples.dq, samples.temperature,
         name or _stem(file), samples.extra,
     )  # fmt: skip
+    run._unmeasured = found.timing.unmeasured
     known = Known(found.wraps, stated_in(found, robot.tree.n))
     findings = check_recording(run.recording, found.timing, robot.tree, delay=False, known=known)
     errors = [finding for finding in findings if finding.severity == "error"]

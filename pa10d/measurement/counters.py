@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 WORDS = {8: 2.0**8, 16: 2.0**16, 32: 2.0**32}
-NEAR = 0.02  # share of a word by which a step may be off it: the signal itself moved on
 LARGE = 0.5  # of the whole range: a step beyond it is no motion
 SMALL = 0.25  # of the whole range: what steps beside the jumps stay below
 BESIDE = 5  # samples on either side of a jump that tell how fast the signal was
 LEVELS = 20  # steps of a sensor that a range has to be wider than to tell anything
 MOST = 200  # jumps that are looked at
+WHOLE = 1e-6  # by which a whole number may be off after a factor and its inverse
+ALONE = {True: (32,), False: (16, 32)}
+"""Words whose upper half is told where no jump is: counts of an encoder may lie anywhere in 16."""
 TURNS = {"2pi": 2 * np.pi, "1": 1.0, "360": 360.0, "3600": 3600.0, "36000": 36000.0}
 """Once round, in what angles are written in."""
 ANGLES = {"2pi": "*rad", "1": "*rev", "360": "*deg", "3600": "*deg/10", "36000": "*deg/100"}
@@ -29,7 +31,8 @@ ANGLES = {"2pi": "*rad", "1": "*rev", "360": "*deg", "3600": "*deg/10", "36000":
 class Wrap:
     """sign_bits: of a word whose sign was lost; else period: after which the numbers begin anew,
     as a mapping writes it (``wrap360*deg``: what begins anew at 360 is in degrees), and what it is
-    in figures. told: whether it is a period that is usual, or only what the jumps amount to."""
+    in figures. told: whether it is a period that is usual, or only what the jumps amount to, or, of
+    a word, whether the numbers jump over its zero at all."""
 
     sign_bits: int = 0
     period: float = 0.0
@@ -37,24 +40,50 @@ class Wrap:
     told: bool = True
 
 
-def wrap_of(values: Array) -> Wrap | None:
-    """(N,) of one channel; None: it never begins anew."""
-    bits = lost_sign(values)
+def wrap_of(values: Array, factor: float = 1.0, *, position: bool = False) -> Wrap | None:
+    """(N,) of one channel, at the stamps that were logged; None: it never begins anew. factor: SI
+    units per number of the file; position: whether its zero is anybody's choice."""
+    logged = values / factor
+    whole = np.rint(logged)
+    logged = whole if len(values) and np.abs(logged - whole).max() < WHOLE else logged
+    bits = lost_sign(logged)
     if not bits:
-        return running_over(values)
+        upper = upper_half(logged)
+        told = running_over(values)
+        return told or (Wrap(sign_bits=upper, told=False) if upper in ALONE[position] else None)
+    return running_over(values) if running_over(signed(logged, bits)) else Wrap(sign_bits=bits)
+
+
+def signed(values: Array, bits: int) -> Array:
+    """Numbers of so many bits that were read without their sign, with it."""
     word = WORDS[bits]
-    signed = np.mod(values + 0.5 * word, word) - 0.5 * word
-    return running_over(values) if running_over(signed) else Wrap(sign_bits=bits)
+    return np.asarray(np.mod(values + 0.5 * word, word) - 0.5 * word)
 
 
 def lost_sign(values: Array) -> int | None:
-    """Bits of the word that numbers with a sign were read from without it; None: they were not."""
+    """Bits of the word that numbers with a sign were read from without it; None: they were not.
+
+    They jump by most of the word wherever they pass zero, and with their sign they do not."""
     steps = np.abs(np.diff(values))
-    if not len(steps) or not values.min() >= 0:
+    if not len(steps) or not values.min() >= 0 or not (values == np.round(values)).all():
         return None
     for bits, word in WORDS.items():
-        full = steps > (1 - NEAR) * word
-        if values.max() < word and full.sum() >= 2 and (values == np.round(values)).all():
+        full = steps > (1 - SMALL) * word
+        if values.max() >= word or full.sum() < 2:
+            continue
+        if np.abs(np.diff(signed(values, bits))).max() < LARGE * word:
+            return bits
+    return None
+
+
+def upper_half(values: Array) -> int | None:
+    """Bits of the word whose upper half all numbers lie in, near its end, as numbers do that are
+    below zero throughout and were read without their sign; None: of no word."""
+    if not len(values) or not (values == np.round(values)).all() or np.ptp(values) < LEVELS:
+        return None
+    for bits in (16, 32):
+        word = WORDS[bits]
+        if 0.5 * word <= values.min() and values.max() < word:
             return bits
     return None
 
@@ -106,3 +135,12 @@ def unwrapped(values: Array, period: float) -> Array:
     """(N,) running on where the numbers began anew; exact for whole numbers."""
     turns = np.concatenate([[0.0], np.cumsum(np.rint(np.diff(values) / period))])
     return np.asarray(values - period * turns)
+
+
+def centred(values: Array, period: float) -> Array:
+    """The same (N,) so many whole periods away that their middle is nearest to zero: which of its
+    rounds a counter began in, and whether it has a sign, is not in its numbers."""
+    if not len(values):
+        return values
+    middle = 0.5 * (float(values.min()) + float(values.max()))
+    return np.asarray(values - period * np.rint(middle / period))

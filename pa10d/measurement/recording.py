@@ -50,9 +50,9 @@ class Recording:
         return float(self.t[-1] - self.t[0])
 
     def without(self, stretches: Sequence[tuple[float, float]]) -> Recording:
-        """The same with these stretches excluded, the torque a straight line in each: what is
+        """The same with these stretches excluded, too, the torque a straight line in each: what is
         wrong there must reach nothing else through a filter."""
-        marked = replace(self, excluded=tuple(stretches))
+        marked = replace(self, excluded=tuple(sorted({*self.excluded, *stretches})))
         out = marked.left_out
         if not out.any() or out.all():
             return marked

@@ -22,6 +22,8 @@ UNEVEN = 3.0  # ratio of neighbouring steps from which a cubic would amplify noi
 LATEST = 9e9  # s: nanoseconds are counted in 64 bits
 LARGEST_GRID = 1_000_000  # samples at equal steps that any recording may become
 STRETCH = 20  # times as many samples as were measured, should that be more
+LONG = 0.03  # s: ten straight lines of 25 ms cost a fit nothing, ten of 50 ms some 5 %
+SETTLED = 0.5  # s of a recording that each stretch costs which is left out of it, or less
 _BLOCK = 1 << 18
 
 
@@ -51,6 +53,17 @@ class Timing:
     def grid(self) -> Array:
         """(length,) s."""
         return self.start + self.period * np.arange(self.length, dtype=np.float64)
+
+    @property
+    def unmeasured(self) -> tuple[tuple[float, float], ...]:
+        """(begin, end) of the gaps that no fit may use, s since the first sample: a straight line
+        over q and τ obeys no equation of motion. None of them where so many lie in the recording
+        that nothing would be left of it."""
+        long = [(begin - self.start, span) for begin, span in self.gaps if span > LONG]
+        measured = self.length * self.period - sum(span for _, span in long)
+        if len(long) * SETTLED > measured:
+            return ()
+        return tuple((max(begin, 0.0), begin + span) for begin, span in long)
 
 
 def merge_duplicates(t: Array) -> NDArray[np.int64] | None:

@@ -111,6 +111,8 @@ def _recording_in(path: Path, names: Sequence[str]) -> str:
     }
     bags = {str(PurePosixPath(name).parent) for name in plain if name.endswith((".db3", ".mcap"))}
     folders = roots or bags or {name for name in plain if name.lower().endswith(ALONE)}
+    if "xl/workbook.xml" in plain:
+        raise UserError(f"{path}: an Excel workbook; expected its sheet saved as CSV")
     if len(folders) != 1:
         found = f"{len(folders)} recordings" if folders else "no recording"
         raise UserError(

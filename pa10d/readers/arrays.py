@@ -104,14 +104,54 @@ def read_arrow(path: Path) -> ForeignTable:
 
 
 def spread_arrow(path: Path, found: Any) -> dict[str, Array]:
-    """An Arrow table's columns, as far as they are numbers."""
-    columns = {}
+    """An Arrow table's columns, as far as they are numbers; lists by the names beside them."""
+    while any(_is_struct(kind) for kind in found.schema.types):
+        found = found.flatten()
+    twice = [name for name, count in Counter(found.column_names).items() if count > 1]
+    if twice:
+        raise UserError(f"{path}: two columns are called {twice[0]!r}; expected one")
+    names = _names_beside(path, found)
+    columns: dict[str, Any] = {}
     for name in found.column_names:
         try:
-            columns[name] = _of_arrow(found[name])
+            values = _of_arrow(found[name])
         except ValueError as error:
             raise UserError(f"{path}: column {name}: {error}") from error
+        if names and values is not None and values.ndim == 2 and values.shape[1] == len(names):
+            columns |= {f"{name}.{joint}": values[:, k] for k, joint in enumerate(names)}
+        else:
+            columns[name] = values
     return spread(columns)
+
+
+def _is_struct(kind: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_struct(kind))
+
+
+def _names_beside(path: Path, found: Any) -> list[str]:
+    """What a column of names, such as that of sensor_msgs/JointState, calls the values of each
+    row's lists; nothing where there is none. UserError where the rows differ."""
+    import pyarrow as pa
+
+    for name in found.column_names:
+        kind = found[name].type
+        listed = pa.types.is_list(kind) or pa.types.is_large_list(kind)
+        if not listed or not (
+            pa.types.is_string(kind.value_type) or pa.types.is_large_string(kind.value_type)
+        ):
+            continue
+        rows = found[name].to_pylist()
+        other = next((k for k, row in enumerate(rows) if row != rows[0]), None)
+        if other is not None:
+            raise UserError(
+                f"{path}: column {name}: row {other + 1} names {rows[other]}, the first "
+                f"{rows[0]}; expected one order in all rows"
+            )
+        if rows and rows[0] and len({*rows[0]}) == len(rows[0]):
+            return [str(one) for one in rows[0]]
+    return []
 
 
 def _is_moment(kind: Any) -> bool:
@@ -124,8 +164,12 @@ def _without_numbers(found: Any) -> list[str]:
     """Words may stand for numbers, and it is not for us to say which."""
     import pyarrow as pa
 
-    words = (pa.types.is_string, pa.types.is_large_string, pa.types.is_binary, pa.types.is_struct,
-             pa.types.is_dictionary)  # fmt: skip
+    words = (
+        pa.types.is_string,
+        pa.types.is_large_string,
+        pa.types.is_binary,
+        pa.types.is_dictionary,
+    )
     kinds = {name: found[name].type for name in found.column_names}
     left = [f"{name} ({kind})" for name, kind in kinds.items() if any(a(kind) for a in words)]
     return [f"no numbers in {', '.join(left)[:120]}: left out"] if left else []
@@ -137,7 +181,7 @@ def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[st
     Fields that are called alike in two structs keep the structs' names: ``measured.q1``. said: is
     told what is left out because it is not as long as the others.
     """
-    leaves = list(_leaves(content))
+    leaves = _of_one_clock(list(_leaves(content)))
     length = _samples_in(leaves)
     if said is not None:
         said += [
@@ -159,6 +203,15 @@ def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[st
         else:
             out |= {f"{called}{j + 1}": column for j, column in enumerate(block.T)}
     return out
+
+
+def _of_one_clock(leaves: Sequence[tuple[Place, Array]]) -> list[tuple[Place, Array]]:
+    """Signals that are stored with a clock each, which all say the same: one is enough."""
+    clocks = [(place, v) for place, v in leaves if place[-1].lower() in CLOCKS and v.ndim == 1]
+    if len(clocks) < 2 or not all(np.array_equal(clocks[0][1], v) for _, v in clocks[1:]):
+        return list(leaves)
+    twice = {place for place, _ in clocks[1:]}
+    return [(place, v) for place, v in leaves if place not in twice]
 
 
 def _called(place: Place) -> str:
@@ -209,12 +262,27 @@ def _seconds(moments: Any) -> Array:
 
 def _listed(name: str, values: Any) -> dict[str, Any]:
     """An array of structs: each by its number, Simulink's signals by their labels."""
+    each = list(np.ravel(np.asarray(values, dtype=object)))
+    if (rows := _one_a_sample(each)) is not None:
+        return rows
     out: dict[str, Any] = {}
-    for k, value in enumerate(np.ravel(np.asarray(values, dtype=object)), 1):
+    for k, value in enumerate(each, 1):
         if isinstance(value, Mapping):
             label = str(value.get("label") or "")
             out[label or f"{name}{k}"] = value.get("values", value)
     return out
+
+
+def _one_a_sample(structs: Sequence[Any]) -> dict[str, Any] | None:
+    """(N, k) by field, of as many structs as there are samples, all alike and of a few numbers
+    each; None where they are something else."""
+    if len(structs) <= FEW or not all(isinstance(one, Mapping) for one in structs):
+        return None
+    shapes = {tuple((k, np.shape(v)) for k, v in one.items()) for one in structs}
+    if len(shapes) != 1 or any(len(shape) > 1 for _, shape in next(iter(shapes))):
+        return None
+    stacked = {name: np.array([one[name] for one in structs]) for name in structs[0]}
+    return {name: v for name, v in stacked.items() if v.dtype.kind in "fiub"}
 
 
 def _of_arrow(column: Any) -> Any:
@@ -232,7 +300,7 @@ def _of_arrow(column: Any) -> Any:
         return (whole - whole[0] // SECOND * SECOND) * 1e-9
     numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, pa.types.is_decimal)
     if any(is_one(kind) for is_one in numbers):
-        return column.cast(pa.float64()).to_numpy()
+        return column.cast(pa.float64(), safe=False).to_numpy()  # ns since 1970 to 0.3 µs
     return None
 
 

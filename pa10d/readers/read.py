@@ -54,7 +54,7 @@ def read_recording(
     if _is_plain_csv(path):
         part.only(path)
         return read_csv(path, robot.n, robot.name, constants, mapping, kept, robot.joint_names)
-    table = _table(path, profile, robot, progress, part)
+    table = _with_stamps(_table(path, profile, robot, progress, part))
     return recording_of(path, table, robot.n, robot.name, constants, rules, robot.joint_names)
 
 
@@ -72,7 +72,7 @@ def read_table(
         part.only(path)
         columns, remarks = read_columns(path)
         return ForeignTable(columns, remarks)
-    return _table(path, profile, robot, progress, part)
+    return _with_stamps(_table(path, profile, robot, progress, part))
 
 
 def _table(
@@ -85,7 +85,7 @@ def _table(
         head, suffix = packed.inner_head(path, LOOK), Path(packed.inner_name(path)).suffix.lower()
         if head.startswith(BINARY) or suffix in BY_NAME or is_can_csv(head):
             return _unpacked_table(path, profile, robot, progress, part)
-        return _with_stamps(text.read_text(path))
+        return text.read_text(path)
     return _table_of(path, profile, robot, progress, part)
 
 
@@ -134,7 +134,7 @@ def _table_of(
         return arrays.read_mat(path)
     if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
         return arrays.read_npz(path)
-    return _with_stamps(text.read_text(path))
+    return text.read_text(path)
 
 
 def _own(path: Path) -> ForeignTable | None:
@@ -157,8 +157,11 @@ def _own(path: Path) -> ForeignTable | None:
 
 def _with_stamps(table: ForeignTable) -> ForeignTable:
     """Seconds and nanoseconds in two columns are one time."""
+    pairs = text.stamps_in_two(list(table.columns))
+    if not pairs:
+        return table
     columns = dict(table.columns)
-    for sec, nano in text.stamps_in_two(list(columns)):
+    for sec, nano in pairs:
         if "time" not in columns:
             whole = columns.pop(sec)
             columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
@@ -190,4 +193,9 @@ def _is_plain_csv(path: Path) -> bool:
     if len(names) < 3 or any(sign in line for sign in (";", "\t")) or text.numbers(names):
         return False
     below = rest.partition(b"\n")[0].decode("utf-8", "replace")
+    if text.numbers(names[:2]):
+        return False  # a row, not names
+    cells = below.split(",")
+    if len(cells) != len(names) and below.strip() and not text.numbers(cells):
+        return False  # lines above the names
     return not (text.stamps_in_two(names) or text.units_or_moments(below))

@@ -11,12 +11,18 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.readers.part import Parts
-from pa10d.readers.value_guess import guessed_by_value
+from pa10d.readers.value_guess import guessed_by_value, one_block
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_choices import rules_of
 from pa10d.store.column_mapping import Rule, Unit, resolve, stamps_of
 from pa10d.store.csv_header import Columns, Header
-from pa10d.store.csv_import import FEWEST, CsvRecording, timing_sentences, wraps_of
+from pa10d.store.csv_import import (
+    FEWEST,
+    CsvRecording,
+    timing_sentences,
+    unit_since_1970,
+    wraps_of,
+)
 from pa10d.store.equal_steps import equal_steps
 
 
@@ -48,9 +54,13 @@ def recording_of(
     header = Header(str(path), names, resolved.fields, joints)
     try:
         columns = header.columns(n, constants is not None, robot)
-    except UserError as error:
+    except UserError as found:
+        error = UserError(_with_clock(str(found), table))
         if "c1" not in names:
-            raise UserError("; ".join([str(error), *table.remarks])) from error
+            by_value = _by_value(table, n) if one_block(names) else ""
+            if by_value:
+                by_value = f"; by their values perhaps --map {by_value}"
+            raise UserError("; ".join([f"{error}{by_value}", *table.remarks])) from error
         raise UserError(
             f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
             f"--map {_by_value(table, n)} ({len(names)} columns)"
@@ -74,11 +84,12 @@ def recording_of(
     samples = _samples(cells, columns, constants)
     cells.forget()
     table.columns = {}  # an hour at 1 kHz is not to be held twice
-    wraps = wraps_of(samples)
+    wraps = wraps_of(samples, resolved)
     try:
         timing, samples = equal_steps(t, samples)
     except UserError as error:
-        raise UserError(f"{path}: {error}") from error
+        clock = "" if names[columns.time] in resolved.units else names[columns.time]
+        raise UserError(f"{path}: {error}{unit_since_1970(t, clock)}") from error
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
@@ -90,9 +101,20 @@ def recording_of(
     )  # fmt: skip
 
 
+def _with_clock(said: str, table: ForeignTable) -> str:
+    """A refusal whose ready mapping knows what the stamps count, as far as they count from 1970."""
+    for name, values in table.columns.items():
+        rule = f" --map {name}=time"
+        if rule in said and len(values) and (told := unit_since_1970(values, name)):
+            return said.replace(rule, told.removeprefix("; perhaps"))
+    return said
+
+
 def _by_value(table: ForeignTable, n: int) -> str:
     rules = rules_of(guessed_by_value(table.columns, n), n)
-    return " ".join(map(shlex.quote, rules)) if rules else "c1=time c2=q1 …"
+    if rules:
+        return " ".join(map(shlex.quote, rules))
+    return "c1=time c2=q1 …" if "c1" in table.columns else ""
 
 
 class _Cells:

@@ -20,8 +20,19 @@ from pa10d.store.csv_locate import most_unpacked
 
 DELIMITERS = (";", "\t", "|", ",")
 COMMENT = ("#", "%", "//")
+NAMES = ("frame_id", "name.")  # columns of words that rows of ROS messages have
 NANOSECONDS = ("nanosec", "nsec", "nsecs", "nanosecs")
 LOOK = 1 << 16  # bytes that are looked at to tell the dialect
+ABOVE = 60  # lines within which the first row of numbers is looked for
+FEWEST = 3  # columns of a recording: a stamp, a position, a torque
+SPELT = {
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us",
+    "nsec": "ns", "degree": "deg", "degrees": "deg", "degs": "deg", "radian": "rad",
+    "radians": "rad", "degree/s": "deg/s", "degrees/s": "deg/s", "radian/s": "rad/s",
+    "radians/s": "rad/s", "rad/sec": "rad/s", "deg/sec": "deg/s", "N m": "Nm", "newton meter": "Nm",
+    "nm": "Nm", "NM": "Nm", "amp": "A", "amps": "A", "ampere": "A",
+}  # fmt: skip
+"""How a row of units may write what a mapping knows by another word."""
 _EXCEL = re.compile(r"sep=(.)", re.I)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 
@@ -38,26 +49,73 @@ def read_text(path: Path) -> ForeignTable:
         body = body[1:]
     if not body:
         raise UserError(f"{path}: an empty file; expected a header and rows of numbers")
+    _refuse_json(path, body[0])
     named_by_excel = _EXCEL.fullmatch(body[0].strip())
     body = body[1:] if named_by_excel and len(body) > 1 else body
+    above = 0 if named_by_excel else _lines_above(body)
+    body = body[above:]
     delimiter = named_by_excel[1] if named_by_excel else _delimiter(body[0])
     comma = delimiter != "," and bool(_DECIMAL_COMMA.search(" ".join(body[:20])))
     first = _cells(body[0], delimiter)
-    bare = all(_number(cell, comma) is not None for cell in first)
-    if bare:
-        names, units = _names_above(lines[:comments], delimiter, len(first)), []
+    echoed = _echoed(body, delimiter)
+    bare = bool(echoed) or all(_number(cell, comma) is not None for cell in first)
+    units: list[str] = []
+    if echoed:
+        names = echoed
+    elif bare:
+        names = _names_above(lines[:comments], delimiter, len(first))
     else:
         names, body = first, body[1:]
         units = _units(body[0], delimiter, len(names), comma) if body else []
         body = body[1:] if units else body
     named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
+    _refuse_twice(path, named, len(lines) - len(body))
     below = len(lines) - len(body) + 1
     remarks = [f"no header: columns are called {names[0]} … {names[-1]}"] if bare else []
+    if echoed:
+        remarks = ["rows of ros2 topic echo --csv, of sensor_msgs/JointState by their shape"]
+    if above:
+        remarks.append(f"{above} {'line' if above == 1 else 'lines'} above the header left out")
     found = _numbers(path, body, named, delimiter, comma, below)
-    left = [name for name in named if name not in found]
+    left = [name for name in named if name not in found and not (echoed and name.startswith(NAMES))]
     if left:
         remarks.append(f"no numbers in {', '.join(left)}: left out")
     return ForeignTable(found, remarks)
+
+
+def _refuse_json(path: Path, line: str) -> None:
+    if line.lstrip()[:1] in ("{", "[") and line.count('"') > 1:
+        raise UserError(f"{path}: JSON; expected a table, such as pandas' read_json(…).to_csv(…)")
+
+
+def _refuse_twice(path: Path, names: list[str], line: int) -> None:
+    """Columns of one name: which of them is meant nobody knows."""
+    seen: dict[str, int] = {}
+    for k, name in enumerate(names, 1):
+        if name and name in seen:
+            where = f"{path}:{max(line, 1)}"
+            raise UserError(
+                f"{where}: columns {seen[name]} and {k} are both {name!r}; expected one"
+            )
+        seen[name] = k
+
+
+def _lines_above(body: list[str]) -> int:
+    """How many lines of a report stand above the names: the first row of numbers tells how wide
+    the table is, and the names are the first line above it that is as wide."""
+    for k, line in enumerate(body[:ABOVE]):
+        sign = _delimiter(line)
+        width = len(_cells(line, sign))
+        if width < FEWEST or not _mostly_numbers(_cells(line, sign)):
+            continue
+        alike = [i for i in range(k) if len(_cells(body[i], sign)) == width]
+        return alike[0] if alike else 0
+    return 0
+
+
+def _mostly_numbers(cells: list[str]) -> bool:
+    found = [_number(cell, comma=True) is not None for cell in cells if cell]
+    return 2 * sum(found) > len(found)
 
 
 def numbers(cells: list[str]) -> bool:
@@ -147,9 +205,34 @@ def _names_above(comments: list[str], delimiter: str, count: int) -> list[str]:
 
 def _units(line: str, delimiter: str, count: int, comma: bool) -> list[str]:
     cells = [cell.strip("[]() ") for cell in _cells(line, delimiter)]
+    cells = [cell if cell in UNITS else SPELT.get(cell, SPELT.get(cell.lower(), cell))
+             for cell in cells]  # fmt: skip
     known = [cell in UNITS or not cell or cell == "-" for cell in cells]
     numbers = any(_number(cell, comma) is not None for cell in cells)
     return cells if len(cells) == count and all(known) and not numbers else []
+
+
+def _echoed(body: list[str], delimiter: str) -> list[str]:
+    """Names for the rows of ``ros2 topic echo --csv`` of joint states: seconds, nanoseconds, a
+    frame, the joints' names, their positions, speeds and efforts."""
+    rows = [_cells(line, delimiter) for line in body[:2]]
+    if len(rows) < 2 or len(rows[0]) < 6 or not all(row[0].isdigit() for row in rows):
+        return []
+    words = [k for k, cell in enumerate(rows[0]) if _number(cell, comma=False) is None]
+    joints = [rows[0][k] for k in words if k > 2]
+    numbers = len(rows[0]) - 3 - len(joints)
+    kinds = ("position", "velocity", "effort")
+    told = (
+        joints
+        and words[-len(joints) :] == list(range(3, 3 + len(joints)))
+        and rows[0][1].isdigit()
+        and numbers == len(kinds) * len(joints)  # of two it is not said which two
+        and rows[0][2 : 3 + len(joints)] == rows[1][2 : 3 + len(joints)]
+    )
+    if not told:
+        return []
+    blocks = [f"{joint}.{kind}" for kind in kinds for joint in joints]
+    return ["sec", "nanosec", "frame_id", *(f"name.{joint}" for joint in joints), *blocks]
 
 
 def _paired(names: list[str], units: list[str]) -> list[tuple[str, str]]:

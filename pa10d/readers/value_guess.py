@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -40,6 +40,12 @@ def guessed_by_value(columns: Mapping[str, Array], n: int) -> list[Choice]:
             for j, name in enumerate(blocks[k], 1)
         ),
     ]
+
+
+def one_block(names: Sequence[str]) -> bool:
+    """Whether the columns are numbered and nothing else: one matrix of whatever name."""
+    bare = [name.rstrip("0123456789") for name in names]
+    return len(set(bare)) == 1 and all(map(str.__gt__, names, bare))
 
 
 def _rises(values: Array) -> bool:

@@ -26,6 +26,7 @@ from pa10d.readers import (
     Parts,
     Undecided,
     guessed_by_value,
+    one_block,
     read_table,
     recording_of,
 )
@@ -155,7 +156,7 @@ class _Look:
         choices = [Choice(c, f, kept.said.get(c, "")) for c, f in kept.fields.items()]
         taken = {*kept.fields, *kept.fields.values()}
         by_name = guessed(names, n, self._robot.joint_names)
-        if not by_name and not choices and "c1" in names:  # a file without a header
+        if not by_name and not choices and one_block(names):  # a file without a header
             by_name = guessed_by_value(self._columns, n)
         choices += [c for c in by_name if c.column not in taken and c.field not in taken]
         choices = [self._with_unit_of_time(choice) for choice in choices]

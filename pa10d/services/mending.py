@@ -17,7 +17,7 @@ def in_words_of(finding: CheckFinding, called: Names, said: Names, n: int) -> Ch
     advice = finding.advice
     for mend in finding.mends:
         own = rules_of(_choices(mend, called, said, n), n)
-        advice = advice.replace(mend.option, " ".join(f"'{rule}'" for rule in own))
+        advice = advice.replace(f" {mend.option}", "".join(f" '{rule}'" for rule in own))
     return replace(finding, advice=advice)
 
 
@@ -28,6 +28,9 @@ def mends(finding: CheckFinding, called: Names, said: Names, n: int) -> list[Cho
 
 
 def _choices(mend: Mend, called: Names, said: Names, n: int) -> list[Choice]:
+    if mend.source:
+        column = called.get(mend.source, mend.source)
+        return [Choice(column, mend.field, said.get(column, ""))]
     prefix, template, _ = mend.field.partition("{n}")
     fields = [f"{prefix}{j}" for j in range(1, n + 1)] if template else [mend.field]
     columns = [called.get(one, one) for one in fields]

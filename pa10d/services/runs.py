@@ -91,6 +91,7 @@ def import_run(
         warnings=tuple(_without_folder(file, text) for text in said),
         findings=tuple(_kept(f) for f in findings if f.severity != "info"),
         unit_given=tuple(sorted(stated_in(found, robot.n))),
+        excluded=found.timing.unmeasured,
         replace=replace,
         time_zero_ns=found.time_zero_ns,
     ) as writer:
@@ -105,6 +106,7 @@ def check_run(store: RunStore, run: str, robot: Robot, profile: Profile) -> list
     so. What was recorded here is in radians."""
     info = store.find(run)
     recording, timing = store.read(info).recording(info.name)
+    recording = recording.without(info.excluded) if info.excluded else recording
     if recording.joints != robot.n:
         raise UserError(
             f"run {info.name!r}: found {recording.joints} joints, expected the {robot.n} of "
@@ -200,7 +202,8 @@ def _stem(file: Path) -> str:
 
 def _recording(found: CsvRecording, name: str) -> Recording:
     samples = found.samples
-    return Recording(name, found.timing.grid, samples.q, samples.tau, samples.dq)
+    recording = Recording(name, found.timing.grid, samples.q, samples.tau, samples.dq)
+    return recording.without(found.timing.unmeasured) if found.timing.gaps else recording
 
 
 def _channels(samples: Samples, robot: Robot) -> Channels:

@@ -9,19 +9,22 @@ from pa10d.store.column_choices import Choice, rules_of
 from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
 
 WORDS = {
-    "dq": r"velocit|veloc|\bvel|speed|qdot|\bdq|\bqd\b|omega",
+    "dq": r"velocit|veloc|\bvel|speed|qdot|\bdq|\bqd\b|omega|geschwindigkeit",
     "tau": r"effort|torque|\btau|\btrq|moment|\bmom|\beff\b",
-    "i": r"current|\bcur|amp",
+    "i": r"current|\bcur|amp|\bstrom",
     "temp": r"temp",
-    "q": r"position|\bpos|angle|\bang|\bq|theta|phi",
+    "q": r"position|\bpos|angle|\bang|\bq|theta|phi|winkel",
 }
 VAGUE = {"q": r"joint|\bstate"}  # where no name says more
 DEMANDED = re.compile(
     r"desired|target|command|\bcmd|\bref|setpoint|goal|error|\bdes|\baction", re.I
 )
-TIMES = {"t", "time", "stamp", "timestamp", "seconds", "sec", "secs", "zeit"}
+TIMES = {
+    "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
+    "zeit",
+}  # fmt: skip
 _NUMBER = re.compile(r"\d+")
-_UNIT = re.compile(r"_(deg|rad|ms|us|ns|Nm|mNm|rpm)$")
+_UNIT = re.compile(r"_(deg|rad|ms|us|ns|Nm|mNm|rpm)(_s|_?ps)?$")
 
 
 def guess(names: Sequence[str], n: int) -> list[str]:
@@ -63,7 +66,7 @@ def unit_in(name: str) -> str:
     """The unit that a column's name ends in, where it is not SI."""
     found = own_unit(name)
     if not found and (match := _UNIT.search(name)):
-        found = match[1]
+        found = f"{match[1]}/s" if match[2] else match[1]
     return found if UNITS.get(found, 1.0) != 1.0 else ""
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.measurement.counters import unwrapped
+from pa10d.measurement.counters import centred, unwrapped
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class Unit:
         if self.word is not None:
             values = np.mod(values + 0.5 * self.word, self.word) - 0.5 * self.word
         if self.period is not None:
-            values = unwrapped(values, self.period)
+            values = centred(unwrapped(values, self.period), self.period)
         return values if self.factor == 1.0 else values * self.factor
 
 

@@ -155,7 +155,7 @@ class Header:
             hint = "; motor currents need 'torque_constants' in the profile"
         chosen = guessed(self.names, n, self._joints)
         options = rules_of(chosen, n)
-        if len(options) > 1:
+        if len(options) > 1 or (options and not hint):
             hint = "; perhaps --map " + " ".join(map(shlex.quote, options))
         fields = {choice.field for choice in chosen}
         if "i1" in fields and "tau1" in missing and "tau1" not in fields:

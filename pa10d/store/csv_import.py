@@ -16,11 +16,12 @@ from pa10d.common.errors import UserError
 from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
-from pa10d.store.column_mapping import Unit, read_mapping, resolve, stamps_of
+from pa10d.store.column_mapping import UNITS, Resolved, Unit, read_mapping, resolve, stamps_of
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, refuse_bombs, rows
 from pa10d.store.equal_steps import equal_steps
 
+SINCE_1970 = (3e8, 4.2e9)  # s: from 1979 to 2103
 FEWEST = 100  # samples; below that nothing can be filtered, let alone fitted
 
 
@@ -73,8 +74,9 @@ def read_csv(
     if table.left_out:
         warnings.append(f"{path}: no numbers in {', '.join(table.left_out)}: left out")
     del table
-    wraps = wraps_of(samples)
-    timing, samples = _equal_steps(path, t, samples)
+    wraps = wraps_of(samples, given)
+    clock = names[columns.time] if columns.time not in columns.units else ""
+    timing, samples = _equal_steps(path, t, samples, clock)
     said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
@@ -95,23 +97,35 @@ def read_columns(path: Path) -> tuple[dict[str, Array], list[str]]:
     return columns, []
 
 
-def wraps_of(samples: Samples) -> dict[str, Wrap]:
-    """Field -> how its numbers begin anew, where they do."""
+def wraps_of(samples: Samples, given: Resolved) -> dict[str, Wrap]:
+    """Field -> how its numbers begin anew, where they do. given: how the file was read."""
     blocks = {"q": samples.q, "tau": samples.tau, "dq": samples.dq}
-    return {
-        f"{kind}{j}": wrap
-        for kind, block in blocks.items()
-        if block is not None
-        for j, values in enumerate(block.T, 1)
-        if (wrap := wrap_of(values)) is not None
-    }
+    columns = {field: column for column, field in given.fields.items()}
+    found = {}
+    for kind, block in blocks.items():
+        for j, values in enumerate(() if block is None else block.T, 1):
+            unit = given.units.get(columns.get(f"{kind}{j}", ""), Unit())
+            factor = unit.factor if unit.word is None else 1.0  # its sign was put back
+            wrap = wrap_of(values, factor, position=kind == "q")
+            if wrap is not None:
+                found[f"{kind}{j}"] = wrap
+    return found
 
 
-def _equal_steps(path: Path, t: Array, samples: Samples) -> tuple[Timing, Samples]:
+def _equal_steps(path: Path, t: Array, samples: Samples, clock: str) -> tuple[Timing, Samples]:
     try:
         return equal_steps(t, samples)
     except UserError as error:
-        raise UserError(f"{path}: column time: {error}") from error
+        raise UserError(f"{path}: column time: {error}{unit_since_1970(t, clock)}") from error
+
+
+def unit_since_1970(t: Array, clock: str) -> str:
+    """A ready mapping for stamps (N,) of the column ``clock`` that count from 1970 in less than
+    seconds; nothing where they do not, or where a unit was given (clock: '')."""
+    for unit in ("ms", "us", "ns") if clock else ():
+        if SINCE_1970[0] < t[-1] * UNITS[unit] < SINCE_1970[1]:
+            return f"; perhaps --map '{clock}[{unit}]=time'"
+    return ""
 
 
 def timing_sentences(timing: Timing) -> list[str]:
@@ -135,6 +149,7 @@ def timing_sentences(timing: Timing) -> list[str]:
         said.append(
             f"{many} without samples, the longest {longest:.3g} s at {begin:.3f} s: filled by "
             "straight lines and marked in the extra channel 'gap'"
+            + (", left out of every fit" if timing.unmeasured else "")
         )
     return said
 

@@ -108,7 +108,7 @@ def to_recording(samples: Samples, time_zero_ns: int, name: str) -> tuple[Record
     if even.current is not None:
         extra |= {f"i{j + 1}": column for j, column in enumerate(even.current.T)}
     recording = Recording(name, timing.grid, even.q, even.tau, even.dq, even.temperature, extra)
-    return recording, timing
+    return recording.without(timing.unmeasured) if timing.unmeasured else recording, timing
 
 
 def to_equal_steps(samples: Samples, time_zero_ns: int, name: str) -> tuple[Timing, Samples]:

@@ -133,13 +133,15 @@ class RunStore:
         warnings: tuple[str, ...] = (),
         findings: tuple[KeptFinding, ...] | None = None,
         unit_given: tuple[int, ...] = (),
+        excluded: tuple[tuple[float, float], ...] = (),
         tags: tuple[str, ...] = (),
         replace: bool = False,
         time_zero_ns: int = 0,
     ) -> Iterator[RunWriter]:
         """A run that appears when the block ends, whole, or not at all if it fails.
 
-        Without a ``name`` it is called ``stem``, numbered where that is taken.
+        Without a ``name`` it is called ``stem``, numbered where that is taken. excluded: stretches
+        (begin, end) s that nothing was measured in.
         """
         if name is not None and not replace:
             self._refuse_taken(checked_name(name))
@@ -147,6 +149,7 @@ class RunStore:
             checked_name(name or stem), profile.name if profile else "", channels,
             source=source, warnings=warnings, findings=findings, unit_given=unit_given, tags=tags,
         )  # fmt: skip
+        info = info.but(excluded=excluded) if excluded else info
         new = self._new_folder(info)
         try:
             writer = RunWriter(new, info, channels, profile, time_zero_ns=time_zero_ns)

@@ -11,7 +11,7 @@ from one_ur5e import recorded, ur5e
 
 from pa10d.checks import check_recording
 from pa10d.checks.geometry import check_geometry
-from pa10d.measurement.counters import lost_sign
+from pa10d.measurement.counters import lost_sign, upper_half
 from pa10d.measurement.recording import Recording
 from pa10d.readers import read_recording
 from pa10d.services.robots import load_robot
@@ -69,7 +69,7 @@ def test_a_counter_without_its_sign_is_named_and_mended(tmp_path, robot, clean):
     raw = np.round(clean.tau * 100.0)
     lost = Recording("lost", clean.t, clean.q, np.mod(raw, 65536.0), None)
     found = [f for f in check_recording(lost, None, robot, delay=False) if f.code == "wrapped"]
-    assert {f.joint for f in found} >= {1, 3, 4, 5, 6}  # joint 2 carries its weight on one side
+    assert {f.joint for f in found} == {1, 2, 3, 4, 5, 6}
     assert all(f.severity == "error" for f in found)
     assert "'tau1[i16]=tau1'" in found[0].advice
     names = ["time", *(f"q{j}" for j in range(1, 7)), *(f"raw{j}" for j in range(1, 7))]
@@ -79,6 +79,28 @@ def test_a_counter_without_its_sign_is_named_and_mended(tmp_path, robot, clean):
     profile, arm = load_robot("ur5e")
     back = read_recording(file, profile, arm, ["raw{n}[i16*0.01]=tau"])
     np.testing.assert_allclose(back.samples.tau, raw / 100.0, atol=1e-12)
+    assert back.wraps == {}
+    scaled = read_recording(file, profile, arm, ["raw{n}[0.01]=tau"])
+    assert set(scaled.wraps) == {f"tau{j}" for j in range(1, 7)}, "a factor hides no lost sign"
+
+
+def test_a_torque_that_leaps_over_zero_has_lost_its_sign_as_well():
+    signs = np.sign(np.sin(np.arange(2000) / 40.0 + 0.1))
+    raw = np.round(7000 * signs + 300 * np.cos(np.arange(2000) / 7.0))
+    assert lost_sign(np.mod(raw, 65536.0)) == 16
+    assert lost_sign(raw + 30000) is None
+
+
+def test_a_torque_that_never_crosses_zero_has_lost_its_sign_as_well(clean):
+    below = np.round(-2000 + 900 * np.sin(clean.t))
+    tau = clean.tau.copy()
+    tau[:, 1] = np.mod(below, 65536.0)
+    run = replace(clean, tau=tau)
+    (found,) = [f for f in check_recording(run, None, None, delay=False) if f.code == "wrapped"]
+    assert found.joint == 2
+    assert "tau stays between 32768 and 65536" in found.sentence
+    assert upper_half(below + 4000) is None
+    assert upper_half(np.mod(below, 65536.0) + 0.5) is None
 
 
 def test_signals_that_are_no_counters_do_not_wrap():

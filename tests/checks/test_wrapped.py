@@ -48,7 +48,10 @@ def test_the_period_is_told_and_runs_on(kind):
     assert np.abs(np.diff(smooth)).max() < 0.1 * found.period
     again = read_unit(written)(values)
     factor = read_unit(written.partition("*")[2] or "1").factor
-    np.testing.assert_allclose(smooth * factor, again, rtol=1e-12)
+    rounds = (smooth * factor - again) / (found.period * abs(factor))
+    np.testing.assert_allclose(rounds, np.rint(rounds[0]), atol=1e-9)
+    middle = 0.5 * (again.min() + again.max())
+    assert abs(middle) <= 0.5 * found.period * abs(factor), "the round nearest to zero"
 
 
 def test_an_unusual_counter_is_named_without_a_guess():

@@ -1,0 +1,99 @@
+"""Columns that were dealt to other joints: exchanged, in reverse, or shifted by one.
+
+The arm's geometry tells it as it tells a sign (``pa10d.checks.geometry``): the textbook model, all
+its masses free, explains a recording best with every joint in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.checks.finding import CheckFinding, Mend
+from pa10d.checks.geometry import TextbookView, middle_of, surely_less
+from pa10d.dynamics import Robot, base_parameters
+from pa10d.measurement.recording import Recording
+
+Array = NDArray[np.float64]
+
+FAST = 80.0  # Hz: what geometry is asked of lies below 5 Hz
+LONGEST = 15.0  # s of the recording that are used
+MOVED = (("q", "tau"), ("q",), ("tau",))  # what may have been dealt otherwise
+
+
+def check_order(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
+    """One finding at most: the order that explains most, if it surely explains more."""
+    if robot.n < 2:
+        return
+    found = dict(_better(_thinned(middle_of(recording, LONGEST)), robot))
+    if not found:
+        return
+    (order, moved), share = min(found.items(), key=lambda item: item[1])
+    kinds = [*moved, *(["dq"] if "q" in moved and recording.dq is not None else [])]
+    mends = tuple(
+        Mend(f"{kind}{j + 1}", "", source=f"{kind}{k + 1}")
+        for kind in kinds
+        for j, k in enumerate(order)
+        if j != k
+    )
+    yield CheckFinding(
+        "warning",
+        "order",
+        f"{' and '.join(moved)} of joints {_words(order)} seem dealt to other joints: in the order "
+        f"{', '.join(str(k + 1) for k in order)} the textbook model leaves {share:.1%} of the "
+        "error",
+        f"--map {' '.join(mend.option for mend in mends)}",
+        mends=mends,
+    )
+
+
+def _better(
+    part: Recording, robot: Robot
+) -> Iterator[tuple[tuple[tuple[int, ...], tuple[str, ...]], float]]:
+    """Orders, of what, that surely leave less, and which share of the error they leave."""
+    kept = base_parameters(robot).kept
+    view = TextbookView.of(part, robot, kept)
+    if view is None:
+        return
+    left = _left(view)
+    for order in _orders(robot.n):
+        places = list(order)
+        other = TextbookView.of(replace(part, q=part.q[:, places]), robot, kept)
+        for moved in MOVED:
+            seen = other if "q" in moved else view
+            if seen is None:
+                continue
+            new = _left(replace(seen, tau=view.tau[:, places]) if "tau" in moved else seen)
+            if surely_less(new, left):
+                yield (order, moved), float(new.sum() / left.sum())
+
+
+def _left(view: TextbookView) -> Array:
+    return view.left(np.maximum(view.tau.std(axis=0), 1e-9))
+
+
+def _orders(n: int) -> list[tuple[int, ...]]:
+    """Two exchanged, all in reverse, all shifted by one: which column each joint is read from."""
+    own = list(range(n))
+    out = [tuple(own[1:] + own[:1]), tuple(own[-1:] + own[:-1]), tuple(own[::-1])]
+    for i, j in combinations(own, 2):
+        order = own.copy()
+        order[i], order[j] = j, i
+        out.append(tuple(order))
+    return list(dict.fromkeys(out))
+
+
+def _thinned(part: Recording) -> Recording:
+    """Fewer samples: dozens of orders are asked."""
+    step = max(1, int(part.rate / FAST))
+    thin = slice(None, None, step)
+    return Recording(part.name, part.t[thin], part.q[thin], part.tau[thin], excluded=part.excluded)
+
+
+def _words(order: tuple[int, ...]) -> str:
+    places = [str(j + 1) for j, k in enumerate(order) if j != k]
+    return f"{', '.join(places[:-1])} and {places[-1]}"

@@ -1,0 +1,259 @@
+"""Files as people hastily leave them: each comes in right, by itself or by the line that its
+refusal ends in, or is refused; never in other numbers."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+from scipy.io import savemat
+from test_formats import JOINTS, URDF
+
+from pa10d.common.errors import UserError
+from pa10d.identify import identify
+from pa10d.readers import read_recording
+from pa10d.services.robots import load_robot
+from pa10d.services.runs import findings_of, import_run
+from pa10d.store import RunStore
+
+N, RATE = 600, 200.0
+T = np.arange(N) / RATE
+Q = np.stack([0.8 * np.sin(3 * T), 0.6 * np.cos(2 * T)], axis=1)
+DQ = np.stack([2.4 * np.cos(3 * T), -1.2 * np.sin(2 * T)], axis=1)
+TAU = 5.0 * np.sin(3 * T)[:, None] * [1.0, 0.4] + 0.3 * Q
+FLAT = {"q1": Q[:, 0], "q2": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]}
+NS = np.rint(T * 1e9).astype(np.int64)
+EPOCH = 1_700_000_000_250_000_000
+
+
+@pytest.fixture
+def robot(tmp_path):
+    (tmp_path / "robot.urdf").write_text(URDF)
+    return load_robot(tmp_path / "robot.urdf")
+
+
+def rows(columns, sign=","):
+    return [sign.join(str(v) for v in row) for row in zip(*columns, strict=True)]
+
+
+def text(name, columns, names, above=(), below=(), sign=","):
+    def write(folder):
+        made = [*above, sign.join(names), *below, *rows(columns, sign)]
+        (folder / name).write_text("\n".join(made) + "\n")
+        return folder / name
+
+    return write
+
+
+def table(**columns):
+    def write(folder):
+        parquet.write_table(pa.table(columns), folder / "run.parquet")
+        return folder / "run.parquet"
+
+    return write
+
+
+def matlab(**content):
+    def write(folder):
+        savemat(folder / "run.mat", content)
+        return folder / "run.mat"
+
+    return write
+
+
+def echoed(folder):
+    made = [
+        [str(ns // 10**9), str(ns % 10**9), "", *JOINTS[::-1], *map(repr, Q[k, ::-1].tolist()),
+         *map(repr, DQ[k, ::-1].tolist()), *map(repr, TAU[k, ::-1].tolist())]
+        for k, ns in enumerate((NS + EPOCH).tolist())
+    ]  # fmt: skip
+    path = folder / "echo.csv"
+    path.write_text("\n".join(map(",".join, made)) + "\n")
+    return path
+
+
+def by_half_days(folder):
+    moments = [f"03/01/2026 {(11 + (59 * 60 + 59 + t) // 3600 - 1) % 12 + 1:02.0f}:"
+               f"{int(59 + (59 + t) // 60) % 60:02d}:{(59 + t) % 60:09.6f} "
+               f"{'AM' if t < 1 else 'PM'}" for t in T]  # fmt: skip
+    return text("run.csv", [moments, *FLAT.values()], ["time", *FLAT])(folder)
+
+
+def structs(names, *columns):
+    out = np.zeros((len(columns[0]),), dtype=[(name, object) for name in names])
+    for name, values in zip(names, columns, strict=True):
+        out[name] = list(values)
+    return out
+
+
+SAMPLES = [T, *FLAT.values()]
+NAMES = ["time", *FLAT]
+DEGREES = [T * 1e3, *np.degrees(Q.T), *np.degrees(DQ.T), *TAU.T]
+WHOLE = {
+    "a report above the names": text(
+        "run.csv", SAMPLES, NAMES, ["Robot log 3", "Operator: NN, Hall 2, Cell B", "", "Rate;200"]
+    ),
+    "one with semicolons": text(
+        "run.csv", SAMPLES, NAMES, ["Test;3", "Date;01.03.2026", ""], sign=";"
+    ),
+    "units in words": text(
+        "run.csv", DEGREES, ["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"],
+        below=["msec,degrees,degrees,degrees/s,degrees/s,N m,N m"],
+    ),
+    "units behind names": text(
+        "run.csv", DEGREES, ["time_ms", "q1_deg", "q2_deg", "dq1_deg_s", "dq2_deg_s", "tau1_Nm",
+                             "tau2_Nm"],
+    ),
+    "German": text(
+        "run.csv", SAMPLES, ["Zeit", "Winkel_1", "Winkel_2", "Drehmoment_1", "Drehmoment_2"]
+    ),
+    "noon in half days": by_half_days,
+    "ros2 topic echo": echoed,
+    "ns since 1970": text("run.csv", [NS + EPOCH, *FLAT.values()], NAMES),
+    "µs since 1970, by tabs": text(
+        "run.tsv", [(NS + EPOCH) // 1000, *FLAT.values()], ["stamp", *FLAT], sign="\t"
+    ),
+    "ms since 1970": text("run.csv", [(NS + EPOCH) // 10**6, *FLAT.values()], NAMES),
+    "ns in Parquet": table(time=NS + EPOCH, **FLAT),
+    "messages in Parquet": table(
+        stamp=NS + EPOCH, name=[list(JOINTS[::-1])] * N, position=Q[:, ::-1].tolist(),
+        effort=TAU[:, ::-1].tolist(),
+    ),
+    "a header's stamp in Parquet": table(**{
+        "header.stamp.sec": (NS + EPOCH) // 10**9, "header.stamp.nanosec": (NS + EPOCH) % 10**9,
+    }, **FLAT),
+    "structs in Parquet": table(
+        time=T, tau1=TAU[:, 0], tau2=TAU[:, 1],
+        position=[{"q1": a, "q2": b} for a, b in Q.tolist()],
+    ),
+    "a struct a sample": matlab(log=structs(("time", "q", "tau"), T, Q, TAU)),
+    "one matrix": matlab(data=np.column_stack([T, Q, TAU])),
+    "a clock for each signal": matlab(
+        q={"time": T, "signals": {"values": Q}}, tau={"time": T, "signals": {"values": TAU}}
+    ),
+}  # fmt: skip
+
+
+def mapped(refusal):
+    found = re.search(r"perhaps --map ([^;]+)", refusal)
+    assert found, refusal
+    return shlex.split(found[1])
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_right_by_itself_or_by_the_line_of_its_refusal(tmp_path, robot, kind):
+    path = WHOLE[kind](tmp_path)
+    try:
+        found = read_recording(path, *robot)
+    except UserError as error:
+        found = read_recording(path, *robot, mapped(str(error)))
+    np.testing.assert_allclose(found.samples.q, Q, atol=1e-6)
+    np.testing.assert_allclose(found.samples.tau, TAU, atol=1e-5)
+    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-6)
+    if found.samples.dq is not None:
+        np.testing.assert_allclose(found.samples.dq, DQ, atol=1e-6)
+
+
+def twice(folder):
+    made = pa.table([pa.array(v) for v in SAMPLES], names=["time", "q1", "q2", "q1", "tau2"])
+    parquet.write_table(made, folder / "run.parquet")
+    return folder / "run.parquet"
+
+
+def workbook(folder):
+    import zipfile
+
+    with zipfile.ZipFile(folder / "run.xlsx", "w") as archive:
+        for name in ("[Content_Types].xml", "xl/workbook.xml", "xl/worksheets/sheet1.xml"):
+            archive.writestr(name, "<x/>")
+    return folder / "run.xlsx"
+
+
+def json_lines(folder):
+    (folder / "run.jsonl").write_text('{"time": 0.0, "q1": 1.0}\n' * N)
+    return folder / "run.jsonl"
+
+
+REFUSED = {
+    "two columns of a name, by tabs": (
+        text("run.tsv", SAMPLES, ["time", "q1", "q2", "q1", "tau2"], sign="\t"),
+        "columns 2 and 4 are both 'q1'",
+    ),
+    "two columns of a name, semicolons": (
+        text("run.csv", SAMPLES, ["time", "q1", "q2", "tau1", "tau1"], sign=";"),
+        "columns 4 and 5 are both 'tau1'",
+    ),
+    "two columns of a name in Parquet": (twice, r"q1.* expected"),
+    "names that change": (
+        table(time=T, name=[list(JOINTS if k < 300 else JOINTS[::-1]) for k in range(N)],
+              q=Q.tolist(), tau=TAU.tolist()),
+        "column name: row 301 names .* expected one order in all rows",
+    ),
+    "a workbook": (workbook, "an Excel workbook; expected its sheet saved as CSV"),
+    "JSON": (json_lines, "JSON; expected a table"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_one_clear_line(tmp_path, robot, kind):
+    write, told = REFUSED[kind]
+    path = write(tmp_path)
+    with pytest.raises(UserError, match=told) as caught:
+        read_recording(path, *robot)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_samples_are_told_from_milliseconds_by_both_lines(tmp_path, robot):
+    path = text("run.csv", [np.arange(N), *FLAT.values()], NAMES)(tmp_path)
+    found = read_recording(path, *robot)
+    profile, arm = robot
+    (told,) = [f for f in findings_of(found, "r", arm, profile, delay=False)
+               if f.code == "time_unit"]  # fmt: skip
+    assert "'time[ms]=time'" in told.advice
+    assert "'time[1/RATE]=time'" in told.advice
+    again = read_recording(path, *robot, ["time[1/200]=time"])
+    assert again.timing.rate == pytest.approx(RATE)
+
+
+def swinging(seconds, seed):
+    t = np.arange(0, seconds, 1 / RATE)
+    s = t[:, None] * np.array([2.1, 3.3]) + seed
+    q = np.sin(s) + 0.4 * np.cos(2.3 * s)
+    ddq = np.stack([np.gradient(np.gradient(c, t), t) for c in q.T], axis=1)
+    return t, q, 3.0 * ddq + 8.0 * np.sin(q)
+
+
+def test_what_was_not_measured_is_in_no_fit(tmp_path, robot):
+    """A lost second, filled by a straight line, had been fitted to."""
+    profile, arm = robot
+    t, q, tau = swinging(20.0, 0.3)
+    there = (t < 8.0) | (t > 9.2)
+    columns = [t, *q.T, *tau.T]
+    whole = text("whole.csv", columns, NAMES)(tmp_path)
+    holed = text("holed.csv", [c[there] for c in columns], NAMES)(tmp_path)
+    store = RunStore(tmp_path / "data")
+    (stretch,) = import_run(store, holed, profile, arm, name="holed", check=True).info.excluded
+    assert stretch == pytest.approx((8.0, 9.2), abs=0.02)
+    assert import_run(store, whole, profile, arm, name="whole").info.excluded == ()
+    fits = [identify([store.recording(name)], arm, name=name) for name in ("whole", "holed")]
+    assert np.allclose(fits[1].h, fits[0].h, rtol=1e-3, atol=1e-2)
+    straight = store.recording("holed")
+    object.__setattr__(straight, "excluded", ())
+    bad = identify([straight], arm, name="straight")
+    assert np.abs(bad.h - fits[0].h).max() > 10 * np.abs(fits[1].h - fits[0].h).max()
+    store.change("holed", excluded=[])
+    assert store.recording("holed").excluded == (), "a person's word is the last one"
+
+
+def test_so_many_pauses_that_nothing_would_be_left(tmp_path, robot):
+    t, q, tau = swinging(20.0, 0.3)
+    there = np.arange(len(t)) % 40 < 30
+    path = text("bursts.csv", [c[there] for c in (t, *q.T, *tau.T)], NAMES)(tmp_path)
+    found = read_recording(path, *robot)
+    assert len(found.timing.gaps) > 50
+    assert found.timing.unmeasured == ()
