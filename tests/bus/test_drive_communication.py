@@ -13,6 +13,7 @@ from drive_bench import NODE, Bench, emergencies
 
 from backends.eds import OWN_EDS
 from backends.frames import REMOTE
+from backends.virtual.drives.injection import Injection
 
 OFF = 1 << 31
 RPDO, TPDO = 0x200 + NODE, 0x180 + NODE
@@ -164,7 +165,26 @@ def test_identifiers_that_belong_to_others_are_refused(bench: Bench, can_id: int
     restricted = can_id != 0x700
     assert bool(bench.abort(0x1401, can_id, 4, 1)) == restricted
     assert bool(bench.abort(0x1005, can_id, 4)) == restricted
-    assert bench.abort(0x1401, 0x300 | 1 << 29, 4, 1) == WRONG_VALUE, "29-bit identifiers"
+    for bit in (11, 28, 29):
+        assert bench.abort(0x1401, 0x300 | 1 << bit, 4, 1) == WRONG_VALUE, "29-bit identifiers"
+
+
+def test_emergencies_go_elsewhere_only_while_there_are_none(
+    make_bench: Callable[..., Bench], tmp_path: Path
+) -> None:
+    text = OWN_EDS.read_text()
+    at = text.index("[1014]")
+    eds = tmp_path / "movable.eds"
+    eds.write_text(text[:at] + text[at:].replace("AccessType=ro", "AccessType=rw", 1))
+    bench = make_bench(drive={"eds": str(eds)})
+    own, other = 0x80 + NODE, 0x90 + NODE
+    assert bench.abort(0x1014, other, 4) == WRONG_STATE
+    assert bench.abort(0x1014, own | OFF, 4) == 0
+    assert bench.abort(0x1014, 0x701, 4) == WRONG_VALUE
+    assert bench.abort(0x1014, other, 4) == 0
+    bench.write(0x2F00, 0x2310, 4, 2)
+    said = bench.send(0x600 + NODE, b"\x2f\x00\x2f\x01" + bytes([Injection.EMCY, 0, 0, 0]))
+    assert [can_id for can_id, _ in said] == [other, 0x580 + NODE]
 
 
 def test_what_is_received_can_be_written_and_what_is_sent_can_be_read(
@@ -191,6 +211,10 @@ def test_one_node_has_one_heartbeat_time(bench: Bench) -> None:
     assert bench.abort(0x1016, 127 << 16 | 200, 4, 2) == 0x06040043
     assert bench.abort(0x1016, 126 << 16 | 200, 4, 2) == 0
     assert bench.abort(0x1016, 127 << 16 | 300, 4, 1) == 0, "its own may change"
+    assert bench.abort(0x1016, 255 << 16 | 300, 4, 2) == 0, "no node, and so not the same one"
+    assert bench.drive.node.listens_to().count(0x77F) == 1
+    bench.write(0x1016, 133 << 16 | 100, 4, 1)
+    assert 0x705 not in bench.drive.node.listens_to(), "133 is no node, nor is it node 5"
 
 
 # --- SYNC ---

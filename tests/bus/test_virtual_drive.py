@@ -30,8 +30,11 @@ def test_sdo_transfers_byte_by_byte(bench: Bench) -> None:
     assert bench.sdo("21 17 10 00 02 00 00 00") == "60 17 10 00 00 00 00 00"  # segmented
     assert bench.sdo("0b c8 00 00 00 00 00 00") == "20 00 00 00 00 00 00 00"
     assert bench.read(0x1017) == 200
-    assert bench.sdo("21 17 10 00 09 00 00 00") == "60 17 10 00 00 00 00 00"  # nine announced
+    assert bench.sdo("21 17 10 00 01 00 00 00") == "60 17 10 00 00 00 00 00"  # one announced
     assert bench.sdo("0b 64 00 00 00 00 00 00") == "80 17 10 00 10 00 07 06"  # two came
+    assert bench.sdo("21 17 10 00 09 00 00 00") == "80 17 10 00 12 00 07 06"  # nine do not fit
+    assert bench.sdo("20 17 10 00 00 00 00 00") == "60 17 10 00 00 00 00 00"  # nor do seven …
+    assert bench.sdo("00 64 00 00 00 00 00 00") == "80 17 10 00 12 00 07 06"  # … unannounced
     assert bench.read(0x1017) == 200
 
 
@@ -89,6 +92,15 @@ def test_nmt_states_decide_what_is_answered(bench: Bench) -> None:
     assert bench.send(0, bytes([129, NODE])) == [(0x700 + NODE, b"\0")]
     assert bench.read(0x1017) == 0, "power-on values after a reset"
     assert bench.send(0, bytes([129, NODE + 1])) == [], "not for us"
+
+
+@pytest.mark.parametrize("command", [b"\x55\x0a", b"\x02\x0a\x00", b"\x02"])
+def test_what_is_no_nmt_command_changes_nothing(bench: Bench, command: bytes) -> None:
+    bench.nmt(1)
+    bench.enable()
+    bench.send(0, command)
+    bench.sync(2)
+    assert bench.state() == "OPERATION ENABLED"
 
 
 def test_heartbeats_follow_simulated_time(bench: Bench) -> None:

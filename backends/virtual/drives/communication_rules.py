@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from backends.virtual.drives.heartbeats import watched_node
 from backends.virtual.drives.object_dictionary import (
     DUPLICATE,
     INVALID_VALUE,
@@ -16,6 +17,7 @@ from backends.virtual.drives.pdo import CODES, EACH_SYNC, INVALID, MAPPINGS, RPD
 
 EXTENDED, PRODUCE_SYNC = 1 << 29, 1 << 30
 CAN_ID = 0x7FF
+BEYOND = 0x1FFFF800  # bits of an identifier of 29 bits, which we have not
 COB_ID, TRANSMISSION_TYPE, INHIBIT_TIME, SYNC_START = 1, 2, 3, 6  # sub-indices of a record
 COUNTS = (0, *range(2, 241))  # of a SYNC counter: none, or where it begins anew
 FROM_EVENTS = range(254, 256)
@@ -39,7 +41,10 @@ def check_write(dictionary: LiveDictionary, key: int, value: Value) -> None:
     if index == 0x1003:
         _require(value == 0)  # zero empties the history, nothing else can be written
     elif index == 0x1005:
-        _require(not value & (EXTENDED | PRODUCE_SYNC) and value & CAN_ID not in RESTRICTED)
+        _require(not value & PRODUCE_SYNC)
+        _require_identifier(value)
+    elif index == 0x1014:
+        _check_emergency(dictionary, value)
     elif index == 0x1019:
         _require(value in COUNTS)
         _require(not dictionary.number(0x1006), WRONG_STATE)
@@ -56,16 +61,30 @@ def _require(holds: bool, otherwise: int = INVALID_VALUE) -> None:
         raise SdoAbort(otherwise)
 
 
+def _require_identifier(value: int) -> None:
+    """Eleven bits, and none that belongs to a service of fixed identifiers."""
+    _require(not value & (EXTENDED | BEYOND) and value & CAN_ID not in RESTRICTED)
+
+
+def _check_emergency(dictionary: LiveDictionary, value: int) -> None:
+    """Where it may be written at all: not to another identifier while it is in use."""
+    if value & INVALID:
+        return
+    _require_identifier(value)
+    before = dictionary.number(0x1014)
+    _require(bool(before & INVALID) or value & CAN_ID == before & CAN_ID, WRONG_STATE)
+
+
 def _exists(dictionary: LiveDictionary, communication: int) -> bool:
     return not dictionary.number(communication, COB_ID, INVALID) & INVALID
 
 
 def _check_consumer(dictionary: LiveDictionary, sub: int, value: int) -> None:
     """One heartbeat time for one node."""
-    node, time = value >> 16 & 0x7F, value & 0xFFFF
+    node, time = watched_node(value), value & 0xFFFF
     others = [dictionary.number(0x1016, k + 1) for k in range(dictionary.number(0x1016))]
     watched = [
-        other >> 16 & 0x7F for k, other in enumerate(others) if k + 1 != sub and other & 0xFFFF
+        watched_node(other) for k, other in enumerate(others) if k + 1 != sub and other & 0xFFFF
     ]
     _require(not (node and time and node in watched), DUPLICATE)
 
@@ -73,7 +92,7 @@ def _check_consumer(dictionary: LiveDictionary, sub: int, value: int) -> None:
 def _check_communication(dictionary: LiveDictionary, index: int, sub: int, value: int) -> None:
     if sub == COB_ID:
         if not value & INVALID:
-            _require(not value & EXTENDED and value & CAN_ID not in RESTRICTED)
+            _require_identifier(value)
             before = dictionary.number(index, COB_ID, INVALID)
             changed = (value ^ before) & (CAN_ID | EXTENDED)
             _require(not (_exists(dictionary, index) and changed), WRONG_STATE)

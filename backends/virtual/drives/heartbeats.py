@@ -5,6 +5,12 @@ from __future__ import annotations
 from backends.virtual.drives.object_dictionary import LiveDictionary, key_of
 
 
+def watched_node(entry: int) -> int:
+    """The node that an entry of 0x1016 names, 0 where it names none (CiA 301: 1 to 127)."""
+    node = entry >> 16 & 0xFF
+    return node if node <= 127 else 0
+
+
 class Producer:
     """Says every 0x1017 milliseconds that the node lives."""
 
@@ -38,7 +44,7 @@ class Consumer:
         count = dictionary.number(0x1016)
         known = [k for k in range(1, count + 1) if key_of(0x1016, k) in dictionary.entries]
         entries = [dictionary.number(0x1016, k) for k in known]
-        watched = {e >> 16 & 0x7F: (e & 0xFFFF) / 1000.0 for e in entries if e >> 16 & 0x7F}
+        watched = {watched_node(e): (e & 0xFFFF) / 1000.0 for e in entries if watched_node(e)}
         self._limit = {node: limit for node, limit in watched.items() if limit > 0}
         self._left = {node: self._left.get(node) for node in self._limit}
 

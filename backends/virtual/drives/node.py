@@ -31,6 +31,7 @@ from backends.virtual.drives.sdo_server import SdoServer
 
 BOOTING, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127
 START, STOP, ENTER_PRE_OPERATIONAL, RESET, RESET_COMMUNICATION = 1, 2, 128, 129, 130
+RESETS = (RESET, RESET_COMMUNICATION)
 STATE_AFTER = {START: OPERATIONAL, STOP: STOPPED, ENTER_PRE_OPERATIONAL: PRE_OPERATIONAL}
 HEARTBEAT_TIME, HISTORY = key_of(0x1017), key_of(0x1003)
 AFTER_COMMUNICATION_ERROR = {0: PRE_OPERATIONAL, 2: STOPPED}  # 0x1029:1; else it goes on
@@ -264,14 +265,15 @@ class CanopenNode:
                     self._send(frame(can_id, data))
 
     def _command(self, data: bytes) -> None:
-        if len(data) != 2 or data[1] not in (0, self.id):
+        known = len(data) == 2 and (data[0] in RESETS or data[0] in STATE_AFTER)
+        if not known or data[1] not in (0, self.id):
             return
         if self.state == OPERATIONAL and data[0] != START:
             self._application.connection_lost()
-        if data[0] in (RESET, RESET_COMMUNICATION):
+        if data[0] in RESETS:
             self.restart(completely=data[0] == RESET)
         elif self.state != BOOTING:
-            self._enter(STATE_AFTER.get(data[0], self.state))
+            self._enter(STATE_AFTER[data[0]])
 
     def _take(self, pdo: ReceivePdo, data: bytes) -> None:
         """Too short is not processed, of what is too long the first part is; both are told."""

@@ -8,12 +8,14 @@ from backends.virtual.drives.object_dictionary import (
     BAD_COMMAND,
     BAD_TOGGLE,
     OTHER_LENGTH,
+    TOO_LONG,
     LiveDictionary,
     SdoAbort,
 )
 
 HEAD = Struct("<BHB")  # command, index, sub-index
 ABORT = Struct("<BHBI")
+LONGEST = 1024  # bytes of a string or domain
 
 DOWNLOAD_SEGMENT, DOWNLOAD, UPLOAD, UPLOAD_SEGMENT, ABORTED = 0, 1, 2, 3, 4  # client, bits 5-7
 
@@ -27,6 +29,7 @@ class SdoServer:
         self._toggle = 0
         self._upload: bytes | None = None
         self._download: bytearray | None = None
+        self._room = 0  # bytes that its object takes
         self._announced: int | None = None  # bytes that a download said it would have
 
     def answer(self, request: bytes) -> bytes | None:
@@ -60,9 +63,11 @@ class SdoServer:
             size = 4 - (command >> 2 & 3) if command & 1 else self._declared_size()
             self._dictionary.write(*self._object, request[4 : 4 + size])
         else:
-            self._dictionary.entry(*self._object)
-            self._download, self._toggle = bytearray(), 0
+            self._room = self._dictionary.entry(*self._object).size or LONGEST
             self._announced = int.from_bytes(request[4:], "little") if command & 1 else None
+            if self._announced is not None and self._announced > self._room:
+                raise SdoAbort(TOO_LONG)
+            self._download, self._toggle = bytearray(), 0
         return HEAD.pack(0x60, *self._object).ljust(8, b"\0")
 
     def _declared_size(self) -> int:
@@ -74,6 +79,8 @@ class SdoServer:
         self._flip(request[0])
         size = 7 - (request[0] >> 1 & 7)
         self._download += request[1 : 1 + size]
+        if len(self._download) > self._room:
+            raise SdoAbort(TOO_LONG)
         if request[0] & 1:
             data, self._download = bytes(self._download), None
             if self._announced not in (None, len(data)):
