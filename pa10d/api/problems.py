@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 
 from pa10d.common.errors import Busy, Taken, Unsound, UserError
 from pa10d.daemon.processes.crowded import Crowded
@@ -137,6 +138,10 @@ def install(app: FastAPI) -> None:
             f"{Path(error.filename).name if error.filename else 'data folder'}: {error.strerror}"
         )
         return problem_response("no-room", detail, request.url.path)
+
+    @app.exception_handler(ClientDisconnect)
+    async def _gone(request: Request, error: ClientDisconnect) -> JSONResponse:
+        return problem_response("refused", "the sender left before its end", request.url.path)
 
     @app.exception_handler(UserError)
     async def _user_error(request: Request, error: UserError) -> JSONResponse:

@@ -26,6 +26,7 @@ from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.identify.scale import Body
 from pa10d.services.library import open_library
+from pa10d.services.memory import refuse_endless_motion
 from pa10d.services.responses import steps_in
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning.arm import Tuned
@@ -57,9 +58,10 @@ def refuse_impossible_motion(robot: Robot, kind: str, parameters: Mapping[str, A
 
 def make_plan(profile: str, kind: str, parameters: Mapping[str, Any], folder: str) -> JsonObject:
     """Plan an experiment into a folder → what there is to know of it."""
-    robot = load_robot(profile)[1]
+    found, robot = load_robot(profile)
     asked = read_request({"kind": kind, "parameters": parameters})
     plan = asked.build(Surroundings.of(robot))
+    refuse_endless_motion(plan.kind, plan.duration, found.control.rate, robot.n)
     text = json.dumps({"parameters": dict(parameters), **plan.to_dict()})
     (Path(folder) / PLAN).write_text(text, encoding="utf-8")
     return {

@@ -12,6 +12,7 @@ from pa10d.store import RunInfo
 
 NEEDED = {"compare": 130, "diagnose": 400}
 """Bytes per sample and joint at the peak, as measured (decision 0191); a fit has no such limit."""
+PLANNED = 100  # bytes per row and joint of a motion that is planned and checked, measured: 90
 BASE = 350_000_000  # bytes of a command that looks at next to nothing
 SMALL = 2_000_000_000  # bytes that are let go on without a look at what is free
 _CGROUP = Path("/sys/fs/cgroup")
@@ -32,6 +33,19 @@ def refuse_beyond_memory(what: str, infos: Sequence[RunInfo]) -> None:
         f"{what}: {minutes:.0f} min of recordings ({values / 1e6:.0f} million values) need about "
         f"{needed / 1e9:.1f} GB of memory, {there / 1e9:.1f} GB are free; expected fewer or "
         f"shorter ones, {_rounded(fit)} of such recordings in all"
+    )
+
+
+def refuse_endless_motion(kind: str, seconds: float, rate: float, joints: int) -> None:
+    """UserError where the rows of a motion would need more memory than is free."""
+    needed = BASE + PLANNED * seconds * rate * joints
+    there = free_memory()
+    if needed <= there:
+        return
+    hours, fit = seconds / 3600, max(0.0, there - BASE) / (PLANNED * rate * joints) / 3600
+    raise UserError(
+        f"{kind}: a motion of {hours:.3g} h needs about {needed / 1e9:.3g} GB of memory, "
+        f"{there / 1e9:.1f} GB are free; expected at most {fit:.1g} h"
     )
 
 

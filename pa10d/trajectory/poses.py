@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.trajectory.capsules import Capsules, capsules_of
-from pa10d.trajectory.limits import MotionLimits, limits_of
+from pa10d.trajectory.limits import POSITION_MARGIN, MotionLimits, limits_of
 
 Array = NDArray[np.float64]
 
 CLEAR = 0.03  # m to keep between bodies
 GRAVITY_SHARE = 0.8  # of a torque limit that gravity may use: the rest is for motion and friction
 STEP, LOOK = 0.02, 0.05  # rad between looks along a range, along a way
+ROUNDING = 1e-6  # rad
 NO_GRAVITY = 0.02  # of the joint's own worst gravity torque, below which gravity does not act
 
 
@@ -50,6 +51,18 @@ class Surroundings:
         light = np.all(np.abs(self.gravity(q)) <= GRAVITY_SHARE * self.limits.torque, axis=1)
         inside = np.all((q >= self.limits.lower) & (q <= self.limits.upper), axis=1)
         return np.asarray(clear & light & inside)
+
+    def within(self, pose: Array, what: str) -> Array:
+        """The pose (n,) rad that somebody gives, if the joints go there; margins aside."""
+        low, high = self.limits.lower - POSITION_MARGIN, self.limits.upper + POSITION_MARGIN
+        outside = np.flatnonzero((pose < low - ROUNDING) | (pose > high + ROUNDING))
+        if outside.size:
+            j = int(outside[0])
+            raise UserError(
+                f"{what}: joint {j + 1}: found {pose[j]:.4g} rad, expected {low[j]:.4g} … "
+                f"{high[j]:.4g}, its limits"
+            )
+        return pose
 
     def free_range(self, pose: Array, joint: int) -> tuple[float, float]:
         """The range of one joint (0-based) around a pose in which every angle is allowed."""

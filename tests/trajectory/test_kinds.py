@@ -9,6 +9,7 @@ import pytest
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import robot_from_urdf
+from pa10d.services.experiments import make_plan
 from pa10d.trajectory.check import check
 from pa10d.trajectory.kinds import KINDS, experiment_kind, read_request
 from pa10d.trajectory.limits import limits_of
@@ -195,9 +196,27 @@ def test_a_broken_request_is_one_clear_line(data, words):
         ("excitation", {"centre": [0.0] * 7}, "expected all or none"),
         ("excitation", {"centre": [0.0] * 7, "a": [[0.0] * 6], "b": [[0.0] * 7]}, "a: row 1 has 6"),
         ("point_to_point", {"poses": [[0.0] * 6]}, "poses: row 1 has 6 angles, expected 7"),
+        ("point_to_point", {"poses": [[0.0] * 7, [1e5] * 7]}, "poses: row 2: joint 1: found 1e+05"),
+        ("tracking", {"pose": [0, 9, 0, 0, 0, 0, 0]}, "pose: joint 2: found 9 rad, expected -1."),
+        ("point_to_point", {"poses": []}, "poses: found [], list should have at least 1 item"),
+        ("reversals", {"amplitudes": [], "both_loads": False}, "amplitudes: found [], list should"),
+        ("load_sweep", {"speeds": []}, "speeds: found [], list should"),
+        ("velocity_sweep", {"speeds": []}, "speeds: found [], list should"),
+        ("chirp", {"sizes": []}, "sizes: found [], list should"),
+        ("tracking", {"period": 1e-300}, "period: found 1e-300, input should be greater than"),
+        ("point_to_point", {"poses": [[-1.7e308] * 7]}, "found -1.7e+308, input should be"),
     ],
 )
 def test_what_cannot_be_planned_is_said_in_words(kind, parameters, words):
     with pytest.raises(UserError) as caught:
         planned(kind, **parameters)
     assert words in str(caught.value)
+
+
+def test_a_motion_that_fits_into_no_memory_is_refused_before_its_rows_are_made(tmp_path):
+    asked = {"period": 1e6, "cycles": 1000, "amplitude": 0.01}
+    with pytest.raises(
+        UserError, match=r"tracking: a motion of 2.78e\+05 h needs about 3.5e\+05 GB"
+    ):
+        make_plan("pa10-sim", "tracking", asked, str(tmp_path))
+    assert make_plan("pa10-sim", "tracking", {}, str(tmp_path))["duration"] < 60.0

@@ -447,7 +447,10 @@ class RobotProcess:
         try:
             await self.command("connect", timeout=60.0)
         except CommandRefused as refusal:
-            self.why_offline = str(refusal).removeprefix("connect: ")
+            why = str(refusal).removeprefix("connect: ")
+            if why != self.why_offline:  # tried again and again, said once
+                log.warning("the arm is offline: %s", why)
+            self.why_offline = why
             raise
         await self._take_up_law()
 

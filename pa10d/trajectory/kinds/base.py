@@ -16,9 +16,9 @@ from pa10d.trajectory.poses import Surroundings
 Array = NDArray[np.float64]
 
 Joint = Annotated[int, Field(ge=1)]
-Share = Annotated[float, Field(gt=0, le=1)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Angle = Annotated[float, Field(allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=1e-6, le=1)]
+Positive = Annotated[float, Field(ge=1e-9, le=1e9, allow_inf_nan=False)]
+Angle = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1, le=1000)]
 
 
@@ -64,7 +64,7 @@ class Kind(BaseModel, ABC):
             raise UserError(
                 f"pose: found {len(self.pose)} angles, expected {around.robot.n}, one per joint"
             )
-        return np.array(self.pose, dtype=float)
+        return around.within(np.array(self.pose, dtype=float), "pose")
 
     def request(self) -> dict[str, Any]:
         """``{kind, parameters}``: what files and clients hold; defaults are left out."""

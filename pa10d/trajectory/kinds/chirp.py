@@ -25,7 +25,7 @@ class ChirpSweep(Kind):
     seconds: Positive = Field(default=20.0, description="s of one chirp")
     amplitude: Positive = Field(default=0.3, description="rad at low frequency, at most")
     sizes: list[Share] = Field(
-        default=[0.6, 0.25], description="shares of speed and acceleration limits"
+        min_length=1, default=[0.6, 0.25], description="shares of speed and acceleration limits"
     )
 
     def build(self, around: Surroundings) -> Plan:

@@ -25,7 +25,9 @@ class LoadSweep(Kind):
     title: ClassVar[str] = "The same speeds in poses that load the joint differently"
 
     count: Count = Field(default=5, description="how many poses")
-    speeds: list[Share] = Field(default=[0.05, 0.3], description="shares of the speed limit")
+    speeds: list[Share] = Field(
+        min_length=1, default=[0.05, 0.3], description="shares of the speed limit"
+    )
 
     def build(self, around: Surroundings) -> Plan:
         """Per joint and pose every speed, to and fro."""

@@ -26,7 +26,9 @@ class PointToPoint(Kind):
     )
 
     poses: list[list[Angle]] | None = Field(
-        default=None, description="rad, one row per pose; drawn at random where absent"
+        min_length=1,
+        default=None,
+        description="rad, one row per pose; drawn at random where absent",
     )
     count: Count = Field(default=8, description="how many random poses")
     speed: Share = Field(default=0.7, description="share of the speed limits")
@@ -61,7 +63,8 @@ class PointToPoint(Kind):
                 raise UserError(
                     f"poses: row {k + 1} has {len(row)} angles, expected {len(home)}, one per joint"
                 )
-            found.append(np.array(row, dtype=float))
+            pose = np.array(row, dtype=float)
+            found.append(around.within(pose, f"poses: row {k + 1}"))
         return found
 
     def _drawn(self, around: Surroundings, joints: list[int], home: Array) -> list[Array]:

@@ -23,7 +23,7 @@ class Reversals(Kind):
     title: ClassVar[str] = "Small swings: what happens just after a reversal"
 
     amplitudes: list[Positive] = Field(
-        default=[0.002, 0.005, 0.01, 0.03, 0.1], description="rad to either side"
+        min_length=1, default=[0.002, 0.005, 0.01, 0.03, 0.1], description="rad to either side"
     )
     cycles: Count = Field(default=3, description="swings per amplitude")
     period: Positive = Field(default=2.0, description="s of a swing at least")

@@ -24,7 +24,7 @@ class VelocitySweep(Kind):
     title: ClassVar[str] = "Constant speeds, slow to fast, both directions: the friction map"
 
     speeds: list[Positive] | None = Field(
-        default=None, description="rad/s; spread evenly where absent"
+        min_length=1, default=None, description="rad/s; spread evenly where absent"
     )
     count: Count = Field(default=8, description="how many speeds")
     speed: Share = Field(
