@@ -26,7 +26,7 @@ from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import Unexplained, material, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
-from pa10d.judgement import Judgement, in_band, judged, repeatable, turning
+from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
@@ -86,7 +86,7 @@ def diagnose(
     unexplained: tuple[Unexplained, ...] = (
         *maps,
         *more,
-        *unnamed(left, again, [*maps, *more], doubt, only is None, turning(seen)),
+        *unnamed(left, again, [*maps, *more], doubt, only is None, turning(seen), reversing(seen)),
     )
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(

@@ -5,6 +5,7 @@ from pa10d.judgement.judge import MASK, MATERIAL, Judgement, judge, judge_alike,
 from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
+from pa10d.judgement.reversing import Reversing, reversing
 from pa10d.judgement.scores import Scores, scores
 from pa10d.judgement.turning import Turning, turning
 from pa10d.judgement.worse import worse
@@ -16,6 +17,7 @@ __all__ = [
     "Judgement",
     "NoiseFloor",
     "Repeatable",
+    "Reversing",
     "RunResidual",
     "Scores",
     "Turning",
@@ -28,6 +30,7 @@ __all__ = [
     "noise_floor",
     "repeatable",
     "residual_of",
+    "reversing",
     "run_residual",
     "scores",
     "turning",

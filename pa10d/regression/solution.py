@@ -80,6 +80,19 @@ def strong(values: Array) -> NDArray[np.bool_]:
     return np.asarray(values > NEAR_NULL * values[0])
 
 
+def asked_for(values: Array, along: Array, held: Array | float = 0.0) -> NDArray[np.bool_]:
+    """(p,) which directions of a column-scaled weighted matrix are solved for; along (p,): the
+    target's coordinates in them, in standard deviations of the noise; held (p,): singular values of
+    what was known beforehand.
+
+    The strong ones. Of the near-null ones, if they are more than rounding, those along which the
+    target has a part far above the noise, and those of which most is known beforehand, so that
+    noise cannot run along them.
+    """
+    more = (np.abs(along) > DEMANDED) | (held > HELD * values)
+    return np.asarray(strong(values) | ((values > NUMERICAL * values[0]) & more))
+
+
 def estimate_weights(
     moving: Sequence[Triangle], rest: Sequence[Triangle], indices: Indices, size: int
 ) -> Array:
@@ -123,12 +136,9 @@ def solve(
 
     factors[j]: of [columns, torque] of joint j
 
-    Rank: a direction is solved for if its singular value, in the weighted matrix with columns
-    scaled to unit length, exceeds NEAR_NULL of the largest, or if it is at least NUMERICAL of it
-    and the torque has a part along it far above the noise, or most of it is known beforehand, so
-    that noise cannot run along it. Structural dependencies are gone before
-    (base parameters); what is left near null is motion that was too poor, along which noise would
-    be amplified without bound. Orthogonal reduction keeps singular values down to 1e-15 of the
+    Rank: directions that ``asked_for`` says. Structural dependencies are gone before (base
+    parameters); what is left near null is motion that was too poor, along which noise would be
+    amplified without bound. Orthogonal reduction keeps singular values down to 1e-15 of the
     largest, where a Gram matrix would end at 1e-8.
     """
     told = np.zeros((0, size)) if known is None else known.wide(size)
@@ -149,9 +159,7 @@ def solve(
     triangle, target = whole[:, :-1], whole[:, -1]
     left, values, right = np.linalg.svd(triangle)
     along = left.T @ target
-    demanded = (values > NUMERICAL * values[0]) & (np.abs(along) > DEMANDED)
-    held = np.linalg.norm(told / scale @ right.T, axis=0) > HELD * values
-    solved = strong(values) | demanded | ((values > NUMERICAL * values[0]) & held)
+    solved = asked_for(values, along, np.linalg.norm(told / scale @ right.T, axis=0))
     turn = right[solved].T / values[solved] / scale[:, None]
     beta = turn @ along[solved]
     return Streamed(beta, sigma, turn, triangle * scale, target, right[~solved].T, values, scale)

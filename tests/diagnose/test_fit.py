@@ -120,6 +120,36 @@ def test_a_repeated_column_changes_nothing_but_the_rank():
     np.testing.assert_allclose(again.beta[2] + 7.0 * again.beta[5], fit.beta[2], rtol=1e-9)
 
 
+def nearly_twins():
+    """A side, and four columns of which two differ by 1e-6: near null, and no rounding."""
+    side, _ = problem(8, 4)
+    rng = np.random.default_rng(9)
+    columns = {j: rng.standard_normal((len(side.tau[j]), 4)) for j in range(3)}
+    for c in columns.values():
+        c[:, 2] = c[:, 1] + 1e-6 * c[:, 2]
+    return side, columns
+
+
+def test_a_near_null_direction_is_solved_for_where_the_data_ask_for_it():
+    """As identification does: a base joint beside light wrists had its inertia truncated, and a
+    search that found the right friction elsewhere left it at three times its floor."""
+    side, columns = nearly_twins()
+    assert least_squares(side, columns, SIGMA).rank == 3  # noise asks for nothing
+    for j, c in columns.items():
+        side.tau[j] += 3e6 * (c[:, 2] - c[:, 1])
+    fit = least_squares(side, columns, SIGMA)
+    assert fit.rank == 4
+    assert fit.beta[2] - fit.beta[1] == pytest.approx(6e6, rel=0.1)
+
+
+def test_a_near_null_direction_that_is_known_beforehand_stays_where_it_is_known_to_be():
+    side, columns = nearly_twins()
+    known = Knowledge.about(np.array([0.0, 2e4, -2e4]), np.diag([0.0, 1e-4, 1e-4]))
+    fit = least_squares(side, columns, SIGMA, known)
+    assert fit.rank == 4  # the data alone would be wrong by 5e4
+    assert fit.beta[2] - fit.beta[1] == pytest.approx(-4e4, abs=2e4)
+
+
 def test_leaving_out_a_column_beside_twins_equals_a_refit():
     side, columns = problem(4, 5)
     twins = {j: np.column_stack([c, 3.0 * c[:, 1]]) for j, c in columns.items()}

@@ -16,7 +16,7 @@ from pa10d.diagnose.regression.side import Side
 from pa10d.model import Unknowns
 from pa10d.regression.per_joint import PerJoint
 from pa10d.regression.problem import Knowledge, LinearProblem
-from pa10d.regression.solution import Solution, strong
+from pa10d.regression.solution import Solution, asked_for
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,9 @@ class LeastSquares(Solution):
 def least_squares(
     side: Side, columns: PerJoint, sigma: Array, known: Knowledge | None = None
 ) -> LeastSquares:
-    """One weighted least-squares solution with near-null directions truncated."""
+    """One weighted least-squares solution; near-null directions are truncated unless the data ask
+    for them, as identification does it: else the search would be refused what the given model
+    has, and say that the arm lacks it."""
     parts = [columns[j] / sigma[j] for j in range(side.n)]
     targets = [side.tau[j] / sigma[j] for j in range(side.n)]
     if known is not None:
@@ -93,8 +95,10 @@ def least_squares(
     both = np.concatenate([stacked, target[:, None]], axis=1)
     whole = scipy.linalg.qr(both, mode="r", overwrite_a=True, check_finite=False)[0][:size]
     triangle = whole[:, :size]
-    _, values, right = np.linalg.svd(triangle, full_matrices=False)
-    kept = strong(values)
+    left, values, right = np.linalg.svd(triangle, full_matrices=False)
+    along = left.T @ whole[:, size]
+    told = np.zeros((0, size)) if known is None else known.wide(size) / scale
+    kept = asked_for(values, along, np.linalg.norm(told @ right.T, axis=0))
     turn = right[kept].T / values[kept]
     basis = stacked @ turn
     # one step of refinement: R⁻¹ loses digits that the basis needs for what it leaves over

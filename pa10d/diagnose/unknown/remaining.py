@@ -22,7 +22,7 @@ from pa10d.diagnose.constants import (
     MATERIAL_REST,
 )
 from pa10d.diagnose.unknown.structure import Structure
-from pa10d.judgement import Judgement, Turning
+from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
 from pa10d.judgement.repeatable import Repeatable
 from pa10d.model import Term
@@ -33,14 +33,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
-    comes again with the motion, that motion predicts, that is gone in the middle of its strokes, or
-    that is beyond any noise the data show; RMS N·m of that share."""
+    comes again with the motion, that motion predicts, that is gone in the middle of its strokes,
+    that turns round with the joint, or that is beyond any noise the data show; RMS N·m of that
+    share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "turning", "size"]
+    witness: Literal["again", "motion", "turning", "reversing", "size"]
     variables: tuple[str, ...] = ()
 
 
@@ -106,11 +107,12 @@ def unnamed(
     doubt: Array,
     by_size: bool = True,
     turned: Sequence[Turning | None] = (),
+    reversed_: Sequence[Reversing | None] = (),
 ) -> list[Unnamed]:
-    """Joints for which no map was found, and whose error, materially above the floor, comes again
-    or is larger after reversals, or (by_size) is larger than noise can be. doubt (n,) N·m: what the
-    uncertainty of the model's own coefficients may leave; that comes again, too, and is nothing
-    missing."""
+    """Joints for which no map was found, and whose error, materially above the floor, comes again,
+    is larger after reversals or turns round with the joint, or (by_size) is larger than noise can
+    be. doubt (n,) N·m: what the uncertainty of the model's own coefficients may leave; that comes
+    again, too, and is nothing missing."""
     floor, rms = judged.floor.values, judged.rms
     named = {s.joint for s in known}
     out = []
@@ -121,10 +123,14 @@ def unnamed(
             if rms[j] > np.hypot(MATERIAL_REST * floor[j], doubt[j]):
                 size = float(rms[j]) * float(np.sqrt(min(seen.share, 1.0)))
                 out.append(Unnamed(j, seen.share, size, seen.p_value, "again"))
-        elif (after := _after_turning(turned, j)) is not None:
+        elif (after := _sure(turned, j)) is not None:
             if rms[j] > np.hypot(MATERIAL_REST * floor[j], doubt[j]):
                 size = float(rms[j]) * float(np.sqrt(after.share))
                 out.append(Unnamed(j, after.share, size, after.p_value, "turning"))
+        elif (sided := _sure(reversed_, j)) is not None:
+            if rms[j] > np.hypot(MATERIAL_REST * floor[j], doubt[j]):
+                size = float(rms[j]) * float(np.sqrt(sided.share))
+                out.append(Unnamed(j, sided.share, size, sided.p_value, "reversing"))
         elif by_size and rms[j] > np.hypot(_largest_noise(judged, j), doubt[j]):
             share = 1.0 - (floor[j] / rms[j]) ** 2
             size = float(rms[j]) * float(np.sqrt(share))
@@ -132,10 +138,10 @@ def unnamed(
     return out
 
 
-def _after_turning(turned: Sequence[Turning | None], j: int) -> Turning | None:
-    """What says that a joint's error is larger after reversals than noise would be by accident."""
-    seen = turned[j] if turned else None
-    sure = seen is not None and seen.p_value * len(turned) < COMES_AGAIN_LEVEL
+def _sure(heard: Sequence[Turning | Reversing | None], j: int) -> Turning | Reversing | None:
+    """What says that a joint's error knows of reversals more than noise would by accident."""
+    seen = heard[j] if heard else None
+    sure = seen is not None and seen.p_value * len(heard) < COMES_AGAIN_LEVEL
     return seen if seen is not None and sure and seen.share > CLAIMED_SHARE else None
 
 
@@ -251,6 +257,13 @@ def _with_sentence(
             "gone in the middle of the strokes, as no steady noise is: friction that builds up "
             "over a way, or is higher at the lowest speeds. Slow reversals of this joint would "
             "show which"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "reversing":
+        text = (
+            f"{size}; {percent(left.share)} of its squared error turns round with the joint, as no "
+            "noise does, but follows no quantity of the motion: friction that wanders by itself (a "
+            "seal, a lubricant, a temperature that was not measured). One motion twice would show "
+            "how much"
         )
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
