@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PlainSerializer, WrapValidator
 
-from pa10d.api.schemas import Job
+from pa10d.api.schemas.jobs import Job
 from pa10d.services.documents import (
     Compare,
     Diagnose,

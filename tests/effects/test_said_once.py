@@ -10,7 +10,7 @@ BESIDE = {
     ("pa10d/effect_kit/numbers.py", "coulomb"),  # a model for an effect to be tried in
     ("pa10d/effect_kit/numbers.py", "viscous"),
     ("pa10d/diagnose/search/timing.py", "torque_delay"),  # measures each joint's delay by it
-    ("pa10d/api/schemas.py", "stribeck"),  # an example in the API's description
+    ("pa10d/api/schemas/models.py", "stribeck"),  # an example in the API's description
     ("pa10d/case_study/arm.py", "stribeck"),  # an entry for the simulator
     ("pa10d/daemon/hanging.py", "payload"),  # likewise
     ("pa10d/services/weighing/apply.py", "torque_gain"),  # a key of profiles

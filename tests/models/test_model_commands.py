@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pa10d.api.schemas import IdentifyRequest
+from pa10d.api.schemas.analyses import IdentifyRequest
 from pa10d.cli import main
 from pa10d.daemon.jobs import tasks
 from pa10d.dynamics import regressor

@@ -14,13 +14,9 @@ from pa10d.api.results import ComparisonJob, DiagnosisJob
 from pa10d.api.routes.accepted import accepted, whole
 from pa10d.api.routes.models import find_model, refuse_wrong_effect
 from pa10d.api.routes.runs import find_runs
-from pa10d.api.schemas import (
-    CompareRequest,
-    DiagnoseRequest,
-    Job,
-    JobPage,
-    Sheet,
-)
+from pa10d.api.schemas.analyses import CompareRequest, DiagnoseRequest
+from pa10d.api.schemas.jobs import Job, JobPage
+from pa10d.api.schemas.plots import Sheet
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob
 

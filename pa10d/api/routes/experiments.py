@@ -14,9 +14,9 @@ from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import refuse_taken_run
-from pa10d.api.schemas import (
+from pa10d.api.schemas.jobs import Job
+from pa10d.api.schemas.motions import (
     ExperimentRequest,
-    Job,
     KindAbout,
     KindList,
     SeriesRequest,

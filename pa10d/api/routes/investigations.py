@@ -14,13 +14,13 @@ from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import find_runs
-from pa10d.api.schemas import (
+from pa10d.api.schemas.investigations import (
     InvestigationDocument,
     InvestigationPage,
     InvestigationRequest,
-    Job,
-    MotionList,
 )
+from pa10d.api.schemas.jobs import Job
+from pa10d.api.schemas.motions import MotionList
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.investigations import investigation_job

@@ -11,7 +11,7 @@ from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.results import JobWithResult
 from pa10d.api.routes.accepted import whole
-from pa10d.api.schemas import Job, JobPage, JobStatus
+from pa10d.api.schemas.jobs import Job, JobPage, JobStatus
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob
 

@@ -15,18 +15,9 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import find_runs
-from pa10d.api.schemas import (
-    AddRequest,
-    EffectList,
-    History,
-    IdentifyRequest,
-    ImproveRequest,
-    Job,
-    Model,
-    ModelDetails,
-    ModelPage,
-    ReportRequest,
-)
+from pa10d.api.schemas.analyses import AddRequest, IdentifyRequest, ImproveRequest, ReportRequest
+from pa10d.api.schemas.jobs import Job
+from pa10d.api.schemas.models import EffectList, History, Model, ModelDetails, ModelPage
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.improvement import ImprovementRequest, improvement_job

@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pa10d.api.deps import Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.ready import require_ready
-from pa10d.api.schemas import Story
+from pa10d.api.schemas.analyses import Story
 
 router = APIRouter(prefix="/story", tags=["story"])
 

@@ -10,7 +10,7 @@ from pa10d.api.deps import Span, TheDaemon
 from pa10d.api.problems import responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
-from pa10d.api.schemas import Plot, StaircasePlot, TorquePlot, VersusPlot
+from pa10d.api.schemas.plots import Plot, StaircasePlot, TorquePlot, VersusPlot
 
 router = APIRouter(prefix="/plots", tags=["plots"])
 WRONG = responses("not-found", "refused")

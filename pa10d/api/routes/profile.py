@@ -8,7 +8,7 @@ from fastapi import APIRouter
 
 from pa10d.api.deps import Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
-from pa10d.api.schemas import ProfileChanges, ProfileUndo
+from pa10d.api.schemas.profile import ProfileChanges, ProfileUndo
 from pa10d.common.jsonable import parsed
 from pa10d.services.tuning import ProfileDifference, ProfileTuning, ProfileVersions
 

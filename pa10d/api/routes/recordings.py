@@ -12,7 +12,7 @@ from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.held import HeldFile, HeldFiles
 from pa10d.api.problems import responses
 from pa10d.api.routes.runs import refuse_taken_run
-from pa10d.api.schemas import (
+from pa10d.api.schemas.recordings import (
     ColumnChoices,
     FilePreview,
     ImportedEpisodes,

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from pa10d.api.deps import Client, Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
-from pa10d.api.schemas import ControllerRequest, DriveMemories, Lease, LeaseRequest, RobotState
+from pa10d.api.schemas.arm import ControllerRequest, DriveMemories, Lease, LeaseRequest, RobotState
 from pa10d.daemon.daemon import Daemon
 
 router = APIRouter(prefix="/robot", tags=["robot"])

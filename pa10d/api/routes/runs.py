@@ -13,7 +13,7 @@ from starlette.background import BackgroundTask
 from pa10d.api.deps import MayReplace, TheDaemon
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
-from pa10d.api.schemas import RecordingFindings, Run, RunChange, RunPage
+from pa10d.api.schemas.recordings import RecordingFindings, Run, RunChange, RunPage
 from pa10d.api.uploads import BODY, place_for, plain_name, take
 from pa10d.common.errors import UserError
 from pa10d.daemon.daemon import Daemon

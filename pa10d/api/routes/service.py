@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from fastapi.responses import PlainTextResponse
 
 from pa10d.api.deps import TheDaemon
-from pa10d.api.schemas import Health
+from pa10d.api.schemas.arm import Health
 from pa10d.common.version import __version__
 from pa10d.control.states import ArmState
 

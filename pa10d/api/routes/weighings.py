@@ -11,9 +11,9 @@ from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.ready import require_ready
-from pa10d.api.schemas import (
+from pa10d.api.schemas.jobs import Job
+from pa10d.api.schemas.weighings import (
     GainsRequest,
-    Job,
     WeighingDocument,
     WeighingPage,
     WeighingRecording,

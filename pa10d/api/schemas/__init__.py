@@ -1,0 +1,1 @@
+"""What goes over the wire, with examples; SI units, joints numbered from 1."""
