@@ -53,13 +53,14 @@ COARSE = 4.0  # times the power of rounding below which a spectrum is that of th
 class NoiseFloor:
     """values (n,) N·m, RMS behind the equation's low-pass, nan where this data does not tell;
     methods (n): how each was found, None where it was not; errors (n,): standard errors, N·m;
-    complete (n): was slow noise seen with it (repeated motion), or is the spectrum as flat as that
-    of noise that has none?"""
+    slow (n,): how many times as much noise there may be within the band, if it goes on growing
+    towards rest as it does above (1: slow noise was seen with it, as motion came again, or the
+    spectrum is as flat as that of noise that has none; inf: nobody can tell)"""
 
     values: Array
     methods: tuple[str | None, ...]
     errors: Array
-    complete: tuple[bool, ...]
+    slow: Array
 
     def document(self) -> dict[str, Any]:
         """As JSON; null: not known from this data."""
@@ -100,29 +101,42 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
         _floor(runs, j, passes[j], NOTHING if smoothed else _pooled(parts))
         for j, parts in enumerate(above)
     ]
-    values, methods, errors, complete = zip(*found, strict=True)
-    return NoiseFloor(np.array(values), tuple(methods), np.array(errors), tuple(complete))
+    values, methods, errors, slow = zip(*found, strict=True)
+    return NoiseFloor(np.array(values), tuple(methods), np.array(errors), np.array(slow))
 
 
 def _floor(
     runs: list[RunResidual], joint: int, passes: list[Array], above: _Seen
-) -> tuple[float, str | None, float, bool]:
+) -> tuple[float, str | None, float, float]:
     together = np.concatenate(passes) if passes else np.empty(0)
     if len(together) >= FEWEST:
         value = float(np.sqrt(np.mean(together**2)))
-        return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0)), True
+        return value, REPEATS, value / np.sqrt(2.0 * max(_independent(passes), 1.0)), 1.0
     used = moving(runs, joint)
     rest, left = _pooled([_at_rest(run, joint) for run in used]), float(scores(used).rms[joint])
     if not rest.looks or rest.variance >= left**2 or rest.variance <= 0.0:
         rest = NOTHING
     best = rest if rest.variance > above.variance else above
     if not best.looks:
-        return float("nan"), None, float("nan"), False
+        return float("nan"), None, float("nan"), float("inf")
     found = float(np.sqrt(best.variance))
     value = min(found, left)
     error = max(0.5 * value * best.error, found - value)
-    white = bool(above.looks) and above.fall < NEARLY_WHITE
-    return value, STANDSTILL if best is rest else ABOVE, error, white
+    return value, STANDSTILL if best is rest else ABOVE, error, _slow(used, above)
+
+
+def _slow(runs: list[RunResidual], above: _Seen) -> float:
+    """How many times as strong (RMS) as its level at the far end of what was seen above the band
+    noise is within, that grows from there on, down to one period of the run, as steeply as it does
+    above the band, and at least as a random walk, the slowest noise that sensors are known for."""
+    if not above.looks or not np.isfinite(above.fall):
+        return float("inf")
+    if above.fall < NEARLY_WHITE:
+        return 1.0
+    steep = 2.0 * max(above.fall, 1.0)
+    periods = max(r.equation.lowpass.cutoff * len(r.error) / r.equation.rate for r in runs)
+    longest = max(periods, 1.0) ** (steep - 1.0)
+    return float(np.sqrt(BAND[1] ** steep * (longest - 1.0) / (steep - 1.0)))
 
 
 def _independent(passes: list[Array]) -> float:

@@ -1,5 +1,7 @@
 """The noise floor against the noise that was put in."""
 
+from dataclasses import replace
+
 import compare_arm as arm
 import numpy as np
 import pytest
@@ -50,6 +52,23 @@ def test_without_repetition_the_spectrum_above_the_cutoff_tells():
     floor = seen(arm.recording(1, 60.0, SIGMA, slope))
     assert floor.methods == (ABOVE,) * 3
     assert floor.values == pytest.approx(np.full(3, truth()), rel=0.2)
+
+
+def test_noise_that_grows_towards_rest_is_no_stronger_than_it_is_said_it_may_be():
+    """Slow noise under white noise of a tenth of it: the floor is thirty times too low."""
+    record, told = arm.recording(1, 60.0, 0.0), []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        drive = np.sqrt(1 - 0.999**2) * rng.standard_normal((2 * len(record.t), 3))
+        slow = scipy.signal.lfilter([1.0], [1, -0.999], drive, axis=0)[len(record.t) :]
+        noise = SIGMA * (slow - slow.mean(axis=0)) + 0.02 * rng.standard_normal(record.tau.shape)
+        run = run_residual(arm.model(), replace(record, tau=record.tau + noise))
+        inside = np.std(run.equation.lowpass.of_torque(noise), axis=0)
+        floor = noise_floor([run])
+        grows = np.isfinite(floor.slow) & (floor.slow > 1.0)
+        assert np.all(inside[grows] < floor.slow[grows] * floor.values[grows])
+        told += list(inside[grows] / floor.values[grows])
+    assert max(told) > 20.0
 
 
 def test_standstill_shows_slow_noise_that_the_spectrum_above_does_not():

@@ -16,10 +16,10 @@ from pa10d.model import Term
 SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
 
 
-def judged(*ratios: float, source: str | None = "repeated motion", white: bool = True) -> Judgement:
+def judged(*ratios: float, source: str | None = "repeated motion", slow: float = 1.0) -> Judgement:
     """Of a model that leaves so many times a floor of 0.1 N·m."""
     floor = np.full(len(ratios), 0.1 if source else np.nan)
-    known = NoiseFloor(floor, (source,) * len(ratios), 0.01 * floor, (white,) * len(ratios))
+    known = NoiseFloor(floor, (source,) * len(ratios), 0.01 * floor, np.full(len(ratios), slow))
     return Judgement("m", ("run",), 10.0, 0.1 * np.array(ratios), known)
 
 
@@ -111,7 +111,9 @@ def test_a_floor_that_is_hardly_known_makes_no_claim_by_size():
     assert claims(left, [None])
     assert not claims(replace(left, floor=vague), [None])
     assert not claims(judged(5.0, source=None), [None])
-    assert not claims(judged(5.0, white=False), [None]), "slow noise may be any stronger"
+    assert not claims(judged(70.0, slow=80.0), [None]), "slow noise may be that much stronger"
+    assert not claims(judged(70.0, slow=np.inf), [None])
+    assert claims(judged(100.0, slow=80.0), [None]), "no noise that grows like this is as strong"
     assert not claims(left, [None], doubt=0.2)
 
 

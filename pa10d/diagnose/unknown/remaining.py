@@ -148,10 +148,9 @@ def _sure(heard: Sequence[Turning | Reversing | None], j: int) -> Turning | Reve
 def _largest_noise(judged: Judgement, j: int) -> float:
     """N·m. Only its size speaks for such an error, so it has to be many times the floor, doubt
     of it included; more where slow noise was not seen, because no motion came again. Where noise
-    grows towards the band, it may be any stronger there."""
-    if not judged.floor.complete[j]:
-        return float("inf")
+    grows towards the band, it may be as much stronger there as it then can be at most."""
     times = BEYOND_NOISE if judged.floor.methods[j] == REPEATS else BEYOND_SLOW_NOISE
+    times = max(times, float(judged.floor.slow[j]))
     sure = scipy.stats.norm.isf(BEYOND_NOISE_LEVEL / len(judged.rms))
     return times * float(judged.floor.values[j] + sure * judged.floor.errors[j])
 
