@@ -142,7 +142,7 @@ def _cloud(x: Array, y: Array, chosen: NDArray[np.int64], refs: dict) -> list[Tr
 def _effect_line(x: Array, effect: Array) -> list[Trace]:
     """The effect's torque where it is a curve against x, its samples where it is not."""
     middle, rows = binned(x, effect, EFFECT_BINS)
-    spread = float(np.mean(rows[:, 2] - rows[:, 0])) if len(rows) else 0.0
+    spread = float(np.median(rows[:, 2] - rows[:, 0])) if len(rows) else 0.0
     if spread < 0.25 * float(np.std(effect)):
         return [line("the effect", rows[:, 1], MODEL, x=packed(middle), width=3)]
     chosen = thinned(len(x), POINTS)

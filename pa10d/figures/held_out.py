@@ -27,8 +27,7 @@ class HeldOut:
 
     def change(self, version: int, joint: int) -> Array:
         """(K,) N·m by which the prediction moved from the version before to this one."""
-        pairs = zip(self.seen[version], self.seen[version - 1], strict=True)
-        return self.counted([a.modelled[:, joint] - b.modelled[:, joint] for a, b in pairs], joint)
+        return self.error(version - 1, joint) - self.error(version, joint)
 
     def counted(self, per_run: Sequence[Array], joint: int) -> Array:
         """Values (M,) of each run where the joint's error counts, all runs in a row."""

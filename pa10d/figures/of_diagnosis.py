@@ -113,7 +113,7 @@ def _against(
     unit = robot.torque_unit(joint)
     x = seen.counted([quantity.x(run, term, joint) for run in runs], joint)
     turn = seen.counted([direction(term, run, joint) for run in runs], joint)
-    torque = [run.equation.lowpass(term.torque(run.seen)[:, joint]) for run in runs]
+    torque = [run.equation.filtered(term.torque(run.seen)[:, joint], joint) for run in runs]
     shows = seen.counted([quantity.shows(run, term, joint) for run in runs], joint)
     chosen = near(term, x) & (turn != 0) & shows
     if chosen.sum() < FEWEST:

@@ -38,7 +38,7 @@ def over_time(
     """The stretch of time in which the effect acts most: above, the residual without it and what
     it explains; below, what is left with it. before, after: the same runs."""
     changes = [
-        np.where(b.counts[:, joint], a.modelled[:, joint] - b.modelled[:, joint], 0.0)
+        np.where(b.counts[:, joint], b.error[:, joint] - a.error[:, joint], 0.0)
         for b, a in zip(before, after, strict=True)
     ]
     k, cut = strongest(changes, [run.equation.rate for run in before])

@@ -29,10 +29,12 @@ from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, decimation, prepare
 from pa10d.regression.layout import Layout
+from pa10d.regression.rests import counted
 
 Array = NDArray[np.float64]
 
 ENOUGH = 8  # pieces that answer a question about the whole
+HOLDS = 0.05  # part of a filtered sample that stems from motion: with less there is no equation
 REMEMBERED = 600_000_000  # bytes of filtered columns that are kept rather than computed again
 
 
@@ -51,6 +53,7 @@ class Pieces:
     tick: Callable[[], None] = lambda: None
     faster_than: Array | None = None
     channel: TorqueFilter | None = None
+    stands: bool = True
     _kept: dict[int, Piece] = field(default_factory=dict)
     _bytes: int = 0
     _model: TorqueModel | None = None
@@ -97,6 +100,11 @@ class Pieces:
         """Let columns pass what the torque has passed from now on."""
         self.channel, self._kept, self._bytes = channel, {}, 0
 
+    def without_stands(self) -> None:
+        """Fit each joint's equation without the moments at which it stands from now on."""
+        self.stands = False
+        self._kept = {i: self._moving(i, piece.equation) for i, piece in self._kept.items()}
+
     def look_through(self, model: TorqueModel) -> None:
         """Let loads and torques that effects depend on be those of this model from now on."""
         self._model = model
@@ -136,7 +144,7 @@ class Pieces:
         return (self._piece(int(i)) for i in chosen)
 
     def _make(self, i: int) -> Piece:
-        number, start, stop, first, last = self._cuts[i]
+        number, start, stop, _, _ = self._cuts[i]
         recording = self.recordings[number]
         run = prepare(
             recording.part(start, stop, ""),
@@ -147,17 +155,27 @@ class Pieces:
             source=self._sources[number],
             channel=self.channel,
         )
+        return self._piece_of(i, run) if self.stands else self._moving(i, run)
+
+    def _moving(self, i: int, run: RunEquation) -> Piece:
+        """A piece without the moments at which its joints stand."""
+        return self._piece_of(i, run.without_stands(self._fast[self._cuts[i][0]]))
+
+    def _piece_of(self, i: int, run: RunEquation) -> Piece:
+        number, _, _, first, last = self._cuts[i]
         own = np.zeros(len(run.tau), dtype=bool)
         own[first:last] = True
         counts = own[:, None] & ~self._slow(run)
-        keep, moving = run.keep & counts, run.moving & counts
+        moving = run.moving
+        if run.going is not None:
+            moving = run.counts & counted(run.going, run.lowpass, HOLDS)
         seen = self.layout.seen
         raw = run.raw_rigid(self.layout.base.kept)
         if i not in self._counted:
             self._count(i, raw, run, first, last)
         rigid = run.rigid_rows(self.layout.base.kept, seen, raw)
         inside = run.inside[:, None] & counts
-        piece = Piece(run, keep, moving, inside, rigid, self._fast[number])
+        piece = Piece(run, run.keep & counts, moving & counts, inside, rigid, self._fast[number])
         return piece if self._model is None else piece.through(self._model)
 
     def _slow(self, run: RunEquation) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
 from pa10d.regression.covariance import Uncertainty, WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
-from pa10d.regression.layout import Layout, has_sign
+from pa10d.regression.layout import Layout
 from pa10d.regression.problem import LinearProblem
 from pa10d.regression.solution import Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
@@ -27,8 +27,7 @@ Array = NDArray[np.float64]
 class Fit:
     """Solution for the layout's unknowns and their uncertainty.
 
-    rms, torque (n,) N·m of the filtered residual and torque over the fitted samples; v0_errors (n,)
-    rad/s;
+    rms, torque (n,) N·m of the filtered residual and torque over the fitted samples
     factors[j]: triangular factor of [columns, torque] of joint j
     open: (p,) unknowns that the data leave open
     """
@@ -37,7 +36,6 @@ class Fit:
     uncertainty: Uncertainty
     rms: Array
     torque: Array
-    v0_errors: Array
     factors: tuple[Triangle, ...]
     open: NDArray[np.bool_]
 
@@ -51,6 +49,13 @@ def plain_fit(pieces: Pieces, layout: Layout) -> Array:
     moving, rest = _triangles(rows_of(piece, layout) for piece in pieces.some())
     sigma = estimate_weights(moving, rest, layout.of_joint, layout.size)
     return solve(moving, layout.of_joint, layout.size, sigma).beta
+
+
+def trust(pieces: Pieces, layout: Layout) -> Array:
+    """(n,) N·m by which each joint is weighted: what an even selection of the data leaves of it, at
+    rest and in motion."""
+    moving, rest = _triangles(rows_of(piece, layout) for piece in pieces.some())
+    return estimate_weights(moving, rest, layout.of_joint, layout.size)
 
 
 def weighted_fit(
@@ -107,7 +112,6 @@ def weighted_fit(
         pieces.lowpass,
         None if known is None else inverse @ known.scatter(len(inverse)) @ inverse,
     )
-    errors = _v0_errors(layout, smoothing, solution.beta, uncertain.covariance)
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))
     stated = uncertain.first(size)
@@ -115,7 +119,7 @@ def weighted_fit(
     added = added_ones(len(layout.base), layout.terms)
     open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
     open_[solution.open] = True
-    return Fit(solution, stated, rms, torque, errors, plain, open_)
+    return Fit(solution, stated, rms, torque, plain, open_)
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:
@@ -156,18 +160,3 @@ def _leverage(factors: Sequence[Triangle], indices: Indices, solution: Solution)
         for f, i, s in zip(factors, indices, solution.sigma, strict=True)
     ]
     return np.array(shares)
-
-
-def _v0_errors(
-    layout: Layout, smoothing: Smoothing, beta: Array, whole: NDArray[np.float64]
-) -> Array:
-    """(n,) rad/s; the unknowns after the layout's own are Fc·d(sign)/d(ln v0)."""
-    found = np.flatnonzero(smoothing.found)
-    errors = np.full(layout.robot.n, np.inf)
-    for term, place in zip(layout.terms, layout.places, strict=True):
-        j = term.joints[0] if term.joints else -1
-        if has_sign(term, j) and smoothing.found[j]:
-            k = layout.size + int(np.searchsorted(found, j))
-            force = max(abs(float(beta[place.start])), 1e-12)
-            errors[j] = smoothing.v0[j] * np.sqrt(whole[k, k]) / force
-    return errors

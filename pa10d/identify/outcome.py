@@ -9,6 +9,7 @@ from typing import Any
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
+from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.torque_filter import TorqueFilter
@@ -41,6 +42,7 @@ def model_of(
     name: str,
     layout: Layout,
     fit: Fit,
+    smoothing: Smoothing,
     feasible: FeasibleModel,
     cutoff: float,
     shift: Shift,
@@ -53,7 +55,7 @@ def model_of(
     terms = []
     for term in layout.fitted(beta):
         speed = term.effect.smoothed_over
-        errors = {speed: float(fit.v0_errors[term.joints[0]])} if speed else {}
+        errors = {speed: float(smoothing.errors[term.joints[0]])} if speed else {}
         terms.append(replace(term, shape_errors=errors))
     return TorqueModel(
         name=name,

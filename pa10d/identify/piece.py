@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.effects import Context
-from pa10d.measurement.signals import delayed
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 
@@ -33,7 +32,13 @@ class Piece:
     @property
     def tau(self) -> Array:
         """(M, n) N·m."""
-        return self.equation.tau
+        return self.equation.driven
+
+    @property
+    def resting(self) -> NDArray[np.bool_]:
+        """(M, n) samples at rest, where equations hold there at all."""
+        stands = self.equation.going is None
+        return self.inside & ~self.moving if stands else np.zeros_like(self.moving)
 
     @property
     def context(self) -> Context:
@@ -44,10 +49,7 @@ class Piece:
         """The same stretch with its torque taken ``seconds`` later than it is now."""
         if seconds == 0.0:
             return self
-        run = self.equation
-        raw = delayed(run.raw_tau, -seconds, run.lowpass.rate)
-        moved = replace(run, tau=run.lowpass.of_torque(raw), raw_tau=raw, shift=run.shift + seconds)
-        return replace(self, equation=moved)
+        return replace(self, equation=self.equation.later(seconds))
 
     def through(self, model: TorqueModel) -> Piece:
         """The same stretch with the loads and torques of a model."""
@@ -62,7 +64,7 @@ class Piece:
         new = {k: t for k, t in zip(keys, terms, strict=True) if k not in self._columns}
         if new:
             raw = [t.rows(self.context, joint).T for t in new.values()]
-            found = self.equation.lowpass(np.concatenate(raw).T)
+            found = self.equation.filtered(np.concatenate(raw).T, joint)
             ends = np.cumsum([len(r) for r in raw])[:-1]
             self._columns.update(zip(new, np.split(found, ends, axis=1), strict=True))
         return np.concatenate([self._columns[k] for k in keys], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from pa10d.identify.channel import find_channel
 from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
-from pa10d.identify.fit import weighted_fit
+from pa10d.identify.fit import trust, weighted_fit
 from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.prior import Prior
@@ -109,12 +110,14 @@ def identify(
     say(0.6, "least squares")
     look_through_all(pieces, layout)
     fitted = robust_fit if robust else weighted_fit
-    fit = fitted(pieces, LinearProblem(layout), smoothing)
+    problem = LinearProblem(layout, sigma=trust(pieces, layout))
+    pieces.without_stands()
+    fit = fitted(pieces, problem, smoothing)
     beside, contradicted = None, []
     if known is not None:
         say(0.75, "least squares with what is known")
         beside, contradicted = known.beside(fit), list(known.contradicted(fit))
-        fit = fitted(pieces, LinearProblem(layout, beside.whole()), smoothing)
+        fit = fitted(pieces, replace(problem, prior=beside.whole()), smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout, beside)
     warnings = contradicted + warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
@@ -135,7 +138,9 @@ def identify(
     if known is not None:
         notes["prior"] = known.document()
     say(1.0, "done")
-    return model_of(name, layout, fit, feasible, cutoff, shift, channel, recordings, notes)
+    return model_of(
+        name, layout, fit, smoothing, feasible, cutoff, shift, channel, recordings, notes
+    )
 
 
 def _sharpened(pieces: Pieces, layout: Layout) -> tuple[Smoothing, Layout]:

@@ -53,7 +53,7 @@ def rows_of(piece: Piece, layout: Layout, bent: NDArray[np.bool_] | None = None)
         found = piece.filtered([*terms, smooth, sharp], j)
         slope = (found[:, -2] - found[:, -1]) / (2 * STEP)
         columns.append(np.column_stack([piece.rigid[j], found[:, :-2], slope]))
-    return Rows(columns, piece.tau, piece.moving, piece.inside & ~piece.moving)
+    return Rows(columns, piece.tau, piece.moving, piece.resting)
 
 
 def all_rows(

@@ -37,10 +37,12 @@ WIDEST = 0.03  # of the fast speed: a sign smoothed over more is no Coulomb fric
 @dataclass(frozen=True)
 class Smoothing:
     """v0 (n,) rad/s; found (n,) False where the data cannot tell it from the usual value (few
-    reversals, little friction)."""
+    reversals, little friction); errors (n,) rad/s: standard errors, by how fast the squared error
+    rises around the best."""
 
     v0: Array
     found: NDArray[np.bool_]
+    errors: Array
 
 
 def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
@@ -60,15 +62,20 @@ def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
     )
     best = np.array([COARSE[k] for k in chosen])
     at_optimum = [_is_lowest(loss, k) for k, loss in zip(chosen, losses, strict=True)]
+    spread = np.full(n, np.inf)
     for factors in (FINE, FINEST):
         grids = [
             np.unique(np.clip(b * factors, COARSE[0], w)) if fine else np.array([b])
             for b, w, fine in zip(best, widest, at_optimum, strict=True)
         ]
         fits = _fits(pieces, layout, grids)
-        best = np.array([_minimum(g, _loss(f, len(g))) for g, f in zip(grids, fits, strict=True)])
+        losses = [_loss(f, len(g)) for f, g in zip(fits, grids, strict=True)]
+        if factors is FINE:
+            spread = np.array([_spread(*of) for of in zip(grids, losses, unit, strict=True)])
+        best = np.array([_minimum(g, loss) for g, loss in zip(grids, losses, strict=True)])
     pieces.forget_columns()
-    return Smoothing(np.where(found, best, START_V0), found)
+    v0 = np.where(found, best, START_V0)
+    return Smoothing(v0, found, np.where(found, v0 * spread, np.inf))
 
 
 def sharp_where_unseen(smoothing: Smoothing, faster_than: Array | None) -> Smoothing:
@@ -76,7 +83,11 @@ def sharp_where_unseen(smoothing: Smoothing, faster_than: Array | None) -> Smoot
     if faster_than is None:
         return smoothing
     unseen = faster_than > smoothing.v0
-    return Smoothing(np.where(unseen, COARSE[0], smoothing.v0), smoothing.found & ~unseen)
+    return Smoothing(
+        np.where(unseen, COARSE[0], smoothing.v0),
+        smoothing.found & ~unseen,
+        np.where(unseen, np.inf, smoothing.errors),
+    )
 
 
 def with_smoothing(layout: Layout, smoothing: Smoothing) -> Layout:
@@ -164,11 +175,21 @@ def _loss(fit: Triangle, count: int) -> Array:
 
 def _minimum(grid: Array, loss: Array) -> float:
     """v0 at the vertex of the parabola through the best grid value and its neighbours."""
+    x, curve = _around(grid, loss)
+    at = float(np.clip(-0.5 * curve[1] / curve[0], x[0], x[-1])) if curve[0] > 0 else 0.0
+    return float(grid[int(np.argmin(loss))] * np.exp(at))
+
+
+def _spread(grid: Array, loss: Array, unit: float) -> float:
+    """Standard error of ln v0: as far from the best the squared error has risen by one unit."""
+    _, curve = _around(grid, loss)
+    return float(np.sqrt(unit / curve[0])) if curve[0] > 0 else float(np.inf)
+
+
+def _around(grid: Array, loss: Array) -> tuple[Array, Array]:
+    """ln v0 about the best grid value at it and its neighbours, and the parabola through them."""
     k = int(np.argmin(loss))
     if not 0 < k < len(grid) - 1:
-        return float(grid[k])
+        return np.zeros(1), np.zeros(3)
     x = np.log(grid[k - 1 : k + 2] / grid[k])
-    curve = np.polyfit(x, loss[k - 1 : k + 2] - loss[k], 2)
-    if curve[0] <= 0:
-        return float(grid[k])
-    return float(grid[k] * np.exp(np.clip(-0.5 * curve[1] / curve[0], x[0], x[2])))
+    return x, np.polyfit(x, loss[k - 1 : k + 2] - loss[k], 2)

@@ -47,8 +47,10 @@ class RunResidual:
 
     @cached_property
     def error(self) -> Array:
-        """(M, n) N·m, filtered."""
-        return self.measured - self.modelled
+        """(M, n) N·m, filtered; clear of reversals without what the low-pass would carry there from
+        a standstill, which nobody can predict."""
+        whole, equation = self.measured - self.modelled, self.equation
+        return np.where(equation.keep, equation.of_torque(self.raw_error), whole)
 
     @cached_property
     def raw_counts(self) -> Mask:
@@ -76,7 +78,9 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
             f"run {recording.name!r} has {recording.joints} joints, "
             f"expected {model.robot.n} as in model {model.name!r}"
         )
-    equation = prepare(recording, model.robot, model.cutoff, model.shift, channel=model.channel)
+    equation = prepare(
+        recording, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
+    )
     return residual_of(model, equation)
 
 

@@ -4,9 +4,8 @@ Of every stroke between two reversals the first moments are set against as many 
 clear of the reversals themselves. If the error were noise that goes on alike, whatever its colour,
 either could as well be the larger one: Wilcoxon's signed ranks of the strokes.
 
-While a joint stands its friction is anything between both breakaways, which is nothing missing; yet
-the low-pass carries some of it into the stroke, and beside a large friction even a hundredth of it
-outweighs the noise. So what the error was while the joint stood is taken out before.
+What the low-pass would carry there from the standstill itself is no part of the judged error
+(``pa10d/regression/rests.py``).
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.judgement.residuals import RunResidual
-from pa10d.measurement.standstill import near, stops
 
 Array = NDArray[np.float64]
 
@@ -59,7 +57,7 @@ def _of_joint(runs: Sequence[RunResidual], joint: int) -> Turning | None:
 def _strokes(run: RunResidual, joint: int) -> Iterator[tuple[float, float]]:
     """Mean squares (N·m)² of the beginning and of the middle of each stroke."""
     judged, moves = run.judged[:, joint], run.counts[:, joint]
-    error = run.error[:, joint] - carried_from_standstill(run, joint)
+    error = run.error[:, joint]
     width = int(np.ceil(run.equation.rate / run.equation.lowpass.cutoff))
     edges = np.flatnonzero(np.diff(np.concatenate([[0], judged.astype(int), [0]])))
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
@@ -70,10 +68,3 @@ def _strokes(run: RunResidual, joint: int) -> Iterator[tuple[float, float]]:
                 float(np.mean(error[start : start + width] ** 2)),
                 float(np.mean(error[at : at + width] ** 2)),
             )
-
-
-def carried_from_standstill(run: RunResidual, joint: int) -> Array:
-    """(M,) N·m of the filtered error that the low-pass brings from where the joint stood."""
-    equation = run.equation
-    stood = near(stops(run.seen.dq, equation.lowpass.rate)[joint], len(run.raw_error), 0)
-    return equation.lowpass.of_torque((run.raw_error[:, joint] * stood)[:, None])[:, 0]

@@ -7,7 +7,7 @@ ingredients instead of the columns would bend every product and every sign.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass, delayed
 from pa10d.measurement.standstill import RESTING, held, standstill
 from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.regression.rests import FEWEST_MOVING, counted, filtered, filtered_rows, going
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,7 @@ MOTION_SHARE = 0.25  # of the sampling rate at most: beyond, a digital Butterwor
 MOTION_SETTLES = 8.0  # periods of the motion's cut-off after which twice-differentiated ends have
 # decayed to 1e-6 (at the highest share of the rate) or 1e-8
 OVERSAMPLING = 4.0  # samples kept per period of the cut-off: the filter is down to 0.4 % there
+CLEAR = 0.9  # part of a filtered sample that has to stem from motion
 MOTION_CUTOFF = 120.0  # Hz at most for the motion itself: a sign must see the reversal sharply
 
 
@@ -42,6 +44,8 @@ class RunEquation:
     moving   (M, n) as keep, but reversals without a rest count: what tells how sharp they are
     inside   (M,) False only near the ends, and where the run is left out
     used     (M,) False only where the run is left out, and too near to that
+    going    (N, n) 0 where joint i stands, 1 clear of that: its equation is multiplied by it before
+             anything is filtered
     shift    s, by which the torque was moved to match the motion
     """
 
@@ -55,6 +59,7 @@ class RunEquation:
     moving: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     inside: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     used: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    going: Array | None = None
 
     @property
     def rate(self) -> float:
@@ -65,6 +70,55 @@ class RunEquation:
     def t(self) -> Array:
         """(M,) s since the start of the run."""
         return self.context.t[:: self.lowpass.factor]
+
+    @cached_property
+    def left(self) -> Array:
+        """(M, n) what ``going`` leaves of the filter's weights, at least as much as counts: rows
+        divided by it are as large beside a standstill as elsewhere (normalised convolution,
+        Knutsson & Westin 1993, doi:10.1109/CVPR.1993.341081)."""
+        if self.going is None:
+            return np.ones_like(self.tau)
+        return np.maximum(self.lowpass.of_torque(self.going), CLEAR)
+
+    @cached_property
+    def driven(self) -> Array:
+        """(M, n) N·m: the measured side of each joint's equation, without where it stood."""
+        return self.of_torque(self.raw_tau)
+
+    def of_torque(self, raw: Array) -> Array:
+        """(N, n) of what was measured -> (M, n), as each joint's equation has it."""
+        if self.going is None:
+            return self.lowpass.of_torque(raw)
+        return self.lowpass.of_torque(raw * self.going) / self.left
+
+    def filtered(self, raw: Array, joint: int | None = None) -> Array:
+        """The modelled side, (N, n, …) -> (M, n, …) of all joints or (N, …) -> (M, …) of one."""
+        if self.going is None:
+            return self.lowpass(raw)
+        chosen = np.s_[:] if joint is None else np.s_[:, joint]
+        return filtered(raw, self.lowpass, self.going[chosen], self.left[chosen])
+
+    def later(self, seconds: float) -> RunEquation:
+        """The same with its torque taken ``seconds`` later than it is now."""
+        raw = delayed(self.raw_tau, -seconds, self.lowpass.rate)
+        return replace(
+            self, tau=self.lowpass.of_torque(raw), raw_tau=raw, shift=self.shift + seconds
+        )
+
+    def without_stands(self, fast: Array | None = None) -> RunEquation:
+        """The same with each joint's equation multiplied by 0 where it stands; what hardly moves is
+        left as it is. fast: (n,) rad/s, what counts as fast for each joint."""
+        rested = self.moving.sum(axis=0) < FEWEST_MOVING
+        share = going(self.context.dq, self.lowpass, fast, but=np.flatnonzero(rested))
+        moves = self.counts & counted(share, self.lowpass, CLEAR)
+        keep = np.where(rested, self.keep, moves)
+        return replace(self, going=share, keep=keep, moving=self.moving | keep)
+
+    @cached_property
+    def counts(self) -> NDArray[np.bool_]:
+        """(M, n) all samples of joints that are not held, clear of the ends."""
+        units = [self.context.robot.torque_unit(j) for j in range(self.context.robot.n)]
+        return self.inside[:, None] & ~held(self.context.q, units)
 
     def rigid_columns(self, kept: NDArray[np.int64]) -> Array:
         """(M, n, b) filtered regressor columns of the kept standard parameters."""
@@ -84,9 +138,14 @@ class RunEquation:
         raw: what ``raw_rigid`` gave, where it is at hand.
         """
         raw = self.raw_rigid(kept) if raw is None else raw
-        rows = raw.reshape(-1, raw.shape[2])
-        filtered = self.lowpass.of_rows(rows, np.flatnonzero(seen))
-        return np.split(filtered, np.cumsum(seen.sum(axis=1))[:-1], axis=1)
+        rows, chosen = raw.reshape(-1, raw.shape[2]), np.flatnonzero(seen)
+        if self.going is None:
+            found = self.lowpass.of_rows(rows, chosen)
+        else:
+            joints = chosen // seen.shape[1]
+            going, left = self.going.T[joints], self.left[:, joints]
+            found = filtered_rows(rows[chosen], self.lowpass, going, left)
+        return np.split(found, np.cumsum(seen.sum(axis=1))[:-1], axis=1)
 
     def raw_rigid(self, kept: NDArray[np.int64]) -> Array:
         """(n, b, N) unfiltered regressor columns, samples last: the order the filter wants."""
@@ -106,6 +165,7 @@ def prepare(
     fast: Array | None = None,
     source: VelocitySource | None = None,
     channel: TorqueFilter | None = None,
+    stands: bool = True,
 ) -> RunEquation:
     """Make one run ready: differentiate, filter, mask.
 
@@ -113,7 +173,8 @@ def prepare(
     edge: s cut off at both ends (default: what the filters need to settle);
     fast: (n,) rad/s, what counts as fast for each joint (default: from this recording);
     source: which velocities to trust (default: from this recording);
-    channel: what the torque channel has passed: columns pass it, too.
+    channel: what the torque channel has passed: columns pass it, too;
+    stands: whether equations hold where their joint stands, too (they do, but for its friction).
     """
     rate = recording.rate
     light = Lowpass(len(recording.t), rate, motion_band(rate, cutoff))
@@ -140,7 +201,7 @@ def prepare(
         total=np.zeros_like(q),
         temperature=recording.temperature,
     )
-    return RunEquation(
+    whole = RunEquation(
         recording.name,
         context,
         lowpass,
@@ -152,6 +213,7 @@ def prepare(
         inside,
         used,
     )
+    return whole if stands else whole.without_stands(fast)
 
 
 def _used(left_out: NDArray[np.bool_], lowpass: Lowpass) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ there) times a step would come down into the band.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +28,7 @@ SETTLED = 4.0  # delays of a torque channel after which it has forgotten what st
 FEWEST_MOVING = 20  # filtered samples: a joint with fewer hardly moves
 
 
-def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Sequence[int] = ()) -> Array:
+def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Iterable[int] = ()) -> Array:
     """(N, n) 0 where joint i stands or turns round, 1 clear of that.
 
     dq: (N, n) rad/s; fast: (n,) rad/s, what counts as fast for each joint (default: from dq);
@@ -37,26 +37,33 @@ def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Sequence[
     samples, rate, channel = len(dq), lowpass.rate, lowpass.channel
     reach = 0 if channel is None else int(np.ceil(SETTLED * channel.delay * rate))
     ramp = max(RAMP * rate / lowpass.cutoff, 1.0)
-    out = np.ones(dq.shape)
+    out, seen = np.ones(dq.shape), set(but)
     for j, found in enumerate(stops(dq, rate, fast)):
         stood = near(found, samples, reach)
-        if j not in but and stood.any():
+        if j not in seen and stood.any():
             away = scipy.ndimage.distance_transform_edt(~stood)
             out[:, j] = np.sin(0.5 * np.pi * np.minimum(away / ramp, 1.0)) ** 2
     return out
 
 
-def filtered(columns: Array, lowpass: Lowpass, share: Array | None) -> Array:
-    """Columns (N, …) behind the low-pass; share: (N, …) factor of their equations, by the first
-    axes of the columns; None for all of them."""
-    if share is None:
-        return lowpass(columns)
+def filtered(columns: Array, lowpass: Lowpass, going: Array, left: Array) -> Array:
+    """(M, …) columns (N, …) behind the low-pass, multiplied by the factor of their equations before
+    (N, …) and divided by what that leaves (M, …), by the first axes of the columns."""
     if lowpass.channel is not None:
         flat = through_channel(columns.reshape(len(columns), -1), lowpass.channel, lowpass.rate)
         columns, lowpass = flat.reshape(columns.shape), replace(lowpass, channel=None)
-    return lowpass(columns * share.reshape(share.shape + (1,) * (columns.ndim - share.ndim)))
+    more = (1,) * (columns.ndim - going.ndim)
+    return lowpass(columns * going.reshape(going.shape + more)) / left.reshape(left.shape + more)
 
 
-def counted(share: Array, lowpass: Lowpass) -> NDArray[np.bool_]:
-    """(M, n) filtered samples of which at least half stems from motion."""
-    return np.asarray(lowpass.of_torque(share) > 0.5)
+def filtered_rows(rows: Array, lowpass: Lowpass, going: Array, left: Array) -> Array:
+    """(M, k) the same of columns that lie in rows (k, N), as do their factors (k, N)."""
+    rate, channel = lowpass.rate, lowpass.channel
+    seen = rows if channel is None else through_channel(rows.T, channel, rate).T
+    plain = replace(lowpass, channel=None)
+    return plain.of_rows(seen * going, np.arange(len(rows))) / left
+
+
+def counted(share: Array, lowpass: Lowpass, least: float) -> NDArray[np.bool_]:
+    """(M, n) filtered samples of which at least such a part stems from motion."""
+    return np.asarray(lowpass.of_torque(share) > least)

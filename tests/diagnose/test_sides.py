@@ -132,7 +132,7 @@ def test_scatter_puts_rows_back_where_they_were(runs, model):
     side = state.train
     back = side.scatter({j: side.tau[j] for j in range(2)})
     for values, run in zip(back, side.runs, strict=True):
-        np.testing.assert_array_equal(values, np.where(run.keep, run.tau, 0.0))
+        np.testing.assert_array_equal(values, np.where(run.keep, run.driven, 0.0))
 
 
 def test_shift_of_a_side_moves_its_torque(runs, model):

@@ -41,7 +41,8 @@ def test_stribeck_friction_of_a_bristle_is_named_with_the_bristle():
     )
     named = [(f.term.effect_id, f.term.joints) for f in found.findings]
     assert named == [("stribeck", (0,)), ("presliding_hysteresis", (0,))]
-    assert found.left.rms[0] < 0.3 * found.as_given.rms[0]
+    assert found.left.rms[0] < 0.5 * found.as_given.rms[0]
+    assert [u.joint for u in found.unexplained] == [0]  # its bristle bends less where it is slow
 
 
 def test_what_is_there_only_after_reversals_is_no_noise():

@@ -52,7 +52,7 @@ def errors(model):
 @pytest.fixture(scope="module")
 def problem(run):
     """Pieces, layout, smoothing and what the data alone say."""
-    known = Smoothing(np.full(3, 0.01), np.zeros(3, dtype=bool))
+    known = Smoothing(np.full(3, 0.01), np.zeros(3, dtype=bool), np.full(3, np.inf))
     layout = with_smoothing(textbook(TRUTH.robot), known)
     pieces = Pieces([run], TRUTH.robot, layout, 10.0)
     return pieces, layout, known, weighted_fit(pieces, LinearProblem(layout), known)

@@ -36,7 +36,7 @@ def test_two_solvers_of_one_problem_agree(colour, percent):
     run = recording(truth, motion, noise(colour, motion[1].shape, motion[1]))
     model = identify([run], truth.robot, name="m", cutoff=CUTOFF)
     v0 = np.array([t.shape["v0"] for t in model.terms if "v0" in t.shape])
-    known = Smoothing(v0, np.zeros(2, dtype=bool))  # no v0 is one more unknown
+    known = Smoothing(v0, np.zeros(2, dtype=bool), np.full(2, np.inf))  # no v0 is one more unknown
     layout = with_smoothing(textbook(truth.robot), known)
     sigma = np.array([1.0, 0.7])
     prior = None if percent is None else Prior.of(layout, percent).beside().whole()

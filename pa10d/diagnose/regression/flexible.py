@@ -31,6 +31,7 @@ from pa10d.effects.swing import Swing, driven_lag
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint, assembled
+from pa10d.regression.rests import filtered
 from pa10d.regression.solution import strong
 
 Array = NDArray[np.float64]
@@ -60,6 +61,12 @@ class SpringFit:
 class _Run:
     context: Context
     lowpass: Lowpass
+    going: Array
+    left: Array
+
+    def filtered(self, raw: Array) -> Array:
+        """(N, n, …) torque of all joints, as the equations have it."""
+        return filtered(raw, self.lowpass, self.going, self.left)
 
 
 class Flexible:
@@ -132,15 +139,15 @@ class Flexible:
 
     def _torque(self, beta: Array, spring: JointSpring) -> PerJoint | None:
         """joint -> (m_j,) filtered torque on the samples that count."""
-        rigid, filtered = self._rigid(beta), []
+        rigid, whole = self._rigid(beta), []
         for run in self.runs:
             swing = _swing(run.context, rigid, spring)
             if swing is None:
                 return None
             torque = inverse_dynamics(self.robot, rigid, *swing.motion)
             torque[:, self.joint] += spring.rotor * swing.lag[2]
-            filtered.append(run.lowpass(torque))
-        out = {j: self.side.gathered([x[:, j] for x in filtered], j) for j in range(self.side.n)}
+            whole.append(run.filtered(torque))
+        out = {j: self.side.gathered([x[:, j] for x in whole], j) for j in range(self.side.n)}
         for place, block in self.others:
             for j, columns in block.items():
                 out[j] = out[j] + columns @ beta[place]
@@ -154,7 +161,7 @@ class Flexible:
             assert swing is not None  # it was followed to get here
             columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
             regressor(self.robot, *swing.motion, self.kept, out=columns)
-            whole.append(run.lowpass(self._moving(columns, swing, spring, run.context.dt)))
+            whole.append(run.filtered(self._moving(columns, swing, spring, run.context.dt)))
         rows = [self.side.gathered([x[:, j] for x in whole], j) for j in range(self.side.n)]
         width = self.size + rows[0].shape[1] - self.bodies
         bodies = {j: r[:, : self.bodies] for j, r in enumerate(rows)}
@@ -234,7 +241,8 @@ def _coarse(run: RunEquation, context: Context) -> _Run:
         -(-fine.blind // step),
         fine.channel,
     )
-    return _Run(thin, lowpass)
+    going = np.ones_like(thin.q) if run.going is None else run.going[::step]
+    return _Run(thin, lowpass, going, run.left)
 
 
 def _left(side: Side, torque: PerJoint) -> float:

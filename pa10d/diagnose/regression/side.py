@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context, Effect, Shape
 from pa10d.effects.together import columns_once
-from pa10d.measurement.signals import delayed
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import Mask, PerJoint, gathered
@@ -48,15 +47,11 @@ class Side:
     @cached_property
     def tau(self) -> list[Array]:
         """Joint -> (m_j,) filtered torque."""
-        return [self.gathered([run.tau[:, j] for run in self.runs], j) for j in range(self.n)]
+        return [self.gathered([run.driven[:, j] for run in self.runs], j) for j in range(self.n)]
 
     def shifted(self, seconds: float) -> Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
-        runs = [
-            replace(run, tau=delayed(run.tau, -seconds, run.rate), shift=run.shift + seconds)
-            for run in self.runs
-        ]
-        return Side(tuple(runs), self.contexts)
+        return Side(tuple(run.later(seconds) for run in self.runs), self.contexts)
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""
@@ -71,10 +66,12 @@ class Side:
         """Per run (M, n, k) filtered columns of one effect, rows that do not count included."""
         out = []
         for run, context in zip(self.runs, self.contexts, strict=True):
-            columns = run.lowpass(effect.columns(context, joints, shape))
-            if not effect.reaches_other_joints:
-                own, columns = columns, np.zeros((len(columns), self.n, columns.shape[-1]))
-                columns[:, joints[0]] = own
+            raw = effect.columns(context, joints, shape)
+            if effect.reaches_other_joints:
+                columns = run.filtered(raw)
+            else:
+                columns = np.zeros((len(run.tau), self.n, raw.shape[-1]))
+                columns[:, joints[0]] = run.filtered(raw, joints[0])
             out.append(columns)
         return out
 
@@ -95,14 +92,15 @@ class Side:
         self, effect: Effect, joints: Sequence[int], raw: list[Array], own: bool
     ) -> PerJoint:
         if own or not effect.reaches_other_joints:
-            filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
+            filtered = [run.filtered(x, joints[0]) for run, x in zip(self.runs, raw, strict=True)]
             return {joints[0]: self.gathered(filtered, joints[0])}
         touched = [j for j in range(self.n) if any(np.any(x[:, j]) for x in raw)]
         touched = touched or [joints[0] if joints else 0]  # it has no torque at all: zeros
-        if len(touched) < self.n:
-            raw = [x[:, touched] for x in raw]
-        filtered = [run.lowpass(x) for run, x in zip(self.runs, raw, strict=True)]
-        return {j: self.gathered([x[:, i] for x in filtered], j) for i, j in enumerate(touched)}
+        out = {}
+        for j in touched:
+            rows = [run.filtered(x[:, j], j) for run, x in zip(self.runs, raw, strict=True)]
+            out[j] = self.gathered(rows, j)
+        return out
 
     def scatter(self, rows: PerJoint) -> list[Array]:
         """Per run (M, n), zeros where nothing is kept: the reverse of gathering one column."""

@@ -164,4 +164,6 @@ def _equation(model: TorqueModel, recording: Recording) -> RunEquation:
             f"{recording.name}: {recording.joints} joints, expected {model.robot.n} as in model "
             f"{model.name}"
         )
-    return prepare(recording, model.robot, model.cutoff, model.shift, channel=model.channel)
+    return prepare(
+        recording, model.robot, model.cutoff, model.shift, channel=model.channel, stands=False
+    )
