@@ -23,7 +23,6 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.judgement.residuals import RunResidual
-from pa10d.judgement.turning import carried_from_standstill
 
 Array = NDArray[np.float64]
 
@@ -89,7 +88,7 @@ def _strokes(run: RunResidual, joint: int, width: int) -> list[_Stroke]:
     """Long enough ones, in the order of time; what lies between two is a reversal or a rest."""
     velocity = run.decimated(run.seen.dq)[: len(run.error), joint]
     judged = run.judged[:, joint]
-    error = run.error[:, joint] - carried_from_standstill(run, joint)
+    error = run.error[:, joint]
     side = np.sign(velocity) * judged
     edges = np.flatnonzero(np.diff(np.concatenate([[0.0], side, [0.0]])))
     out = []

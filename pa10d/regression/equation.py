@@ -83,7 +83,7 @@ class RunEquation:
     @cached_property
     def driven(self) -> Array:
         """(M, n) N·m: the measured side of each joint's equation, without where it stood."""
-        return self.of_torque(self.raw_tau)
+        return self.tau if self.going is None else self.of_torque(self.raw_tau)
 
     def of_torque(self, raw: Array) -> Array:
         """(N, n) of what was measured -> (M, n), as each joint's equation has it."""
