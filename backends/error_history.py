@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from backends.faults import describe_code
+from pa10d.common.jsonable import JsonObject
 
 REGISTER = {
     0x01: "generic error",
@@ -33,7 +34,7 @@ class DriveErrors:
     history: tuple[int, ...] | None = None
     problem: str = ""  # why it could not be asked or emptied
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON, each code with its words."""
         bits = self.register or 0
         return {
@@ -45,7 +46,7 @@ class DriveErrors:
         }
 
 
-def _entry(value: int) -> dict[str, Any]:
+def _entry(value: int) -> JsonObject:
     code = value & 0xFFFF
     return {"code": code, "words": describe_code(code), "of_the_maker": value >> 16}
 

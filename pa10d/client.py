@@ -21,9 +21,9 @@ from typing import Any
 import httpx
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.offline import passes
 
-Document = dict[str, Any]
 Progress = Callable[[float, str], None]
 
 REQUEST = 90.0  # s for an answer: longer than the daemon itself waits for drives
@@ -36,7 +36,7 @@ OVER = ("succeeded", "failed", "cancelled")
 class ApiError(UserError):
     """The daemon said no; ``problem`` is its document (RFC 9457)."""
 
-    def __init__(self, problem: Document) -> None:
+    def __init__(self, problem: JsonObject) -> None:
         super().__init__(str(problem.get("detail") or problem.get("title") or "refused"))
         self.problem = problem
         self.status = int(problem.get("status", 0))
@@ -45,7 +45,7 @@ class ApiError(UserError):
 class JobFailed(UserError):
     """A job did not succeed; ``job`` is its document."""
 
-    def __init__(self, job: Document) -> None:
+    def __init__(self, job: JsonObject) -> None:
         super().__init__(str(job["error"] or f"{job['kind']}: {job['status']}"))
         self.job = job
 
@@ -75,39 +75,39 @@ class Client:
 
     # -- robot ------------------------------------------------------------------------------
 
-    def health(self) -> Document:
+    def health(self) -> JsonObject:
         """``/healthz``."""
         return self._ask("GET", "/healthz")
 
-    def robot(self) -> Document:
+    def robot(self) -> JsonObject:
         """The arm's state."""
         return self._ask("GET", "/api/v1/robot")
 
-    def enable(self) -> Document:
+    def enable(self) -> JsonObject:
         """Power on and hold."""
         return self._ask("POST", "/api/v1/robot/enable")
 
-    def disable(self) -> Document:
+    def disable(self) -> JsonObject:
         """Rest, brakes on, power off."""
         return self._ask("POST", "/api/v1/robot/disable")
 
-    def stop(self, wait: float = 5.0) -> Document:
+    def stop(self, wait: float = 5.0) -> JsonObject:
         """Rest; waited for at most ``wait`` seconds."""
         return self._ask("POST", "/api/v1/robot/stop", params={"wait": wait})
 
-    def reset(self) -> Document:
+    def reset(self) -> JsonObject:
         """Leave a fault."""
         return self._ask("POST", "/api/v1/robot/reset")
 
-    def connect(self) -> Document:
+    def connect(self) -> JsonObject:
         """Try to reach the drives now, and whenever they are away."""
         return self._ask("POST", "/api/v1/robot/connect")
 
-    def disconnect(self) -> Document:
+    def disconnect(self) -> JsonObject:
         """Leave the bus; the arm must be unpowered."""
         return self._ask("POST", "/api/v1/robot/disconnect")
 
-    def drive_errors(self, *, clear: bool = False) -> list[Document]:
+    def drive_errors(self, *, clear: bool = False) -> list[JsonObject]:
         """What each drive remembers of its errors, newest first; clear: empty that."""
         if clear:
             return list(self._ask("POST", "/api/v1/robot/errors/clear")["drives"])
@@ -118,12 +118,12 @@ class Client:
         with contextlib.suppress(UserError):
             self._ask("DELETE", "/api/v1/robot/lease")
 
-    def use_controller(self, controller: str, model: str | None = None) -> Document:
+    def use_controller(self, controller: str, model: str | None = None) -> JsonObject:
         """``pid``, or ``computed_torque`` or ``feed_forward`` with a model."""
         body = {"controller": controller, "model": model}
         return self._ask("PUT", "/api/v1/robot/controller", json=body)
 
-    def wait_for_robot(self, *states: str, timeout: float = 30.0) -> Document:
+    def wait_for_robot(self, *states: str, timeout: float = 30.0) -> JsonObject:
         """Until the arm is in one of the states; UserError with its reasons where it is not.
 
         A reason to be offline that stays the same over ``HOPELESS`` is not waited out.
@@ -146,49 +146,49 @@ class Client:
 
     # -- profile ----------------------------------------------------------------------------
 
-    def tuning(self) -> Document:
+    def tuning(self) -> JsonObject:
         """Gains, limits and surroundings in force."""
         return self._ask("GET", "/api/v1/profile")
 
-    def check_tuning(self, changes: Mapping[str, Any]) -> Document:
+    def check_tuning(self, changes: Mapping[str, Any]) -> JsonObject:
         """What a change would do, by keys such as ``limits.velocity``: ``diff``, ``confirm``."""
         return self._ask("POST", "/api/v1/profile/check", json={"changes": dict(changes)})
 
-    def tune(self, changes: Mapping[str, Any], confirmed: bool = False) -> Document:
+    def tune(self, changes: Mapping[str, Any], confirmed: bool = False) -> JsonObject:
         """Write a change and go on with it; the arm must be unpowered, but for surroundings."""
         body = {"changes": dict(changes), "confirmed": confirmed}
         return self._ask("PATCH", "/api/v1/profile", json=body)
 
-    def undo_tuning(self, confirmed: bool = False, check: bool = False) -> Document:
+    def undo_tuning(self, confirmed: bool = False, check: bool = False) -> JsonObject:
         """Take the last change back; check: only say what that would do."""
         if check:
             return self._ask("POST", "/api/v1/profile/undo/check")
         return self._ask("POST", "/api/v1/profile/undo", json={"confirmed": confirmed})
 
-    def tuning_versions(self) -> list[Document]:
+    def tuning_versions(self) -> list[JsonObject]:
         """What was changed, newest first."""
         return list(self._ask("GET", "/api/v1/profile/versions")["items"])
 
-    def responses(self, runs: Sequence[str], joint: int = 1) -> list[Document]:
+    def responses(self, runs: Sequence[str], joint: int = 1) -> list[JsonObject]:
         """How a joint answered in each run: target, response, figures of its steps."""
         params = {"run": list(runs), "joint": joint}
         return list(self._ask("GET", "/api/v1/responses", params=params)["items"])
 
     # -- jobs -------------------------------------------------------------------------------
 
-    def start(self, path: str, body: Any) -> Document:
+    def start(self, path: str, body: Any) -> JsonObject:
         """Start a job by POST; its document."""
         return self._ask("POST", f"/api/v1/{path}", json=body)
 
-    def job(self, number: str) -> Document:
+    def job(self, number: str) -> JsonObject:
         """One job, with its result."""
         return self._ask("GET", f"/api/v1/jobs/{number}")
 
-    def cancel(self, number: str) -> Document:
+    def cancel(self, number: str) -> JsonObject:
         """Ask a job to end."""
         return self._ask("POST", f"/api/v1/jobs/{number}/cancel")
 
-    def wait(self, job: Document, progress: Progress | None = None) -> Document:
+    def wait(self, job: JsonObject, progress: Progress | None = None) -> JsonObject:
         """Until it is over; JobFailed unless it succeeded. Interrupted: the job is cancelled."""
         try:
             while True:
@@ -211,11 +211,11 @@ class Client:
 
     # -- experiments ------------------------------------------------------------------------
 
-    def experiment_kinds(self) -> list[Document]:
+    def experiment_kinds(self) -> list[JsonObject]:
         """Kinds with their JSON schemas."""
         return list(self._ask("GET", "/api/v1/experiments")["items"])
 
-    def check_experiment(self, plan: Mapping[str, Any]) -> Document:
+    def check_experiment(self, plan: Mapping[str, Any]) -> JsonObject:
         """The pre-check alone; nothing moves."""
         job = self.start("experiments/check", dict(plan))
         return dict(self.wait(job)["result"])
@@ -228,7 +228,7 @@ class Client:
         plan: Mapping[str, Any] | None = None,
         progress: Progress | None = None,
         **options: Any,
-    ) -> Document:
+    ) -> JsonObject:
         """Run one to its end → result: ``runs`` (ids), ``analysis``, ``recommendation``, …
 
         ``plan`` takes a diagnosis' ``next_experiment`` as it stands. options: name, tags,
@@ -238,13 +238,13 @@ class Client:
         job = self.start("experiments", {**body, **options})
         return dict(self.wait(job, progress)["result"])
 
-    def starting_set(self) -> list[Document]:
+    def starting_set(self) -> list[JsonObject]:
         """What to record first of an arm: experiments for ``series``."""
         return list(self._ask("GET", "/api/v1/experiments")["starting_set"])
 
     def series(
         self, experiments: Sequence[Mapping[str, Any]], progress: Progress | None = None
-    ) -> Document:
+    ) -> JsonObject:
         """Several, one after the other → result: ``runs`` (ids), ``experiments``."""
         body = {"experiments": [dict(one) for one in experiments]}
         return self._result("experiments/series", body, progress)
@@ -256,7 +256,7 @@ class Client:
         parameters: Mapping[str, Any] | None = None,
         progress: Progress | None = None,
         **options: Any,
-    ) -> Document:
+    ) -> JsonObject:
         """One motion under PID, feed-forward and computed torque, the last two with each model →
         result: ``laws`` with tracking errors per joint (rad, m), ``worth``. options: name,
         replace."""
@@ -265,11 +265,11 @@ class Client:
 
     # -- investigations -----------------------------------------------------------------------
 
-    def prepare_investigation(self, progress: Progress | None = None, **asked: Any) -> Document:
+    def prepare_investigation(self, progress: Progress | None = None, **asked: Any) -> JsonObject:
         """Plan one → its document with ``motions``; asked: name, minutes, since, fit, validate."""
         return self._result("investigations", asked, progress)
 
-    def investigation(self, investigation: str) -> Document:
+    def investigation(self, investigation: str) -> JsonObject:
         """How far it is."""
         return self._ask("GET", f"/api/v1/investigations/{investigation}")
 
@@ -277,8 +277,8 @@ class Client:
         self,
         investigation: str,
         progress: Progress | None = None,
-        news: Callable[[Document], None] = lambda state: None,
-    ) -> Document:
+        news: Callable[[JsonObject], None] = lambda state: None,
+    ) -> JsonObject:
         """Carry one out, or go on with it, to its end or its pause. news: gets its document when
         it is looked at."""
 
@@ -291,38 +291,38 @@ class Client:
 
     # -- weighings ----------------------------------------------------------------------------
 
-    def begin_weighing(self, weights: Sequence[str], name: str | None = None) -> Document:
+    def begin_weighing(self, weights: Sequence[str], name: str | None = None) -> JsonObject:
         """Plan one for the weights at hand, each ``MASS,X,Y,Z`` (kg, m); nothing moves."""
         return self._ask("POST", "/api/v1/weighings", json={"weights": [*weights], "name": name})
 
-    def weighing(self, weighing: str) -> Document:
+    def weighing(self, weighing: str) -> JsonObject:
         """How far it is, what is next, and what came of it."""
         return self._ask("GET", f"/api/v1/weighings/{weighing}")
 
-    def weigh(self, weighing: str, weight: int, progress: Progress | None = None) -> Document:
+    def weigh(self, weighing: str, weight: int, progress: Progress | None = None) -> JsonObject:
         """Record with a weight (its number, 0: none) → the weighing."""
         return self._result(f"weighings/{weighing}/record", {"weight": weight}, progress)
 
-    def apply_weighing(self, weighing: str, joints: Sequence[int] = ()) -> Document:
+    def apply_weighing(self, weighing: str, joints: Sequence[int] = ()) -> JsonObject:
         """Write its gains into the profile."""
         body = {"joints": [*joints]}
         return self._ask("POST", f"/api/v1/weighings/{weighing}/apply", json=body)
 
-    def undo_weighing(self, weighing: str) -> Document:
+    def undo_weighing(self, weighing: str) -> JsonObject:
         """The profile as it was before."""
         return self._ask("POST", f"/api/v1/weighings/{weighing}/undo")
 
     # -- runs -------------------------------------------------------------------------------
 
-    def runs(self, **filters: Any) -> list[Document]:
+    def runs(self, **filters: Any) -> list[JsonObject]:
         """All runs, newest first; filters: name, profile, kind, tag, status."""
         return self._all("/api/v1/runs", filters)
 
-    def run(self, run: str) -> Document:
+    def run(self, run: str) -> JsonObject:
         """One run."""
         return self._ask("GET", f"/api/v1/runs/{run}")
 
-    def upload(self, file: Path, name: str | None = None, **more: Any) -> Document:
+    def upload(self, file: Path, name: str | None = None, **more: Any) -> JsonObject:
         """Bring in a CSV file."""
         query = {"filename": file.name, **({"name": name} if name else {}), **more}
         with file.open("rb") as body:
@@ -339,29 +339,29 @@ class Client:
                     file.write(part)
         return out
 
-    def delete_run(self, run: str) -> Document:
+    def delete_run(self, run: str) -> JsonObject:
         """Remove a run."""
         return self._ask("DELETE", f"/api/v1/runs/{run}")
 
     # -- models -----------------------------------------------------------------------------
 
-    def models(self) -> list[Document]:
+    def models(self) -> list[JsonObject]:
         """All models, newest first."""
         return self._all("/api/v1/models", {})
 
-    def model(self, model: str) -> Document:
+    def model(self, model: str) -> JsonObject:
         """One model."""
         return self._ask("GET", f"/api/v1/models/{model}")
 
     def identify(
         self, runs: Sequence[str], name: str, progress: Progress | None = None, **more: Any
-    ) -> Document:
+    ) -> JsonObject:
         """Textbook model from runs; the answer is that of ``pa10d identify``."""
         return self._result("models", {"runs": list(runs), "name": name, **more}, progress)
 
     def compare(
         self, model: str, runs: Sequence[str], progress: Progress | None = None, **more: Any
-    ) -> Document:
+    ) -> JsonObject:
         """Error per joint and where the model fails."""
         return self._result("comparisons", {"model": model, "runs": list(runs), **more}, progress)
 
@@ -372,12 +372,12 @@ class Client:
         validate: Sequence[str] = (),
         progress: Progress | None = None,
         **more: Any,
-    ) -> Document:
+    ) -> JsonObject:
         """Which effect is missing. more: frozen, effect, joints."""
         body = {"model": model, "fit": list(fit), "validate": list(validate), **more}
         return self._result("diagnoses", body, progress)
 
-    def sheet(self, diagnosis: str) -> Document:
+    def sheet(self, diagnosis: str) -> JsonObject:
         """Plots and words of a diagnosis, by the id of its job."""
         return self._ask("GET", f"/api/v1/diagnoses/{diagnosis}/sheet")
 
@@ -390,7 +390,7 @@ class Client:
         name: str,
         progress: Progress | None = None,
         **more: Any,
-    ) -> Document:
+    ) -> JsonObject:
         """A new version with the effect fitted in."""
         body = {"effect": effect, "joints": list(joints), "fit": list(fit), "name": name, **more}
         return self._result(f"models/{model}/effects", body, progress)
@@ -398,14 +398,14 @@ class Client:
     def improve(
         self, model: str, fit: Sequence[str], name: str, progress: Progress | None = None,
         **more: Any,
-    ) -> Document:  # fmt: skip
+    ) -> JsonObject:  # fmt: skip
         """Diagnose and add until nothing significant is left. more: validate, experiments."""
         body = {"fit": list(fit), "name": name, **more}
         return self._result(f"models/{model}/improvements", body, progress)
 
     # -- live -------------------------------------------------------------------------------
 
-    def events(self, since: int | None = None) -> Iterator[Document]:
+    def events(self, since: int | None = None) -> Iterator[JsonObject]:
         """What happens, as it happens."""
         query = "" if since is None else f"?since={since}"
         with self._socket(f"/api/v1/events{query}") as socket:
@@ -425,7 +425,7 @@ class Client:
 
     # -- inside -----------------------------------------------------------------------------
 
-    def _ask(self, method: str, path: str, **more: Any) -> Document:
+    def _ask(self, method: str, path: str, **more: Any) -> JsonObject:
         try:
             response = self._http.request(method, path, **more)
         except httpx.HTTPError as error:
@@ -434,7 +434,7 @@ class Client:
             raise ApiError(_problem(response))
         return dict(response.json())
 
-    def _all(self, path: str, filters: Mapping[str, Any]) -> list[Document]:
+    def _all(self, path: str, filters: Mapping[str, Any]) -> list[JsonObject]:
         query, items = {"limit": 500, **filters}, []
         while True:
             page = self._ask("GET", path, params=query)
@@ -443,7 +443,7 @@ class Client:
                 return items
             query["cursor"] = page["next"]
 
-    def _result(self, path: str, body: Any, progress: Progress | None) -> Document:
+    def _result(self, path: str, body: Any, progress: Progress | None) -> JsonObject:
         return dict(self.wait(self.start(path, body), progress)["result"])
 
     def _socket(self, path: str) -> Any:
@@ -458,7 +458,7 @@ class Client:
         )  # fmt: skip
 
 
-def _problem(response: httpx.Response) -> Document:
+def _problem(response: httpx.Response) -> JsonObject:
     with contextlib.suppress(ValueError):
         return dict(response.json())
     return {"status": response.status_code, "detail": response.text[:300]}

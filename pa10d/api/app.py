@@ -35,6 +35,7 @@ from pa10d.api.routes import (
     web,
     weighings,
 )
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.daemon.daemon import Daemon, running
 
@@ -113,7 +114,7 @@ def _document_problems(app: FastAPI) -> None:
     """Wrong requests are problems too: our schema in the place of FastAPI's own one."""
     made = app.openapi
 
-    def openapi() -> dict[str, Any]:
+    def openapi() -> JsonObject:
         if app.openapi_schema:
             return app.openapi_schema
         schema = made()

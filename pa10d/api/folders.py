@@ -5,10 +5,11 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping
-from typing import Any
+
+from pa10d.common.jsonable import JsonObject
 
 MEDIA = "application/zip"
-DOCUMENTED: dict[int | str, dict[str, Any]] = {
+DOCUMENTED: dict[int | str, JsonObject] = {
     200: {"content": {MEDIA: {"schema": {"type": "string", "format": "binary"}}}}
 }
 """For the responses of a route."""

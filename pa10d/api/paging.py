@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pa10d.common.jsonable import JsonObject
 
 
-def page_of(items: list[dict[str, Any]], limit: int, cursor: str | None) -> dict[str, Any]:
+def page_of(items: list[JsonObject], limit: int, cursor: str | None) -> JsonObject:
     """``items`` newest first, with falling ids; those after ``cursor``, at most ``limit``."""
     rest = items if cursor is None else [item for item in items if item["id"] < cursor]
     shown = rest[:limit]

@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from pa10d.common.errors import Busy, Taken, Unsound, UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.daemon.processes.workers import Ended
 from pa10d.daemon.robot.lease import Held
@@ -99,9 +100,9 @@ def problem_response(kind: str, detail: str, instance: str = "", **more: Any) ->
     return JSONResponse(document, status, headers, MEDIA)
 
 
-def responses(*kinds: str) -> dict[int | str, dict[str, Any]]:
+def responses(*kinds: str) -> dict[int | str, JsonObject]:
     """What a route documents: the problems it may answer with."""
-    out: dict[int | str, dict[str, Any]] = {}
+    out: dict[int | str, JsonObject] = {}
     for kind in (*kinds, "invalid"):
         status, title = KINDS[kind]
         said = f"{out[status]['description']}; {title}" if status in out else title

@@ -10,6 +10,7 @@ import numpy as np
 import yaml
 
 from backends.virtual.plant.textbook import default_textbook
+from pa10d.common.jsonable import JsonObject
 from pa10d.profile import Profile, Simulation, load_profile
 
 BASE, NAME = "pa10-sim", "pa10-case-study"
@@ -20,9 +21,7 @@ SPEED = (0.1, 0.2)  # rad/s over which that rise dies away
 POWER = (1.0, 1.6)
 
 
-def hidden_friction(
-    seed: int, profile: Profile, joints: Sequence[int]
-) -> tuple[dict[str, Any], ...]:
+def hidden_friction(seed: int, profile: Profile, joints: Sequence[int]) -> tuple[JsonObject, ...]:
     """What the virtual arm hides in these joints (from 1), drawn from the seed: friction that rises
     towards standstill."""
     rng = np.random.default_rng([seed, 9])

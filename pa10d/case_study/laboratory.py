@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.client import Client, local_daemon
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.simulator import simulated_bus
 from pa10d.profile import Profile
 
@@ -31,7 +32,7 @@ class Laboratory:
         name: str,
         controller: str = "pid",
         model: str | None = None,
-    ) -> dict[str, Any]:
+    ) -> JsonObject:
         """The experiment's result: ``analysis``, ``recommendation``, ``runs``."""
         return self._client.experiment(
             kind, parameters, name=name, controller=controller, model=model, replace=True

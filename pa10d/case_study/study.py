@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
 
 from pa10d.case_study.boundary import RUN, find_boundaries
 from pa10d.case_study.estimation import estimate, rms_of_sets
@@ -13,6 +12,7 @@ from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.measured import followed, steady
 from pa10d.case_study.other import other_motion
 from pa10d.case_study.scope import Scope
+from pa10d.common.jsonable import JsonObject
 from pa10d.identify.summary import summary
 from pa10d.paper.results import MODEL, PID, SETS, WITH_EFFECTS, CaseStudy, Following
 from pa10d.profile import Profile
@@ -39,7 +39,7 @@ def case_study(
     *,
     scope: Scope,
     seed: int,
-    hidden: tuple[dict[str, Any], ...],
+    hidden: tuple[JsonObject, ...],
     tell: Tell,
     progress: Progress,
 ) -> CaseStudy:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Literal
+
+from pa10d.common.jsonable import JsonObject
 
 Severity = Literal["info", "warning", "error"]
 
@@ -43,7 +45,7 @@ class CheckFinding:
     joint: int | None = None  # from 1
     mends: tuple[Mend, ...] = field(default=(), compare=False)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON knows it."""
         said = asdict(self)
         del said["mends"]

@@ -6,12 +6,13 @@ import argparse
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note
 from pa10d.cli.commands import profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 if TYPE_CHECKING:
     from pa10d.client import Client
@@ -62,13 +63,13 @@ def daemon_for(
             client.let_others_command()  # such as the next command of the same person
 
 
-def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> dict[str, Any]:
+def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> JsonObject:
     """``{kind, parameters, …}`` from a file or from what the command line says."""
     import yaml
 
     if (kind is None) == (file is None):
         raise UserError("experiment: expected either KIND or --plan FILE")
-    given: dict[str, Any] = {}
+    given: JsonObject = {}
     for setting in settings:
         key, equals, value = setting.partition("=")
         if not equals:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, current, force_option, replace_option
@@ -12,6 +12,7 @@ from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ def improve(options: argparse.Namespace) -> Answer:
     return Answer(document, text)
 
 
-def _write_report(options: argparse.Namespace, found: Diagnosis, document: dict[str, Any]) -> None:
+def _write_report(options: argparse.Namespace, found: Diagnosis, document: JsonObject) -> None:
     from pa10d.services.diagnoses import write_diagnosis_report
 
     if options.report is None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Subcommands
 from pa10d.cli.daemon_client import robot_options
+from pa10d.common.jsonable import JsonObject
 
 
 def add_commands(commands: Subcommands) -> None:
@@ -50,7 +50,7 @@ def _asked(options: argparse.Namespace, clear: bool) -> Answer:
     return Answer({"drives": found}, in_words(found), status=1 if failed else 0)
 
 
-def in_words(found: list[dict[str, Any]]) -> str:
+def in_words(found: list[JsonObject]) -> str:
     """A row for every drive, and one more for each error before the newest."""
     rows = []
     for one in found:
@@ -65,6 +65,6 @@ def in_words(found: list[dict[str, Any]]) -> str:
     return table(["joint", "error now", "remembered, newest first"], rows)
 
 
-def _of_the_maker(entry: dict[str, Any]) -> str:
+def _of_the_maker(entry: JsonObject) -> str:
     more = entry["of_the_maker"]
     return f", maker's own 0x{more:04X}" if more else ""

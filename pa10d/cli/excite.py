@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, plain, table
 from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 if TYPE_CHECKING:
     from pa10d.trajectory.excitation.optimise import ExcitingTrajectory
@@ -68,7 +69,7 @@ def excite(options: argparse.Namespace) -> Answer:
         evenness=options.even, scaled=options.scaled,
         determinant=options.criterion == "determinant",
     )  # fmt: skip
-    document: dict[str, Any] = plain(found.document())
+    document: JsonObject = plain(found.document())
     for warning in document["about"]["warnings"]:
         note(f"warning: {warning}")
     if options.out is not None:

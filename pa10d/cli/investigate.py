@@ -12,11 +12,11 @@ from pa10d.cli.commands import Subcommands, current, force_option
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.story import tell
 from pa10d.common.errors import Unsound, UserError
+from pa10d.common.jsonable import JsonObject
 
 if TYPE_CHECKING:
     from pa10d.client import Client
 
-Document = dict[str, Any]
 OVER = ("done", "left_out")
 
 
@@ -104,7 +104,7 @@ def _resumable(options: argparse.Namespace) -> Any:
     return state
 
 
-def _here(options: argparse.Namespace, found: Document) -> Document:
+def _here(options: argparse.Namespace, found: JsonObject) -> JsonObject:
     from pa10d.investigation.archive import Archive
     from pa10d.investigation.document import document
     from pa10d.investigation.on_data import carry_out
@@ -122,7 +122,7 @@ def _here(options: argparse.Namespace, found: Document) -> Document:
     return document(Archive(data).load(found["id"]), data)
 
 
-def _by_daemon(options: argparse.Namespace, found: Document) -> Document:
+def _by_daemon(options: argparse.Namespace, found: JsonObject) -> JsonObject:
     from pa10d.client import JobFailed
 
     current.patient = True  # it may have started a daemon
@@ -133,11 +133,11 @@ def _by_daemon(options: argparse.Namespace, found: Document) -> Document:
             return client.investigation(found["id"])
 
 
-def follow(client: Client, investigation: str) -> Document:
+def follow(client: Client, investigation: str) -> JsonObject:
     """Carry it out by the daemon, telling each step."""
     known: dict[str, str] = {}
 
-    def tell_news(state: Document) -> None:
+    def tell_news(state: JsonObject) -> None:
         for step in state["steps"]:
             if known.get(step["id"]) != step["status"]:
                 known[step["id"]] = step["status"]
@@ -146,14 +146,14 @@ def follow(client: Client, investigation: str) -> Document:
     return client.investigate(investigation, progress_line(), tell_news)
 
 
-def _tell_step(step: Document) -> None:
+def _tell_step(step: JsonObject) -> None:
     if step["status"] == "running":
         tell(f"{step['title']} …")
     elif step["status"] in OVER and step["said"]:
         tell(f"   {step['said']}")
 
 
-def _motions_in_words(found: Document) -> str:
+def _motions_in_words(found: JsonObject) -> str:
     steps = [step for step in found["steps"] if step["experiment"] is not None]
     rows = [
         [step["experiment"]["kind"], step["purpose"],
@@ -173,7 +173,7 @@ def _motions_in_words(found: Document) -> str:
     )  # fmt: skip
 
 
-def in_words(found: Document) -> str:
+def in_words(found: JsonObject) -> str:
     """How it ended, for the terminal."""
     if found["status"] != "done":
         why = f": {found['error']}" if found["error"] else ""
@@ -201,7 +201,7 @@ def in_words(found: Document) -> str:
     return "\n".join([*lines, f"report: {found['report']}"])
 
 
-def _copied(found: Document, file: Path) -> None:
+def _copied(found: JsonObject, file: Path) -> None:
     """The report where it was asked for, and beside it what settles the doubts."""
     from pa10d.services.models import write_file
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, replace_option
 from pa10d.cli.models import _library, _model, _rows
 from pa10d.cli.progress import progress_line
+from pa10d.common.jsonable import JsonObject
 from pa10d.export.endings import ENDINGS, FOLDERS, FORMATS
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def _known(value: Value) -> list[str]:
     return [f"{value.value:.5g}", f"{value.std_error:.2g}"]
 
 
-def _brief(info: ModelInfo) -> dict[str, Any]:
+def _brief(info: ModelInfo) -> JsonObject:
     keys = (
         "id", "name", "created", "robot", "joints", "parent", "parent_name", "change", "effects",
         "runs", "cutoff_hz", "feasible", "rms", "held_out", "noise_floor", "software", "replaced",

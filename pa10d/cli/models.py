@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, force_option, profile_option, replace_option
 from pa10d.cli.progress import progress_line
+from pa10d.common.jsonable import JsonObject
 
 if TYPE_CHECKING:
     from pa10d.services.library import Library
@@ -106,7 +107,7 @@ def identify(options: argparse.Namespace) -> Answer:
     return Answer(found, "\n".join(lines))
 
 
-def _known(said: Sequence[str]) -> dict[str, Any]:
+def _known(said: Sequence[str]) -> JsonObject:
     """A number is the share of the URDF's bodies, all else single parameters."""
     from pa10d.common.errors import UserError
 

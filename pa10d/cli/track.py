@@ -13,8 +13,8 @@ from pa10d.cli.daemon_client import daemon_for, read_plan, robot_options
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
-Document = dict[str, Any]
 WORDS = {"pid": "PID", "feed_forward": "PID + feed-forward", "computed_torque": "computed torque"}
 
 
@@ -77,7 +77,7 @@ def track(options: argparse.Namespace) -> Answer:
     return Answer(found, in_words(found))
 
 
-def _of_models(options: argparse.Namespace, motion: Document) -> Document:
+def _of_models(options: argparse.Namespace, motion: JsonObject) -> JsonObject:
     def before() -> None:
         from pa10d.services.experiments import refuse_wrong_request
         from pa10d.services.library import open_library
@@ -94,7 +94,7 @@ def _of_models(options: argparse.Namespace, motion: Document) -> Document:
         )  # fmt: skip
 
 
-def _of_hidden(options: argparse.Namespace, motion: Document) -> Document:
+def _of_hidden(options: argparse.Namespace, motion: JsonObject) -> JsonObject:
     from pa10d.demo.bench import Bench
     from pa10d.demo.hidden import hide
     from pa10d.demo.worth import refuse_what_comes_later, worth

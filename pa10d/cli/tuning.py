@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, profile_option
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import parsed
+from pa10d.common.jsonable import JsonObject, parsed
 
 if TYPE_CHECKING:
     from pa10d.services.tuning import ProfileDifference, ProfileTuning, ProfileVersion
@@ -151,11 +151,11 @@ def _typed(kind: type[T], ask: Callable[..., Any]) -> Callable[..., T]:
     return lambda *given, **named: parsed(kind, ask(*given, **named))
 
 
-def _changes(settings: list[str]) -> dict[str, Any]:
+def _changes(settings: list[str]) -> JsonObject:
     """``limits.velocity.2=0.8`` and the like, by keys."""
     import yaml
 
-    changes: dict[str, Any] = {}
+    changes: JsonObject = {}
     for setting in settings:
         name, equals, text = setting.partition("=")
         if not equals:

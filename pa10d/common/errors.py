@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pa10d.common.jsonable import JsonObject
 
 
 class UserError(Exception):
@@ -27,7 +27,7 @@ class Unsound(UserError):
     findings: what the checks said, as documents.
     """
 
-    def __init__(self, message: str, findings: list[dict[str, Any]]) -> None:
+    def __init__(self, message: str, findings: list[JsonObject]) -> None:
         super().__init__(message)
         self.findings = findings
 

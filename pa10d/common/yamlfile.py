@@ -19,6 +19,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 LARGEST = 16 << 20  # bytes of a file
 DEEPEST = 100  # sections within sections
@@ -120,7 +121,7 @@ class YamlFile:
 
     path: Path
     text: str
-    data: dict[str, Any]
+    data: JsonObject
     root: yaml.MappingNode
 
     def problem(self, location: Location, found: str, wanted: str) -> str:

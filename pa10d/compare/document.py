@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.compare.comparison import Comparison, RunScores
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
 from pa10d.judgement import MASK
 
 
-def document(comparison: Comparison) -> dict[str, Any]:
+def document(comparison: Comparison) -> JsonObject:
     """Figures per run and pooled, where the model fails (pooled), and the shape of the rest."""
     cutoff = comparison.model.cutoff
     pooled = figures(comparison.pooled, cutoff)
@@ -40,7 +38,7 @@ def document(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def figures(run: RunScores, cutoff: float) -> dict[str, Any]:
+def figures(run: RunScores, cutoff: float) -> JsonObject:
     """One run's entry."""
     found = run.scores
     return {
@@ -58,7 +56,7 @@ def figures(run: RunScores, cutoff: float) -> dict[str, Any]:
     }
 
 
-def place_document(place: Place) -> dict[str, Any]:
+def place_document(place: Place) -> JsonObject:
     """One region or curve."""
     what = place.what
     return {

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot
 from pa10d.dynamics.mass import mass_matrices
 
@@ -78,7 +79,7 @@ class JointFigures:
             swing = np.sqrt(self.stiffness * rest) / (2 * np.pi)
         return np.where(sprung, swing, np.inf)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON; null for what is infinite."""
         own = {
             key: [float(v) if np.isfinite(v) else None for v in getattr(self, key)]

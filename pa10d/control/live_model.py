@@ -9,11 +9,11 @@ effects with memory and effects of third parties need no second implementation.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.effects import Context, effect
 from pa10d.model import Parameters, TorqueModel
@@ -80,7 +80,7 @@ class LiveModel:
             part.add(out, desired, ddq)
         return out
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For the pipe to the control process."""
         parts = [
             {
@@ -100,7 +100,7 @@ class LiveModel:
         }
 
     @staticmethod
-    def from_document(document: dict[str, Any]) -> LiveModel:
+    def from_document(document: JsonObject) -> LiveModel:
         """The other way."""
         parts = tuple(
             LiveEffect(

@@ -7,6 +7,7 @@ import socket
 import time
 from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.arm import Arm
 from pa10d.control.clock import Clock
 from pa10d.control.commands import Commands
@@ -45,7 +46,7 @@ class Loop:
         self._settle = round(SETTLE / arm.backend.period)
         self._unsettled = 0  # cycles to go until simulated time stands still
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def tell(self, message: JsonObject) -> None:
         """Send an event to the daemon."""
         self._mailbox.tell(message)
 

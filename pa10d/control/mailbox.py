@@ -7,7 +7,8 @@ import select
 import socket
 import time
 from collections import deque
-from typing import Any
+
+from pa10d.common.jsonable import JsonObject
 
 LARGEST = 1 << 17  # bytes of one message
 WAITING = 256  # events kept for a daemon that does not listen; older ones are dropped
@@ -29,7 +30,7 @@ class Mailbox:
         else:
             select.select([self._socket], [], [], seconds)
 
-    def take(self) -> dict[str, Any] | None:
+    def take(self) -> JsonObject | None:
         """The next command, None where there is none; ``closed`` once the daemon is gone."""
         if self.closed:
             return None
@@ -47,7 +48,7 @@ class Mailbox:
         except ValueError:
             return {"do": "nothing that can be read"}
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def tell(self, message: JsonObject) -> None:
         """Send a reply or an event; it waits here while the pipe is full."""
         self._out.append(json.dumps(message).encode())
         self.flush()

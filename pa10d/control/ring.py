@@ -11,11 +11,11 @@ import json
 import mmap
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.record import RecordLayout
 
 Array = NDArray[np.float64]
@@ -128,14 +128,14 @@ class Ring:
                 return row
         return None
 
-    def say(self, note: dict[str, Any] | None) -> None:
+    def say(self, note: JsonObject | None) -> None:
         """Leave last words that outlive the writer."""
         text = b"" if note is None else json.dumps(note).encode()[:NOTE]
         self._header[_NOTE_LENGTH] = 0
         self._memory[SLOTS * 8 : SLOTS * 8 + len(text)] = text
         self._header[_NOTE_LENGTH] = len(text)
 
-    def said(self) -> dict[str, Any] | None:
+    def said(self) -> JsonObject | None:
         """The last words."""
         length = int(self._header[_NOTE_LENGTH])
         text = bytes(self._memory[SLOTS * 8 : SLOTS * 8 + length])

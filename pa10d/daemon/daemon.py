@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 from pa10d.daemon.events import Events
 from pa10d.daemon.hanging import with_weight
@@ -48,7 +49,6 @@ END_TIME = 6.0  # s for the whole daemon to end, beside what braking the arm tak
 BEFORE_JOBS = 5  # niceness of what a request waits for
 FOR_THE_ARM = 4.0  # s of it are kept for control, should jobs not end at once
 
-Document = dict[str, Any]
 log = logging.getLogger("pa10d.daemon")
 
 
@@ -235,7 +235,7 @@ class Daemon:
                     self.compute("gains", "judge_weighing", {"weighing": state.id})
 
     def compute(
-        self, kind: str, task: str, request: dict[str, Any], *, sheet: bool = False, **more: Any
+        self, kind: str, task: str, request: JsonObject, *, sheet: bool = False, **more: Any
     ) -> Job:
         """Start a job that one worker carries out: a function of ``pa10d.daemon.jobs.tasks``.
 
@@ -265,7 +265,7 @@ class Daemon:
         call = f"pa10d.services.{of}:{plot}"
         return await self.viewer.run(call, lambda *_: None, data=str(self.data), **arguments)
 
-    async def tune(self, restart: bool, task: str, **arguments: Any) -> Document:
+    async def tune(self, restart: bool, task: str, **arguments: Any) -> JsonObject:
         """Write or undo a change of the profile, and go on with it. task: of
         ``pa10d.services.tuning``, or ``module:task`` of another of the services; restart: it is
         about more than the surroundings, which only plans look at."""
@@ -274,10 +274,10 @@ class Daemon:
         async with self._changing:
             return await self._tune(restart, task, arguments)
 
-    async def _tune(self, restart: bool, task: str, arguments: Document) -> Document:
+    async def _tune(self, restart: bool, task: str, arguments: JsonObject) -> JsonObject:
         await asyncio.to_thread(self._refuse_edits)
         of, _, task = task.rpartition(":")
-        made: Document = {}
+        made: JsonObject = {}
         which = {} if of else self._which()
 
         async def change() -> tuple[Profile, Robot]:

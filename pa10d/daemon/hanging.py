@@ -7,11 +7,11 @@ knows it better either.
 from __future__ import annotations
 
 import zlib
-from typing import Any
 
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.identify.scale import Body
 from pa10d.profile import Profile, Simulation
 
@@ -32,7 +32,7 @@ def with_weight(profile: Profile, body: Body) -> Profile:
     return profile.model_copy(update={"simulation": changed})
 
 
-def _really(body: Body, seed: int) -> dict[str, Any]:
+def _really(body: Body, seed: int) -> JsonObject:
     rng = np.random.default_rng([seed, zlib.crc32(body.text.encode())])
     mass, x, y, z = np.array([body.mass, *body.com]) + rng.normal(size=4) * body.errors
     return {"effect": "payload", "mass": max(mass, 1e-3), "cx": x, "cy": y, "cz": z}

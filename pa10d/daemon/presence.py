@@ -8,7 +8,8 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+from pa10d.common.jsonable import JsonObject
 
 FILE = "daemon.json"
 
@@ -42,7 +43,7 @@ def announced(data: Path, presence: Presence) -> Iterator[None]:
 def present(data: Path) -> Presence | None:
     """The daemon on this data, if its process is alive."""
     try:
-        document: dict[str, Any] = json.loads((data / FILE).read_text())
+        document: JsonObject = json.loads((data / FILE).read_text())
         presence = Presence(**document)
         os.kill(presence.pid, 0)
     except (OSError, ValueError, TypeError):

@@ -11,6 +11,7 @@ import numpy as np
 from backends.virtual.datasets import Figures, figures_of, random_effect
 from backends.virtual.plant.catalogue import ALL, LISTED
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.effects import all_effects
 from pa10d.profile import Profile, Simulation
 
@@ -42,7 +43,7 @@ class Hidden:
         entry = self.effects[0]
         return tuple(entry.get("joints", [entry["joint"]] if "joint" in entry else []))
 
-    def present(self, later: bool) -> list[dict[str, Any]]:
+    def present(self, later: bool) -> list[JsonObject]:
         """What the arm has on the first day, or later: a payload and the like come in between."""
         return [dict(entry) for entry in self.effects if later or not _a_change(entry)]
 
@@ -111,7 +112,7 @@ def with_secret(profile: Profile, hidden: Hidden, seed: int, later: bool = True)
 
 def _placed(
     rng: np.random.Generator, name: str, joint: str, asked: str, figures: Figures
-) -> dict[str, Any]:
+) -> JsonObject:
     if not joint:
         return random_effect(rng, name, figures)
     if ALL[name].where == "robot":

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from pa10d.client import Client
-from pa10d.common.jsonable import parsed
+from pa10d.common.jsonable import JsonObject, parsed
 from pa10d.demo.bench import Bench
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.truth import judged, verdict_on
 from pa10d.investigation.results import Searched
 
-Document = dict[str, Any]
 Tell = Callable[[str], None]
 Progress = Callable[[float, str], None]
 
@@ -32,17 +31,17 @@ class Told:
     right: None where nobody knows the truth."""
 
     hidden: Hidden
-    chapters: tuple[Document, ...]
+    chapters: tuple[JsonObject, ...]
     right: bool | None
     truth: str
     seed: int
 
     @property
-    def last(self) -> Document:
+    def last(self) -> JsonObject:
         """The chapter that found something, or the last one asked."""
         return self.chapters[-1]
 
-    def document(self) -> Document:
+    def document(self) -> JsonObject:
         """JSON of ``demo``, but for the report."""
         last = self.last
         findings = last["findings"]
@@ -70,7 +69,7 @@ class Told:
         }
 
 
-def settling(chapter: Document) -> list[Document]:
+def settling(chapter: JsonObject) -> list[JsonObject]:
     """The experiments that were run, or could not be, to settle a doubt."""
     return [step for step in chapter["steps"] if step["purpose"] == "settle"]
 
@@ -93,12 +92,12 @@ def play(bench: Bench, hidden: Hidden, seed: int, tell: Tell, progress: Progress
     return Told(hidden, tuple(chapters), right, truth, seed)
 
 
-def chapter(arm: Client, tell: Tell, progress: Progress, **asked: Any) -> Document:
+def chapter(arm: Client, tell: Tell, progress: Progress, **asked: Any) -> JsonObject:
     """One question, asked and answered step by step → the investigation's document."""
     planned = arm.prepare_investigation(progress, **asked)
     known = {step["id"]: "waiting" for step in planned["steps"]}
 
-    def news(state: Document) -> None:
+    def news(state: JsonObject) -> None:
         for step in state["steps"]:
             if known.get(step["id"]) != step["status"]:
                 known[step["id"]] = step["status"]

@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.demo.bench import Bench
 from pa10d.demo.hidden import Hidden
 from pa10d.demo.story import chapter
-
-Document = dict[str, Any]
 
 
 def refuse_what_comes_later(asked: str, hidden: Hidden) -> None:
@@ -29,7 +28,7 @@ def worth(
     motion: Mapping[str, Any],
     tell: Callable[[str], None],
     progress: Callable[[float, str], None],
-) -> Document:
+) -> JsonObject:
     """The table of ``Client.track``, with ``hidden`` and ``found``; motion: {kind, parameters}.
 
     Where the diagnosis finds nothing there is one model, and nothing to compare it with."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.limits import ArmLimits
 from pa10d.store import StoredRun
 
@@ -43,7 +43,7 @@ class TrackingFigures:
     torque: Array
     warming: Array | None
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON."""
         return {
             "tracking_rms": self.rms.tolist(),

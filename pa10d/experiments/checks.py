@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics.environment import Environment
 from pa10d.experiments.motion import Whole
 from pa10d.trajectory.limits import MotionLimits
@@ -37,7 +38,7 @@ class Check:
     joint: int | None = None
     time: float | None = None
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON."""
         return asdict(self)
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import ArmLimits
@@ -64,7 +64,7 @@ class Adjusted:
             said.append(f"turned less far, to keep clear of position limits ({each})")
         return said
 
-    def document(self) -> dict[str, Any] | None:
+    def document(self) -> JsonObject | None:
         """For JSON, with a ``sentence`` for a person; None where nothing was changed."""
         if not self.phrases:
             return None

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.dynamics.base import parameter_name
 from pa10d.dynamics.robot import PARAMETER_NAMES, Robot
 from pa10d.effects import Value
@@ -47,7 +46,7 @@ def json_document(model: TorqueModel, about: str) -> tuple[str, list[str]]:
     return json.dumps(plain(document), ensure_ascii=False, indent=1, allow_nan=False) + "\n", []
 
 
-def _robot(robot: Robot) -> dict[str, Any]:
+def _robot(robot: Robot) -> JsonObject:
     fields = (
         "parent", "order", "rotation", "translation", "axis", "prismatic", "gravity", "lower",
         "upper", "velocity", "effort", "acceleration",
@@ -61,7 +60,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
     }
 
 
-def _bodies(standard: np.ndarray, names: tuple[str, ...]) -> list[dict[str, Any]]:
+def _bodies(standard: np.ndarray, names: tuple[str, ...]) -> list[JsonObject]:
     """Mass, first moments and inertia about the origin of each joint's frame."""
     return [
         {"joint": name} | dict(zip(PARAMETER_NAMES, map(float, row), strict=True))
@@ -69,7 +68,7 @@ def _bodies(standard: np.ndarray, names: tuple[str, ...]) -> list[dict[str, Any]
     ]
 
 
-def _base(model: TorqueModel) -> list[dict[str, Any]]:
+def _base(model: TorqueModel) -> list[JsonObject]:
     rows = zip(model.base.kept, model.base_values, model.base.matrix(), strict=False)
     return [
         {
@@ -84,7 +83,7 @@ def _base(model: TorqueModel) -> list[dict[str, Any]]:
     ]
 
 
-def _effect(model: TorqueModel, index: int) -> dict[str, Any]:
+def _effect(model: TorqueModel, index: int) -> JsonObject:
     term = model.terms[index]
     kind, errors = term.effect, model.std_errors[model.term_slice(index)]
     share = model.robot.gain_share(term.joints)
@@ -113,5 +112,5 @@ def _effect(model: TorqueModel, index: int) -> dict[str, Any]:
     }
 
 
-def _told(value: Value) -> dict[str, Any]:
+def _told(value: Value) -> JsonObject:
     return {"value": value.value, "std_error": value.std_error, "unit": value.unit}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pprint
 from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import typical_inertia
 from pa10d.effects import Context
 from pa10d.effects.together import contextualised, sensed
@@ -139,7 +140,7 @@ def _class_of(source: SourceText, term: Term) -> str:
     return source.add_effect(term.effect)
 
 
-def _robot(model: TorqueModel) -> dict[str, Any]:
+def _robot(model: TorqueModel) -> JsonObject:
     robot = model.robot
     fields = ("parent", "order", "rotation", "translation", "axis", "prismatic", "gravity")
     typical = typical_inertia(robot, model.load_bodies)

@@ -11,13 +11,13 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.interpolate
 import yaml
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot
 from pa10d.export.endings import Files
 from pa10d.export.loss import NOTHING
@@ -56,7 +56,7 @@ def tables(model: TorqueModel, about: str) -> tuple[Files, list[str]]:
     kept, lost = traceable(model)
     source = Tabulated(kept)
     robot, files = kept.robot, {}
-    entries: dict[str, list[dict[str, Any]]] = {"holding": [], "friction": []}
+    entries: dict[str, list[JsonObject]] = {"holding": [], "friction": []}
     lost = [NO_PLACE, *lost, *forgotten(kept)]
     for j in range(robot.n):
         made = {"holding": holding_table(source, j), "friction": friction_table(source, j)}
@@ -188,7 +188,7 @@ def _csv(table: TorqueTable, unit: str) -> str:
     return out.getvalue()
 
 
-def _entry(robot: Robot, table: TorqueTable, file: str) -> dict[str, Any]:
+def _entry(robot: Robot, table: TorqueTable, file: str) -> JsonObject:
     j = table.joint
     return {
         "joint": robot.joint_names[j],

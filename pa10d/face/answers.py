@@ -6,8 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison as Compared
 from pa10d.compare import document
 from pa10d.diagnose.outcome.diagnosis import Diagnosis as FoundOut
@@ -19,9 +19,9 @@ from pa10d.face.values import Array, ByContent, frozen, listed, settled
 class Answer(ByContent):
     """An answer and the document that says the same as JSON."""
 
-    _document: dict[str, Any]
+    _document: JsonObject
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As ``--json`` prints it."""
         return dict(self._document)
 
@@ -73,7 +73,7 @@ class Comparison(Answer):
         )
 
     @cached_property
-    def figures(self) -> dict[str, Any]:
+    def figures(self) -> JsonObject:
         """Plotly figures as JSON: ``overview`` and per joint ``joints``."""
         from pa10d.figures import comparison_figures
 
@@ -95,7 +95,7 @@ class Comparison(Answer):
 class Finding(ByContent):
     """A missing effect. joints from 1; rms_before, rms_after: (n,) N·m on held-out data."""
 
-    def __init__(self, document: dict[str, Any]) -> None:
+    def __init__(self, document: JsonObject) -> None:
         self._document = document
         self.effect: str = document["effect"]
         self.joints = tuple(document["joints"])
@@ -109,7 +109,7 @@ class Finding(ByContent):
         self.rms_after: Array = frozen(document["rms_after"])
         self.p_value: float = document["p_value"]
         self.confounded_with = tuple(document["confounded_with"])
-        self.next_experiment: dict[str, Any] | None = document["next_experiment"]
+        self.next_experiment: JsonObject | None = document["next_experiment"]
         self.sentence: str = document["sentence"]
 
     @property

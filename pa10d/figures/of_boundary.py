@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.figures.plotly import (
     ERROR,
     MEASURED,
@@ -26,7 +27,7 @@ USUAL = ("I", "Fc", "Fv")
 UNITS = {"I": "kg·m²", "Fc": "N·m", "Fv": "N·m·s/rad"}
 
 
-def convergence(found: dict[str, Any]) -> Figure:
+def convergence(found: JsonObject) -> Figure:
     """Estimates of equation 7 against the threshold, with their standard errors and, for the
     inertia, the band within which it is the same as that of the fast samples.
 
@@ -62,7 +63,7 @@ def convergence(found: dict[str, Any]) -> Figure:
     }  # fmt: skip
 
 
-def friction_chart(found: dict[str, Any]) -> Figure:
+def friction_chart(found: JsonObject) -> Figure:
     """Friction torque against speed in both directions, and the straight line of the fast part."""
     chart = found["friction_map"]
     speed, level = _numbers(chart["speed"]), _numbers(chart["level"])
@@ -97,7 +98,7 @@ def friction_chart(found: dict[str, Any]) -> Figure:
     }  # fmt: skip
 
 
-def _edge(x: dict[str, str], y: Array, y_axis: str, fill: str = "") -> dict[str, Any]:
+def _edge(x: dict[str, str], y: Array, y_axis: str, fill: str = "") -> JsonObject:
     shaded = {"fill": "tonexty", "fillcolor": _faint(fill)} if fill else {}
     return line("", y, "rgba(0,0,0,0)", x=x, yaxis=y_axis, showlegend=False,
                 hoverinfo="skip", **shaded)  # fmt: skip

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison
 from pa10d.figures.errors import error_maps
 from pa10d.figures.memory import memory
@@ -17,7 +17,7 @@ from pa10d.figures.staircase import Stair, staircase
 from pa10d.figures.time import torque_over_time
 
 
-def comparison_figures(comparison: Comparison, steps: Sequence[Stair] = ()) -> dict[str, Any]:
+def comparison_figures(comparison: Comparison, steps: Sequence[Stair] = ()) -> JsonObject:
     """``overview``, ``staircase`` (null for a single version) and per joint ``joints``: see
     joint_figures. ``steps``: earlier versions and this one on the same runs."""
     joints, pooled = comparison.model.robot.joint_names, comparison.pooled
@@ -29,7 +29,7 @@ def comparison_figures(comparison: Comparison, steps: Sequence[Stair] = ()) -> d
     }
 
 
-def joint_figures(comparison: Comparison, joint: int) -> dict[str, Any]:
+def joint_figures(comparison: Comparison, joint: int) -> JsonObject:
     """One joint (0-based): ``time`` (run name -> figure), ``maps``, ``spectra``, ``memory``."""
     level = float(comparison.pooled.noise_floor[joint])
     floor = level if np.isfinite(level) else None

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.figures.decimate import thinned
@@ -27,7 +26,7 @@ OVER_TIME = "over time"
 FEWEST = 50  # samples worth a plot
 
 
-def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> dict[str, Any]:
+def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> JsonObject:
     """``staircase``; per finding ``findings``: ``joint`` (from 1) that is shown, ``evidence`` (name
     -> figure, the best first) and ``before_after``; ``unexplained``: a map per entry, None where
     nobody knows what it depends on."""

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-Figure = dict[str, Any]
-Trace = dict[str, Any]
+from pa10d.common.jsonable import JsonObject
+
+Figure = JsonObject
+Trace = JsonObject
 
 # readable on white and on black, and told apart by people who see red and green alike
 MEASURED, MODEL, ERROR, NOISE, ALERT = "#8a97a6", "#e8842c", "#3d8fd6", "#2fa58a", "#d8475c"
@@ -47,15 +49,15 @@ def dots(name: str, x: ArrayLike, y: ArrayLike, color: str, **more: Any) -> Trac
     } | more  # fmt: skip
 
 
-def axis(title: str = "", **more: Any) -> dict[str, Any]:
+def axis(title: str = "", **more: Any) -> JsonObject:
     """An axis; everything coloured is left to the theme."""
-    out: dict[str, Any] = {"automargin": True, "zeroline": False}
+    out: JsonObject = {"automargin": True, "zeroline": False}
     if title:
         out["title"] = {"text": title, "standoff": 8}
     return out | more
 
 
-def log_axis(title: str, shown: ArrayLike, **more: Any) -> dict[str, Any]:
+def log_axis(title: str, shown: ArrayLike, **more: Any) -> JsonObject:
     """Ticks at 1, 2 and 5 of every decade, written out: Plotly would call 0.5 just "5". At 1 alone
     where the values ``shown`` reach over so many decades that more would overlap."""
     values = np.asarray(shown, dtype=float)
@@ -66,7 +68,7 @@ def log_axis(title: str, shown: ArrayLike, **more: Any) -> dict[str, Any]:
     return axis(title, type="log", tickvals=ticks, ticktext=[f"{t:g}" for t in ticks], **more)
 
 
-def layout(height: int, **more: Any) -> dict[str, Any]:
+def layout(height: int, **more: Any) -> JsonObject:
     """What all figures share."""
     return {
         "height": height,
@@ -77,7 +79,7 @@ def layout(height: int, **more: Any) -> dict[str, Any]:
 
 
 def band(axis_pair: tuple[str, str], x: Sequence[float | None], y: Sequence[float | None],
-         color: str, opacity: float = 0.14) -> dict[str, Any]:  # fmt: skip
+         color: str, opacity: float = 0.14) -> JsonObject:  # fmt: skip
     """A shaded rectangle; None: the whole length of that axis."""
     (x0, x1), (y0, y1) = x, y
     return {
@@ -91,9 +93,9 @@ def band(axis_pair: tuple[str, str], x: Sequence[float | None], y: Sequence[floa
 
 
 def mark(axis_pair: tuple[str, str], *, x: float | None = None, y: float | None = None,
-         color: str, dash: str = "dash") -> dict[str, Any]:  # fmt: skip
+         color: str, dash: str = "dash") -> JsonObject:  # fmt: skip
     """A straight line across the plot at x or at y."""
-    at: dict[str, Any] = {"xref": axis_pair[0], "yref": axis_pair[1]}
+    at: JsonObject = {"xref": axis_pair[0], "yref": axis_pair[1]}
     if x is not None:
         at |= {"x0": x, "x1": x, "y0": 0, "y1": 1, "yref": f"{axis_pair[1]} domain"}
     else:
@@ -101,7 +103,7 @@ def mark(axis_pair: tuple[str, str], *, x: float | None = None, y: float | None 
     return {"type": "line", "line": {"color": color, "width": 1.2, "dash": dash}} | at
 
 
-def note(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
+def note(text: str, x: float, y: float, **more: Any) -> JsonObject:
     """Text on the figure, by default in shares of its width and height."""
     return {
         "text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False,

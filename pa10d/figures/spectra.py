@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.compare.frequencies import FrequencySpectrum
 from pa10d.compare.orders import OrderSpectrum
 from pa10d.figures.decimate import peaks
@@ -68,7 +67,7 @@ def spectra(
     return {"data": data, "layout": figure}
 
 
-def _orders(found: OrderSpectrum, unit: str, annotations: list[dict[str, Any]]) -> list[dict]:
+def _orders(found: OrderSpectrum, unit: str, annotations: list[JsonObject]) -> list[dict]:
     n, size = peaks(found.order, found.amplitude, 2 * POINTS)
     m, level = peaks(found.order, found.threshold, POINTS)
     annotations += [

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
@@ -17,7 +17,7 @@ from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout
 
 
-def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:
+def cutoff_note(cutoff: float, why: Cutoff | None) -> JsonObject:
     """Who chose the cut-off, and from what."""
     if why is None:
         return {"hertz": cutoff, "chosen_by": "user"}
@@ -29,7 +29,7 @@ def cutoff_note(cutoff: float, why: Cutoff | None) -> dict[str, Any]:
     }
 
 
-def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> dict[str, Any]:
+def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> JsonObject:
     """The coefficients that go with the feasible standard parameters, by name, and what they
     cost."""
     return {
@@ -48,7 +48,7 @@ def model_of(
     shift: Shift,
     channel: TorqueFilter | None,
     recordings: Sequence[Recording],
-    notes: dict[str, Any],
+    notes: JsonObject,
 ) -> TorqueModel:
     """The model of a finished fit."""
     beta = fit.solution.beta

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.investigation.archive import REPORT
 from pa10d.investigation.doubts import FOLDER
 from pa10d.investigation.results import NamedEffect, Way
@@ -25,7 +24,7 @@ DIAGNOSED = (
 )  # fmt: skip
 
 
-def document(state: Investigation, data: str) -> dict[str, Any]:
+def document(state: Investigation, data: str) -> JsonObject:
     """Steps with status and ids, and, as far as it is, verdict, findings, errors, report."""
     place = data_folder(data) / "investigations" / state.id
     searches, added, judged = state.done("diagnose"), state.done("add"), state.done("judge")
@@ -65,13 +64,13 @@ def document(state: Investigation, data: str) -> dict[str, Any]:
     }
 
 
-def brief(state: Investigation) -> dict[str, Any]:
+def brief(state: Investigation) -> JsonObject:
     """For a list."""
     keys = ("id", "name", "robot", "status", "question", "moves", "created")
     return {key: getattr(state, key) for key in keys}
 
 
-def _step(step: Step) -> dict[str, Any]:
+def _step(step: Step) -> JsonObject:
     shown = step.model_dump(exclude={"result"})
     motion = shown.pop("motion")
     return {
@@ -84,7 +83,7 @@ def _step(step: Step) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _doubt(finding: NamedEffect, way: Way, place: Path) -> dict[str, Any]:
+def _doubt(finding: NamedEffect, way: Way, place: Path) -> JsonObject:
     return {
         "effect": finding.effect, "joints": finding.joints,
         "confounded_with": plain(finding.confounded_with), "seconds": way.seconds,

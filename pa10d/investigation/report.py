@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.investigation.archive import REPORT, SHEET
@@ -128,7 +128,7 @@ def _course(state: Investigation) -> Section:
     return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows)])
 
 
-def _sheet(place: Path) -> dict[str, Any]:
+def _sheet(place: Path) -> JsonObject:
     path = place / SHEET / "summary.json"
     try:
         return dict(json.loads(read_entry(path, LARGEST)))

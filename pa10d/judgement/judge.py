@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
 from pa10d.judgement.residuals import RunResidual, run_residual
@@ -49,7 +48,7 @@ class Judgement:
         """(n,): error over noise floor; nan where the floor is not known."""
         return self.rms / self.floor.values
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON."""
         return {
             "runs": list(self.runs),

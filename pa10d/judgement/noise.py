@@ -21,13 +21,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.judgement.extrapolated import extrapolated
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
@@ -62,7 +61,7 @@ class NoiseFloor:
     errors: Array
     slow: Array
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON; null: not known from this data."""
         return {
             "noise_floor": plain(self.values),

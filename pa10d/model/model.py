@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.effects import Context, Value
@@ -63,7 +64,7 @@ class TorqueModel:
     change: str = "textbook model"
     runs: tuple[str, ...] = ()
     held_out: dict[str, Array] = field(default_factory=dict)
-    notes: dict[str, Any] = field(default_factory=dict)
+    notes: JsonObject = field(default_factory=dict)
 
     @cached_property
     def unknowns(self) -> Unknowns:

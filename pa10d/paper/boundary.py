@@ -11,12 +11,12 @@ The threshold is the larger of the two answers.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.paper.friction_map import FrictionMap, friction_map, knee, knee_spread
 from pa10d.paper.single_joint import GRAVITY, JointEquation
 from pa10d.paper.sweep import Sweep, sweep
@@ -59,7 +59,7 @@ class BoundaryVelocity:
             f"rad/s (by the {self.decided_by}); {self.gravity}"
         )
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON and reports."""
         return {
             "joint": self.joint + 1,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.paper.single_joint import JointEquation
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class FrictionMap:
     nuisance: Array
     nuisance_replicates: Array
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON and reports."""
         return {
             "speed": self.speed.tolist(),

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.identify.summary import FitSummary
 from pa10d.paper.variants import Variants
 from pa10d.trajectory.excitation.result import ExcitationFigures
@@ -24,7 +25,7 @@ class Boundaries:
     """found: one document of ``BoundaryVelocity`` per joint; limit (n,) rad/s, the upper end of
     each interval (at least the slowest speed that was resolved): what design and estimation use"""
 
-    found: tuple[dict[str, Any], ...]
+    found: tuple[JsonObject, ...]
     limit: Array
 
     @property
@@ -101,7 +102,7 @@ class CaseStudy:
     slow_rms: dict[str, list[float]]
     identified: FitSummary
     following: dict[str, dict[str, Following]]
-    diagnosis: dict[str, Any]
+    diagnosis: JsonObject
     answer: str
     models: dict[str, str]
     seconds: dict[str, float] = field(default_factory=dict)
@@ -116,7 +117,7 @@ class CaseStudy:
         """(n,) N·m on the other trajectory, fitted to all samples."""
         return [float(v) for v in self.variants.ours("B").rms]
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """JSON of ``case-study``, without the report's path."""
         return {
             "inertial_base_parameters": self.identified.inertial_base_parameters,

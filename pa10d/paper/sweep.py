@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.paper.single_joint import JointEquation
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ class Sweep:
         k = int(np.searchsorted(self.thresholds, threshold))
         return float(self.thresholds[max(k, 1)] - self.thresholds[max(k, 1) - 1])
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For JSON and reports."""
         columns = {
             name: {"value": self.values[:, i].tolist(), "std_error": self.std_errors[:, i].tolist()}

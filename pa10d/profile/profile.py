@@ -25,6 +25,7 @@ from pa10d.common.fieldtypes import (
     Text,
     Vector3,
 )
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.yamlfile import Location, several
 
 
@@ -144,7 +145,7 @@ class Simulation(_Strict):
     """What stands behind the virtual drives."""
 
     plant: Factory = "backends.virtual.plant:build"
-    options: dict[str, Any] = {}
+    options: JsonObject = {}
     clock: Literal["simulated", "real"] = "real"
     seed: Annotated[int, Field(strict=True, ge=0)] = 0
 

@@ -7,9 +7,9 @@ import logging
 import signal
 import socket
 from pathlib import Path
-from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.mailbox import Mailbox
 from pa10d.control.ring import Ring
 from pa10d.profile import Profile
@@ -57,7 +57,7 @@ def serve(recorder: Recorder, connection: socket.socket, ring: Ring) -> None:
     recorder.leave()
 
 
-def _answer(recorder: Recorder, message: dict[str, Any]) -> dict[str, Any]:
+def _answer(recorder: Recorder, message: JsonObject) -> JsonObject:
     number, what = message.pop("id", None), message.pop("do", None)
     try:
         if what == "announce":

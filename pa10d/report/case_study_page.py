@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.figures import case_study_texts as texts
 from pa10d.figures.of_boundary import convergence, friction_chart
@@ -251,7 +251,7 @@ def _errors(found: CaseStudy, pace: str, laws: Sequence[str]) -> Table:
     return Table(head, rows)
 
 
-def _parameter(name: str, found: dict[str, Any]) -> str:
+def _parameter(name: str, found: JsonObject) -> str:
     unit = "" if found["unit"] == "1" else f" {found['unit']}"
     return f"{name} = {found['value']:.3g} ± {found['std_error']:.1g}{unit}"
 

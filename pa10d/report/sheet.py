@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.held_out import HeldOut
@@ -19,8 +20,8 @@ from pa10d.report.diagnosis_page import diagnosis_sections
 from pa10d.report.facts import Command, Facts, Verdict
 from pa10d.report.finding_section import Asked
 
-Sheet = dict[str, Any]
-BLOCKS: dict[str, Any] = {
+Sheet = JsonObject
+BLOCKS: dict[str, type] = {
     "cards": Cards, "command": Command, "facts": Facts, "lines": Lines, "plot": Plot,
     "reading": Reading, "section": Section, "table": Table, "text": Text, "verdict": Verdict,
 }  # fmt: skip

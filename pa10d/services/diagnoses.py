@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.diagnose.asked.adding import add_asked, refuse_slips
 from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
@@ -44,7 +45,7 @@ class Improved:
     def _models(self) -> tuple[TorqueModel, ...]:
         return (*self.diagnosis.versions[1:], *self.maps)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
             {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}

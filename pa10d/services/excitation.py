@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.parallel import process_map
 from pa10d.services.robots import load_robot
 from pa10d.trajectory.excitation.optimise import (
@@ -62,6 +63,6 @@ def excite(
 
 def excitation_document(
     profile: str, joints: Sequence[int] | None = None, **options: Any
-) -> dict[str, Any]:
+) -> JsonObject:
     """The same as plain numbers, for a job of the daemon: ``{kind, parameters, about}``."""
     return excite(profile, joints, **options).document()

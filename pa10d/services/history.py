@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.judgement import Judgement, common_band, judge_alike
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -21,7 +21,7 @@ class Version:
     info: ModelInfo
     judgement: Judgement | None
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON: the model's own entry with its error as judged here; ``fit``: what it was
         fitted to and the error there, in its own band."""
         info, judged = self.info, self.judgement

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison, compare, document
 from pa10d.dynamics.robot import Robot
 from pa10d.figures.staircase import Stair
@@ -45,7 +46,7 @@ class Identified:
 
     info: ModelInfo
     model: TorqueModel
-    summary: dict[str, Any]
+    summary: JsonObject
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class Compared:
     comparison: Comparison
     staircase: tuple[Stair, ...]
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON."""
         found = document(self.comparison)
         for run, entry in zip(self.runs, found["runs"], strict=True):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.compare.quantities import Values, quantities
 from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
@@ -29,7 +29,7 @@ from pa10d.model import TorqueModel
 from pa10d.services.library import Library, open_library
 
 Array = NDArray[np.float64]
-Plot = dict[str, Any]
+Plot = JsonObject
 
 READ = 6  # runs and models kept in memory
 JUDGED = 6  # the same as one model sees them
@@ -163,7 +163,7 @@ def _units(model: TorqueModel) -> list[str]:
     return [model.robot.torque_unit(j) for j in range(model.robot.n)]
 
 
-def _named(found: Judgement) -> dict[str, Any]:
+def _named(found: Judgement) -> JsonObject:
     return {"cutoff_hz": found.cutoff, "mask": found.mask}
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics.robot import Robot, robot_from_profile
 from pa10d.profile import Profile, load_profile
 from pa10d.profile.load import profile_folders
@@ -26,7 +26,7 @@ def load_robot(name: str | os.PathLike[str]) -> tuple[Profile, Robot]:
     return profile, robot
 
 
-def shipped_robots() -> list[dict[str, Any]]:
+def shipped_robots() -> list[JsonObject]:
     """Name, number of joints and the first sentence of every profile that is known by name."""
     files = {f.stem: f for folder in profile_folders() for f in sorted(folder.glob("*.yaml"))}
     return [

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.store.channels import Array
 from pa10d.store.run_info import BAG, RunInfo
 from pa10d.store.run_reader import StoredRun
@@ -99,7 +100,7 @@ def _write_mat(run: StoredRun, info: RunInfo, out: Path) -> None:
     from scipy.io import savemat
 
     samples = run.samples
-    content: dict[str, Any] = {
+    content: JsonObject = {
         "time": ((samples.stamps - run.time_zero_ns) * 1e-9)[:, None],
         "q": samples.q,
         "tau": samples.tau,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import base64
 import xml.etree.ElementTree as ET
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot, robot_from_urdf
 from pa10d.dynamics.base import parameter_name
 from pa10d.effects import Value
@@ -72,10 +72,10 @@ def tidy(urdf: str) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _robot(robot: Robot) -> dict[str, Any]:
+def _robot(robot: Robot) -> JsonObject:
     plain = robot_from_urdf(robot.urdf, list(robot.joint_names), robot.gravity).parameters
     tool = robot.parameters[-1] - plain[-1]
-    entry: dict[str, Any] = {
+    entry: JsonObject = {
         "name": robot.name,
         "joints": Row(robot.joint_names),
         "gravity": row(robot.gravity),
@@ -102,12 +102,12 @@ def _base(model: TorqueModel) -> list[Flow]:
     return out
 
 
-def _effects(model: TorqueModel) -> list[dict[str, Any]]:
+def _effects(model: TorqueModel) -> list[JsonObject]:
     out, errors = [], model.std_errors
     for i, term in enumerate(model.terms):
         own, share = errors[model.term_slice(i)], model.robot.gain_share(term.joints)
         kind = term.effect
-        entry: dict[str, Any] = {
+        entry: JsonObject = {
             "effect": term.effect_id,
             "joints": Row(j + 1 for j in term.joints),
             **({"over": Row(term.over)} if term.over else {}),

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.store.channels import Channels
 from pa10d.store.entries import Id, Name, read_entry, refuse_links
@@ -67,7 +68,7 @@ class RunInfo:
         """Write to ``folder`` in one step."""
         write_json(folder / FILE, self.document())
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON knows it."""
         return asdict(self)
 

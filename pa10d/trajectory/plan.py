@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.trajectory.limits import MotionLimits
 from pa10d.trajectory.motions import (
     Drawing,
@@ -119,7 +120,7 @@ class Plan:
         t = np.arange(int(np.ceil(self.duration * rate - 1e-9)) + 1) / rate
         return MotionSamples(t, *self.at(t))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Every motion in numbers, for a file."""
         return {
             "kind": self.kind,

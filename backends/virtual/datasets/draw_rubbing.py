@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from backends.virtual.datasets.figures import (
     Draw,
@@ -14,9 +13,10 @@ from backends.virtual.datasets.figures import (
     neighbours,
     sign,
 )
+from pa10d.common.jsonable import JsonObject
 
 
-def _asymmetry(rng: Rng, f: Figures) -> dict[str, Any]:
+def _asymmetry(rng: Rng, f: Figures) -> JsonObject:
     j, side = any_joint(rng, f), sign(rng)
     return {
         "joint": j + 1,
@@ -25,7 +25,7 @@ def _asymmetry(rng: Rng, f: Figures) -> dict[str, Any]:
     }
 
 
-def _stribeck(rng: Rng, f: Figures) -> dict[str, Any]:
+def _stribeck(rng: Rng, f: Figures) -> JsonObject:
     j = any_joint(rng, f)
     return {
         "joint": j + 1,
@@ -35,13 +35,13 @@ def _stribeck(rng: Rng, f: Figures) -> dict[str, Any]:
     }
 
 
-def _power_law(rng: Rng, f: Figures) -> dict[str, Any]:
+def _power_law(rng: Rng, f: Figures) -> JsonObject:
     j, p = any_joint(rng, f), rng.uniform(1.7, 2.6)
     top = 0.7 * f.reach.speed[j]
     return {"joint": j + 1, "Fp": rng.uniform(0.5, 1.2) * f.book.coulomb[j] / top**p, "p": p}
 
 
-def _presliding(rng: Rng, f: Figures) -> dict[str, Any]:
+def _presliding(rng: Rng, f: Figures) -> JsonObject:
     j = any_joint(rng, f)
     share = 0.004 * f.reach.half[j]  # rad before it slides
     if rng.random() < 0.5:
@@ -53,12 +53,12 @@ def _presliding(rng: Rng, f: Figures) -> dict[str, Any]:
     return {"joint": j + 1, "model": "lugre", "sigma0": sigma0, "sigma1": sigma1}
 
 
-def _load(rng: Rng, f: Figures) -> dict[str, Any]:
+def _load(rng: Rng, f: Figures) -> JsonObject:
     mu = rng.uniform(0.04, 0.12)
     return {"joint": any_joint(rng, f, 0.04 * 2 * carrying(f)) + 1, "mu": mu}
 
 
-def _thermal(rng: Rng, f: Figures) -> dict[str, Any]:
+def _thermal(rng: Rng, f: Figures) -> JsonObject:
     j = any_joint(rng, f)
     typical = 0.3 * f.reach.speed[j]
     power = (f.book.coulomb[j] + f.book.viscous[j] * typical) * typical
@@ -72,7 +72,7 @@ def _thermal(rng: Rng, f: Figures) -> dict[str, Any]:
     }
 
 
-def _worn(rng: Rng, f: Figures) -> dict[str, Any]:
+def _worn(rng: Rng, f: Figures) -> JsonObject:
     j = any_joint(rng, f)
     if rng.random() < 0.5:
         wave = rng.uniform(0.25, 0.6) * f.book.coulomb[j]
@@ -86,13 +86,13 @@ def _worn(rng: Rng, f: Figures) -> dict[str, Any]:
     }
 
 
-def _shared_belt(rng: Rng, f: Figures) -> dict[str, Any]:
+def _shared_belt(rng: Rng, f: Figures) -> JsonObject:
     i, j = neighbours(rng, f)
     size = min(f.book.coulomb[i], f.book.coulomb[j])
     return {"joints": [i + 1, j + 1], "F": rng.uniform(0.25, 0.6) * size, "sign": sign(rng)}
 
 
-def _bent_clamp(rng: Rng, f: Figures) -> dict[str, Any]:
+def _bent_clamp(rng: Rng, f: Figures) -> JsonObject:
     i = any_joint(rng, f)
     j = int(rng.choice([k for k in range(f.n) if k != i]))
     turns = math.pi / (1.4 * f.reach.half[j])

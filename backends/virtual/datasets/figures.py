@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from backends.virtual.datasets.robot import open_robot, reach_of
 from backends.virtual.plant.noise import white_level
 from backends.virtual.plant.servo import feed_forward, inertia_at, nominal
 from backends.virtual.plant.textbook import Textbook
+from pa10d.common.jsonable import JsonObject
 from pa10d.profile import Profile
 
 Rng = np.random.Generator
@@ -102,4 +102,4 @@ def neighbours(rng: Rng, f: Figures, first: int = 0) -> tuple[int, int]:
     return i, i + 1
 
 
-Draw = Callable[[Rng, Figures], dict[str, Any]]
+Draw = Callable[[Rng, Figures], JsonObject]

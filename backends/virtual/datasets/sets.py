@@ -11,6 +11,7 @@ import numpy as np
 from backends.virtual.datasets.robot import open_robot, reach_of
 from backends.virtual.datasets.runs import KINDS, motion_of, run_motion
 from backends.virtual.plant.plant import Plant, build
+from pa10d.common.jsonable import JsonObject
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 
@@ -27,7 +28,7 @@ def make_runs(
     spread: float = 0.2,
     temperature: bool = False,
     centred: bool = True,
-) -> tuple[dict[str, Recording], dict[str, Any]]:
+) -> tuple[dict[str, Recording], JsonObject]:
     """Runs of one arm (drawn by the seed) with the effects hidden in it, and the truth.
 
     ``ref_a``, ``ref_b`` among the kinds are of the same arm before the effects came. Motions, arm
@@ -55,7 +56,7 @@ def make_runs(
 
 def truth_of(
     seed: int, effects: Sequence[Mapping[str, Any]], noise: Any, plant: Plant, spread: float
-) -> dict[str, Any]:
+) -> JsonObject:
     """What was simulated, fit for JSON."""
     book, arm = plant.textbook, plant.physics.arm
     return {

@@ -8,6 +8,7 @@ from typing import Any
 
 from backends.virtual.plant.catalogue import ABOVE_ZERO, ALL, REQUIRED, Where
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ def hidden_effects(options: Any, n: int) -> list[Hidden]:
     return [_parse(number, dict(one), n) for number, one in enumerate(options, 1)]
 
 
-def _parse(number: int, asked: dict[str, Any], n: int) -> Hidden:
+def _parse(number: int, asked: JsonObject, n: int) -> Hidden:
     where = f"simulation.options.effects, entry {number}"
     name = asked.pop("effect", None)
     if not isinstance(name, str) or name not in ALL:
@@ -61,7 +62,7 @@ def _is_number(value: Any, default: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _joints(where: str, name: str, scope: Where, asked: dict[str, Any], n: int) -> tuple[int, ...]:
+def _joints(where: str, name: str, scope: Where, asked: JsonObject, n: int) -> tuple[int, ...]:
     wanted = {"joint": 1, "pair": 2, "robot": 0}[scope]
     given = asked.pop("joints", None)
     single = asked.pop("joint", None)

@@ -7,11 +7,12 @@ from typing import Any
 from fastapi import Response
 from fastapi.responses import FileResponse
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job
 
 
-def accepted(job: Job, response: Response) -> dict[str, Any]:
+def accepted(job: Job, response: Response) -> JsonObject:
     """202: the job, and where to ask for it."""
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return job.brief()

@@ -17,6 +17,7 @@ from pa10d.api.routes.runs import find_runs
 from pa10d.api.schemas.analyses import CompareRequest, DiagnoseRequest
 from pa10d.api.schemas.jobs import Job, JobPage
 from pa10d.api.schemas.plots import Sheet
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob
 
@@ -40,7 +41,7 @@ async def compare(daemon: TheDaemon, request: CompareRequest, response: Response
 @router.get("/comparisons", response_model=JobPage)
 async def list_comparisons(
     daemon: TheDaemon, limit: Limit = 50, cursor: Cursor = None
-) -> dict[str, Any]:
+) -> JsonObject:
     """Comparisons, newest first."""
     return _listed(daemon, "compare", limit, cursor)
 
@@ -73,9 +74,7 @@ async def diagnose(daemon: TheDaemon, request: DiagnoseRequest, response: Respon
 
 
 @router.get("/diagnoses", response_model=JobPage)
-async def list_diagnoses(
-    daemon: TheDaemon, limit: Limit = 50, cursor: Cursor = None
-) -> dict[str, Any]:
+async def list_diagnoses(daemon: TheDaemon, limit: Limit = 50, cursor: Cursor = None) -> JsonObject:
     """Diagnoses, newest first."""
     return _listed(daemon, "diagnose", limit, cursor)
 
@@ -92,7 +91,7 @@ async def diagnosis_sheet(daemon: TheDaemon, diagnosis: str) -> FileResponse:
     return await _sheet(daemon, "diagnose", diagnosis, "summary")
 
 
-def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> dict[str, Any]:
+def _listed(daemon: Daemon, kind: str, limit: int, cursor: str | None) -> JsonObject:
     found = [job.brief() for job in reversed(daemon.jobs.all()) if job.kind == kind]
     return page_of(found, limit, cursor)
 

@@ -12,13 +12,14 @@ from pa10d.api.deps import Span, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.runs import find_run
+from pa10d.common.jsonable import JsonObject
 from pa10d.services.fault_records import FaultList
 from pa10d.services.viewed import Channels
 
 router = APIRouter(tags=["explorer"])
 WRONG = responses("not-found", "refused")
 ARROW = "application/vnd.apache.arrow.stream"
-STREAM: dict[int | str, dict[str, Any]] = {
+STREAM: dict[int | str, JsonObject] = {
     200: {"content": {ARROW: {"schema": {"type": "string", "format": "binary"}}}}
 }
 Name = Annotated[str | None, Query(min_length=1, max_length=100)]
@@ -30,7 +31,7 @@ async def the_subject(
     run: Name = None,
     fault: Name = None,
     model: Annotated[list[str] | None, Query(max_length=4)] = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """A run, with what models say of it, or a fault."""
     if (run is None) == (fault is None):
         raise Problem("refused", "expected 'run' or 'fault', one of them")
@@ -40,7 +41,7 @@ async def the_subject(
     return {"kind": "run", "name": (await find_run(daemon, run or "")).id, "models": found}
 
 
-Subject = Annotated[dict[str, Any], Depends(the_subject)]
+Subject = Annotated[JsonObject, Depends(the_subject)]
 
 
 @router.get("/faults", response_model=FaultList)
@@ -88,6 +89,6 @@ async def spectrum(
     return Response(base64.b64decode(made), media_type=ARROW)
 
 
-async def _look(daemon: TheDaemon, what: str, subject: dict[str, Any], **more: Any) -> Any:
+async def _look(daemon: TheDaemon, what: str, subject: JsonObject, **more: Any) -> Any:
     where = {"profile": str(daemon.profile.path), **subject, **more}
     return await daemon.look(what, of="explorer", **where)

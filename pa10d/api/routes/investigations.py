@@ -22,6 +22,7 @@ from pa10d.api.schemas.investigations import (
 from pa10d.api.schemas.jobs import Job
 from pa10d.api.schemas.motions import MotionList
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.investigations import investigation_job
 from pa10d.investigation.archive import REPORT
@@ -56,7 +57,7 @@ async def list_investigations(
     daemon: TheDaemon,
     limit: Annotated[int, Query(ge=1, le=500)] = 50,
     cursor: Annotated[str | None, Query(max_length=100)] = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Investigations, newest first."""
     found, aside = await daemon.shelf(_look, daemon)
     page = page_of([brief(one) for one in reversed(found)], limit, cursor)
@@ -154,7 +155,7 @@ def _look(daemon: Daemon) -> tuple[list[Investigation], list[Any]]:
     return daemon.investigations.all(), daemon.investigations.set_aside()
 
 
-def _document(daemon: Daemon, state: Investigation) -> dict[str, Any]:
+def _document(daemon: Daemon, state: Investigation) -> JsonObject:
     pausing = state.id in daemon.pauses
     return {**document(state, str(daemon.data)), "pausing": pausing}
 

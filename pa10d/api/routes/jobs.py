@@ -12,6 +12,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.results import JobWithResult
 from pa10d.api.routes.accepted import whole
 from pa10d.api.schemas.jobs import Job, JobPage, JobStatus
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob
 
@@ -25,7 +26,7 @@ async def list_jobs(
     status: JobStatus | None = None,
     limit: Annotated[int, Query(ge=1, le=500)] = 50,
     cursor: Annotated[str | None, Query(max_length=100)] = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Jobs, newest first."""
     found = [
         job.brief()
@@ -42,7 +43,7 @@ async def show_job(daemon: TheDaemon, job: str) -> Any:
 
 
 @router.post("/{job}/cancel", response_model=Job, responses=responses("not-found"))
-async def cancel_job(daemon: TheDaemon, job: str) -> dict[str, Any]:
+async def cancel_job(daemon: TheDaemon, job: str) -> JsonObject:
     """Ask it to end; an experiment's arm is stopped. Cancelling twice is no error."""
     found = find_job(daemon, job)
     await daemon.jobs.cancel(found)

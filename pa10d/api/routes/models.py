@@ -19,6 +19,7 @@ from pa10d.api.schemas.analyses import AddRequest, IdentifyRequest, ImproveReque
 from pa10d.api.schemas.jobs import Job
 from pa10d.api.schemas.models import EffectList, History, Model, ModelDetails, ModelPage
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.improvement import ImprovementRequest, improvement_job
 from pa10d.diagnose.procedure import suspicion
@@ -32,12 +33,12 @@ router = APIRouter(tags=["models"])
 
 
 @router.get("/effects", response_model=EffectList)
-async def list_effects() -> dict[str, Any]:
+async def list_effects() -> JsonObject:
     """The effect library: equations, signatures, what each is easily confused with."""
     return {"items": [_about(e) for e in all_effects().values()]}
 
 
-def _about(e: Effect) -> dict[str, Any]:
+def _about(e: Effect) -> JsonObject:
     return {
         "id": e.id, "title": e.title, "equation": e.equation, "scope": e.scope,
         "question": e.question, "signature": e.signature,
@@ -53,7 +54,7 @@ async def list_models(
     daemon: TheDaemon,
     limit: Annotated[int, Query(ge=1, le=500)] = 50,
     cursor: Annotated[str | None, Query(max_length=100)] = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Models, newest first."""
     infos, aside = await daemon.shelf(_look, daemon)
     found = [vars(info) for info in reversed(infos)]
@@ -137,7 +138,7 @@ async def export_model(
 
 
 @router.get("/models/{model}/effects", response_model=EffectList, responses=responses("not-found"))
-async def effects_of_model(daemon: TheDaemon, model: str) -> dict[str, Any]:
+async def effects_of_model(daemon: TheDaemon, model: str) -> JsonObject:
     """What the library says of the effects at work in a model."""
     info = await find_model(daemon, model)
     ids = {label.split(" ")[0] for label in info.effects}
@@ -236,7 +237,7 @@ async def find_model(daemon: Daemon, wanted: str) -> ModelInfo:
         raise Problem("not-found", str(error)) from error
 
 
-def _dump(request: Any) -> dict[str, Any]:
+def _dump(request: Any) -> JsonObject:
     return dict(request.model_dump(by_alias=True))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.requests import HTTPConnection
@@ -22,6 +22,7 @@ from pa10d.api.schemas.recordings import (
 )
 from pa10d.api.uploads import BODY, new_place, plain_name, take
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -47,7 +48,7 @@ async def send_recording(
     files: TheFiles,
     request: Request,
     filename: Annotated[str, Query(max_length=200)] = "recording.csv",
-) -> dict[str, Any]:
+) -> JsonObject:
     """A file, to be looked at: its columns, first values, small curves, and what they seem to be.
 
     Nothing is stored; it waits for its import for an hour at most. What needs a fit (delay, signs)
@@ -73,7 +74,7 @@ async def send_recording(
 )
 async def preview_recording(
     daemon: TheDaemon, files: TheFiles, file: str, asked: ColumnChoices
-) -> dict[str, Any]:
+) -> JsonObject:
     """The same file with other choices: what an import with them would make of it."""
     return await _preview(daemon, files.get(file), asked)
 
@@ -86,7 +87,7 @@ async def preview_recording(
 )
 async def import_recording(
     daemon: TheDaemon, files: TheFiles, may_replace: MayReplace, file: str, asked: ImportRequest
-) -> dict[str, Any]:
+) -> JsonObject:
     """It becomes a run; its mapping stays in the profile. What a fit must not use is refused unless
     forced, and the file waits on."""
     may_replace(asked.replace)
@@ -114,12 +115,12 @@ async def import_every_episode(
     may_replace: MayReplace,
     file: str,
     asked: ImportEveryRequest,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Every episode of a data set becomes a run, NAME-0 …; those that are refused are told, the
     others are stored all the same. Where none could be stored, the file waits on."""
     may_replace(asked.replace)
-    runs: list[dict[str, Any]] = []
-    refused: list[dict[str, Any]] = []
+    runs: list[JsonObject] = []
+    refused: list[JsonObject] = []
     async with files.taken(file) as held:
         for episode in await daemon.answer("episodes_of_file", file=str(held.path)):
             try:
@@ -149,9 +150,9 @@ async def drop_recording(files: TheFiles, file: str) -> dict[str, str]:
     return {"id": held.id, "file": held.path.name}
 
 
-async def _preview(daemon: TheDaemon, held: HeldFile, asked: ColumnChoices) -> dict[str, Any]:
+async def _preview(daemon: TheDaemon, held: HeldFile, asked: ColumnChoices) -> JsonObject:
     chosen = None if asked.columns is None else [one.model_dump() for one in asked.columns]
-    found: dict[str, Any] = await daemon.answer(
+    found: JsonObject = await daemon.answer(
         "preview_file", file=str(held.path), profile=str(daemon.profile.path), choices=chosen,
         thorough=asked.thorough, part=asked.part.model_dump(),
     )  # fmt: skip

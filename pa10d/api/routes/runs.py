@@ -16,6 +16,7 @@ from pa10d.api.problems import Problem, responses
 from pa10d.api.schemas.recordings import RecordingFindings, Run, RunChange, RunPage
 from pa10d.api.uploads import BODY, place_for, plain_name, take
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.services.soundness import refuse_unsound
 from pa10d.store import RunInfo
@@ -37,7 +38,7 @@ async def list_runs(
     status: STATUS | None = None,
     limit: Annotated[int, Query(ge=1, le=500)] = 50,
     cursor: Text = None,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Runs, newest first; ``name`` matches any part of a name."""
 
     def wanted(info: RunInfo) -> bool:
@@ -55,7 +56,7 @@ async def list_runs(
 
 
 @router.get("/{run}", response_model=Run, responses=responses("not-found"))
-async def show_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
+async def show_run(daemon: TheDaemon, run: str) -> JsonObject:
     """By exact name, id, or unique start of an id."""
     return (await find_run(daemon, run)).document()
 
@@ -63,7 +64,7 @@ async def show_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
 @router.get(
     "/{run}/check", response_model=RecordingFindings, responses=responses("not-found", "refused")
 )
-async def check_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
+async def check_run(daemon: TheDaemon, run: str) -> JsonObject:
     """What to know of it before fitting, gravest first: units, signs, delay, missing motion …"""
     info = await find_run(daemon, run)
     profile = str(daemon.profile.path)
@@ -71,7 +72,7 @@ async def check_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
 
 
 @router.patch("/{run}", response_model=Run, responses=responses("not-found", "conflict", "refused"))
-async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str, Any]:
+async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> JsonObject:
     """Give it another name or other tags, or leave stretches of it out of fits and judgements."""
     info = await find_run(daemon, run)
     if change.name not in (None, info.name):
@@ -87,7 +88,7 @@ async def change_run(daemon: TheDaemon, run: str, change: RunChange) -> dict[str
 
 
 @router.delete("/{run}", response_model=Run, responses=responses("not-found", "refused"))
-async def delete_run(daemon: TheDaemon, run: str) -> dict[str, Any]:
+async def delete_run(daemon: TheDaemon, run: str) -> JsonObject:
     """Remove it and its measurements."""
     info = await daemon.changes(daemon.runs.delete, (await find_run(daemon, run)).id)
     daemon.events.publish("run", {"id": info.id, "name": info.name, "status": "deleted"})

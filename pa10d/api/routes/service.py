@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from fastapi import APIRouter
 from fastapi.responses import PlainTextResponse
 
 from pa10d.api.deps import TheDaemon
 from pa10d.api.schemas.arm import Health
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.control.states import ArmState
 
@@ -17,7 +16,7 @@ STATES = tuple(state.label for state in ArmState)
 
 
 @router.get("/healthz", response_model=Health)
-async def health(daemon: TheDaemon) -> dict[str, Any]:
+async def health(daemon: TheDaemon) -> JsonObject:
     """Answers while the daemon is alive."""
     return {"version": __version__, "robot": daemon.robot.state, "uptime": daemon.uptime}
 

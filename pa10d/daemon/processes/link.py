@@ -9,9 +9,10 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.mailbox import LARGEST
 
-Message = dict[str, Any]
+Message = JsonObject
 
 
 class LinkClosed(Exception):

@@ -9,10 +9,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from threading import Thread
-from typing import Any
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.record import SCALARS, VECTORS
 from pa10d.control.ring import Ring
@@ -39,7 +39,7 @@ def keep_fault(data: Path, fault: Fault, ring: Ring, joints: Sequence[str]) -> T
     return thread
 
 
-def _write(path: Path, about: str, fields: dict[str, Any]) -> None:
+def _write(path: Path, about: str, fields: JsonObject) -> None:
     try:
         path.parent.mkdir(exist_ok=True)
         np.savez(path, about=np.array(about), **fields)

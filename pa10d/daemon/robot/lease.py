@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+
+from pa10d.common.jsonable import JsonObject
 
 USUAL = 30.0  # s after the last command of a client that did not ask for a lease
 LONGEST = 3600.0  # s
@@ -53,7 +54,7 @@ class Lease:
         self.holder = None
         return True
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For clients."""
         holder = self.current()
         left = max(0.0, self.until - self.clock()) if holder else 0.0

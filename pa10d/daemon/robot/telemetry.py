@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import AsyncIterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics.robot import Robot
@@ -47,7 +47,7 @@ class Telemetry:
         """How many look."""
         return len(self._listeners)
 
-    def header(self) -> dict[str, Any]:
+    def header(self) -> JsonObject:
         """What the columns of every packet are; limits: [lower, upper] per joint, null for none;
         states: what the numbers in ``state`` mean."""
         robot, joints = self.robot, range(1, self.robot.n + 1)

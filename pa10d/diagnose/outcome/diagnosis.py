@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.words import listed
 from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.settling import NextExperiment
@@ -53,7 +53,7 @@ class Finding:
     next_experiment: NextExperiment | None
     sentence: str
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As INTERFACES has it, and a little more."""
         return {
             "effect": self.term.effect_id,
@@ -142,7 +142,7 @@ class Diagnosis:
             "change, and judge by others from after it",
         )
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """JSON of ``diagnose``."""
         return {
             "verdict": self.verdict,

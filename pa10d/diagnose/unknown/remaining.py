@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.common.jsonable import plain
+from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.constants import (
     AT_RANDOM,
@@ -69,7 +69,7 @@ class Remaining:
         """Error over noise floor; nan where the floor is not known."""
         return self.rms / self.floor if self.floor > 0 else float("nan")
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """As JSON; null: not known."""
         return {
             "joint": self.joint + 1,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot
 from pa10d.trajectory.check import check
 from pa10d.trajectory.excitation.criterion import Criterion
@@ -40,11 +41,11 @@ class ExcitingTrajectory:
     found: Found
     problem: ExcitationProblem
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """For a YAML or JSON file: the request as it can be run, and what is known about it."""
         return {**self.request.request(), "about": self.about()}
 
-    def about(self) -> dict[str, Any]:
+    def about(self) -> JsonObject:
         """Figures and provenance."""
         return {
             **self.figures.document(),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
@@ -66,13 +67,13 @@ class Kind(BaseModel, ABC):
             )
         return around.within(np.array(self.pose, dtype=float), "pose")
 
-    def request(self) -> dict[str, Any]:
+    def request(self) -> JsonObject:
         """``{kind, parameters}``: what files and clients hold; defaults are left out."""
         given = self.model_dump(mode="json", exclude_defaults=True)
         return {"kind": self.kind, "parameters": given}
 
 
-def validated(kind: type[Kind], parameters: dict[str, Any]) -> Kind:
+def validated(kind: type[Kind], parameters: JsonObject) -> Kind:
     """Parameters of a kind, or one line per problem."""
     try:
         return kind.model_validate(parameters)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 
 Array = NDArray[np.float64]
 MotionState = tuple[Array, Array, Array]
@@ -72,9 +73,9 @@ class Motion(ABC):
         t = np.arange(int(np.floor(self.duration * rate + 1e-9)) + 1) / rate
         return MotionSamples(t, *self.at(t))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Plain numbers and lists."""
-        out: dict[str, Any] = {"motion": self.name}
+        out: JsonObject = {"motion": self.name}
         for field in fields(self):
             value = getattr(self, field.name)
             out[field.name] = value.tolist() if isinstance(value, np.ndarray) else value

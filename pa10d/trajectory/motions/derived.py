@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.trajectory.motions.base import Motion, motion_from_dict
 
 
@@ -13,7 +13,7 @@ from pa10d.trajectory.motions.base import Motion, motion_from_dict
 class Derived(Motion):
     """original: the other motion, as a file holds it."""
 
-    original: dict[str, Any]
+    original: JsonObject
 
     @cached_property
     def _inner(self) -> Motion:
