@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effect
+from pa10d.common.parallel import one_thread
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
-from pa10d.diagnose.procedure import diagnose, one_thread
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.steps import Search, rms
@@ -162,7 +163,7 @@ def arm(
     return Arm(runs, tuple(hidden), truth, model, frozen)
 
 
-@one_thread  # beside gaps errors depend on rounding, and rounding on the number of threads
+@one_thread()  # beside gaps errors depend on rounding, and rounding on the number of threads
 def error_when_told(found: Arm) -> np.ndarray:
     """(n,) N·m held out: the hidden effects are given, only the rest is fitted.
 
