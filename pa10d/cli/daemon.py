@@ -227,19 +227,31 @@ def sim(options: argparse.Namespace) -> Answer:
 
 def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile, Secret | None]:
     """The profile whose virtual arm hides what was asked for, and the arm of the next day: what
-    happens to an arm happens over night. Nobody is told."""
+    happens to an arm happens over night. Nobody is told. The arm that these data were recorded
+    from goes on, on the day that it was left; a seed names another."""
     if options.hide is None:
         return profile, None
     from secrets import randbelow
 
-    from pa10d.daemon.night import Secret
+    from pa10d.daemon.night import Drawn, Secret, drawn_before
     from pa10d.demo.hidden import hide, with_secret
+    from pa10d.store.location import data_folder
 
     seed = randbelow(10_000) if options.seed is None else options.seed
-    hidden = hide(None if options.hide == "any" else options.hide, seed, profile)
-    note(f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on")
-    today, later = (with_secret(profile, hidden, seed, day) for day in (False, True))
-    return today, None if hidden.foreign else Secret(later, hidden.in_words(), hidden.changes)
+    drawn, kept = Drawn(profile.name, options.hide, seed), drawn_before(data_folder(options.data))
+    if kept is not None and kept.same_arm(
+        replace(drawn, seed=kept.seed) if options.seed is None else drawn
+    ):
+        drawn = kept
+        note(f"the virtual arm of seed {kept.seed} goes on, on day {kept.day}; --seed: another one")
+    else:
+        note(f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on")
+    hidden = hide(None if options.hide == "any" else options.hide, drawn.seed, profile)
+    today, later = (with_secret(profile, hidden, drawn.seed, day) for day in (False, True))
+    if hidden.foreign:
+        return today, None
+    secret = Secret(later, hidden.in_words(), hidden.changes, drawn)
+    return later if drawn.day > 1 else today, secret
 
 
 def _as_tuned_here(options: argparse.Namespace) -> tuple[Profile, Robot]:

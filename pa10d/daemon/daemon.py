@@ -92,7 +92,7 @@ class Daemon:
         self._arm = profile  # the virtual one, without a weight
         self._hung: Body | None = None
         self._changing = asyncio.Lock()  # the profile, or the virtual arm
-        self.night = Night(secret if self.simulator is not None else None)
+        self.night = Night(secret if self.simulator is not None else None, data)
         self._tasks: list[asyncio.Task[None]] = []
         self._ending: asyncio.Future[None] | None = None
 

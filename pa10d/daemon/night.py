@@ -1,16 +1,50 @@
 """A virtual arm that hides something: the night in which it may change, and the end of the secret.
 
 What is hidden goes to the simulator's process alone; who asks the daemon learns it when he says
-that he wants to know.
+that he wants to know. Which arm it is, and which day, stays with the data that it was recorded
+into: a daemon that begins again goes on with the same arm.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile
+from pa10d.store.entries import read_entry
+from pa10d.store.folders import write_text
+
+FILE, LARGEST = "hidden_arm.json", 4096  # bytes
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The arm with a secret that a data folder knows. hide: as it was asked for; day: 2 once its
+    night has passed."""
+
+    profile: str
+    hide: str
+    seed: int
+    day: int = 1
+    revealed: bool = False
+
+    def same_arm(self, other: Drawn) -> bool:
+        """Whatever day it is."""
+        return (self.profile, self.hide, self.seed) == (other.profile, other.hide, other.seed)
+
+
+def drawn_before(data: Path) -> Drawn | None:
+    """The arm of this folder; None where there is none, or where its file cannot be read."""
+    place = data / FILE
+    try:
+        kept = Drawn(**json.loads(read_entry(place, LARGEST)))
+    except (UserError, ValueError, TypeError):
+        return None
+    whole = isinstance(kept.seed, int) and kept.day in (1, 2) and isinstance(kept.revealed, bool)
+    return kept if whole else None
 
 
 @dataclass(frozen=True)
@@ -21,16 +55,25 @@ class Secret:
     later: Profile
     words: str
     changes: bool
+    drawn: Drawn | None = None
 
 
 @dataclass
 class Night:
-    """The days of a virtual arm. secret: None where it hides nothing."""
+    """The days of a virtual arm. secret: None where it hides nothing; data: where its day is kept,
+    None: nowhere."""
 
     secret: Secret | None
+    data: Path | None = None
     day: int = 1
     revealed: bool = False
     _passing: bool = field(default=False, repr=False)
+
+    def __post_init__(self) -> None:
+        drawn = None if self.secret is None else self.secret.drawn
+        if drawn is not None:
+            self.day, self.revealed = drawn.day, drawn.revealed
+        self._keep()
 
     def document(self) -> dict[str, object]:
         """For clients: what is hidden only once it was revealed."""
@@ -46,6 +89,7 @@ class Night:
         """Tell what is hidden, from now on."""
         self._known()
         self.revealed = True
+        self._keep()
 
     async def passes(self, switched: Callable[[Profile], Awaitable[None]]) -> None:
         """The arm is switched off and on again by ``switched``, as it is on the next day."""
@@ -56,8 +100,17 @@ class Night:
         try:
             await switched(secret.later)
             self.day = 2
+            self._keep()
         finally:
             self._passing = False
+
+    def _keep(self) -> None:
+        drawn = None if self.secret is None else self.secret.drawn
+        if drawn is None or self.data is None:
+            return
+        now = replace(drawn, day=self.day, revealed=self.revealed)
+        self.data.mkdir(parents=True, exist_ok=True)
+        write_text(self.data / FILE, json.dumps(asdict(now), indent=2) + "\n")
 
     def _known(self) -> Secret:
         if self.secret is None:

@@ -16,10 +16,23 @@ const pa10dPlots = (() => {
   const config = { responsive: true, displaylogo: false, displayModeBar: "hover",
                    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
   const drawn = new Map();
-  const draw = (box, figure) => {
+  /** The buttons lie over the picture's upper right corner: where a legend reaches so far, they move up. */
+  const clear = (box) => {
+    const bar = box.querySelector(".modebar"), holder = box.querySelector(".modebar-container"), keys = [...box.querySelectorAll(".legend .legendtext")];
+    if (!bar || !holder) return;
+    const { left, height } = bar.getBoundingClientRect();
+    const crowded = keys.some((key) => key.getBoundingClientRect().right > left);
+    box.style.marginTop = crowded ? `${height}px` : "";
+    holder.style.top = crowded ? `${-height}px` : "0px";
+  };
+  const draw = async (box, figure) => {
+    const first = !drawn.has(box);
     drawn.set(box, figure);
     const layout = { ...figure.layout, template: template(), autosize: true };
-    return Plotly.react(box, figure.data, layout, config);
+    const done = await Plotly.react(box, figure.data, layout, config);
+    if (first) box.on("plotly_afterplot", () => clear(box));
+    clear(box);
+    return done;
   };
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     for (const [box, figure] of drawn) draw(box, figure);

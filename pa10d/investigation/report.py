@@ -10,13 +10,14 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
+from pa10d.dynamics import Robot
 from pa10d.investigation.archive import REPORT, SHEET
 from pa10d.investigation.results import LastWord, Searched
 from pa10d.investigation.state import Investigation
 from pa10d.investigation.words import found_words, named
 from pa10d.report.blocks import Lines, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
-from pa10d.report.model_page import dossier_sections
+from pa10d.report.model_page import Dossier, dossier_sections
 from pa10d.report.page import page
 from pa10d.report.sheet import sections_of
 from pa10d.services.dossier import dossier
@@ -43,16 +44,17 @@ def report_text(
     """The page. first: what stands before everything else."""
     found = state.searched
     assert found is not None
+    sheet = _dossier(library, state)
     sections = [
         *first,
         Section(
             "In short",
             [Verdict(found_words(found), found.verdict), Facts(_facts(state, found))],
         ),
-        *_delivery(state),
+        *_delivery(state, sheet.model.robot),
         *_doubts(state),
-        *sections_of(_sheet(place)),
-        *_model(library, state),
+        *sections_of(_sheet(place), commands=False),
+        *dossier_sections(sheet),
         _course(state),
     ]
     question = "what has changed?" if state.question == "changed" else "what is missing?"
@@ -64,10 +66,10 @@ def report_text(
     )
 
 
-def _model(library: Library, state: Investigation) -> list[Section]:
+def _dossier(library: Library, state: Investigation) -> Dossier:
     """What a reviewer asks for: robot, runs, fit, parameters, errors of the last version."""
     fresh = state.recorded("fresh") or state.unseen or state.to_fit
-    return dossier_sections(dossier(library, state.versions[-1], fresh))
+    return dossier(library, state.versions[-1], fresh, searched=state.to_judge)
 
 
 def _facts(state: Investigation, found: Searched) -> list[tuple[str, str]]:
@@ -85,7 +87,7 @@ def _facts(state: Investigation, found: Searched) -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
-def _delivery(state: Investigation) -> list[Section]:
+def _delivery(state: Investigation, robot: Robot) -> list[Section]:
     """What was promised, what came of it, and how it holds where nothing was fitted."""
     promise, last = state.delivered, state.last_word
     if promise is None or promise.cutoff_hz is None or last is None:
@@ -95,13 +97,13 @@ def _delivery(state: Investigation) -> list[Section]:
     columns = [promise.before, promise.promised, promise.achieved,
                last.before, last.after, last.noise_floor]  # fmt: skip
     rows = [
-        [str(j + 1), *(_number(None if column is None else column[j]) for column in columns)]
-        for j in range(len(last.before))
+        [f"{j + 1} {name}", *(_number(None if c is None else c[j]) for c in columns)]
+        for j, name in enumerate(robot.joint_names)
     ]
     note = Text(
-        f"RMS error in N·m. Promised and achieved: on the runs that the search judged by, low-"
-        f"passed at {promise.cutoff_hz:.4g} Hz. The last columns: on runs that {last.seen}, "
-        f"at {last.cutoff_hz:.4g} Hz; samples {last.mask}.",
+        f"RMS error in {robot.torque_units()}. Promised and achieved: on the runs that the search "
+        f"judged by, low-passed at {promise.cutoff_hz:.4g} Hz. The last columns: on runs that "
+        f"{last.seen}, at {last.cutoff_hz:.4g} Hz; samples {last.mask}.",
         muted=True,
     )
     return [Section("Promised and achieved", [Table(head, rows), note])]
@@ -125,7 +127,7 @@ def _course(state: Investigation) -> Section:
          ", ".join([*step.runs, *step.models]) or "–", step.said]
         for step in state.steps if step.kind != "report"
     ]  # fmt: skip
-    return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows)])
+    return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows, words=1)])
 
 
 def _sheet(place: Path) -> JsonObject:

@@ -15,7 +15,7 @@ from pa10d.diagnose.outcome.settling import NextExperiment
 
 PerJoint = list[float]
 Known = list[float | None]
-"""Per joint, N·m; null where the data does not show it."""
+"""Per joint, N·m (N where it slides); null where the data does not show it."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,8 @@ class StoredAs:
 @dataclass(frozen=True)
 class LastWord:
     """The first and the last version on the same runs. fresh: moved for nothing else; seen: what
-    fits have seen of them, in words; models: names of all versions."""
+    fits have seen of them, in words; models: names of all versions; units: of every joint's torque,
+    empty where an older version has written it."""
 
     fresh: bool
     seen: str
@@ -119,3 +120,8 @@ class LastWord:
     noise_floor: Known
     cutoff_hz: float
     mask: str
+    units: list[str] = field(default_factory=list)
+
+    def unit(self, joint: int) -> str:
+        """Of a joint's error (0-based)."""
+        return self.units[joint] if self.units else "N·m"

@@ -12,7 +12,14 @@ from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.outcome.words import nothing
 from pa10d.effects import all_effects
 from pa10d.identify.summary import FitSummary
-from pa10d.investigation.results import LastWord, NamedEffect, Searched, StoredAs, Structured
+from pa10d.investigation.results import (
+    LastWord,
+    NamedEffect,
+    Searched,
+    Size,
+    StoredAs,
+    Structured,
+)
 from pa10d.report.verdict import more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
 
@@ -69,15 +76,19 @@ def found_words(found: Searched) -> str:
         return f"Something {what} that no effect of the library explains: {listed(places)}."
     verb = "What changed" if found.frozen else "Missing in the model"
     text = f"{verb}: {listed([named(f, found.frozen) for f in found.findings])}."
-    sizes = [
-        f"{name} = {v.value:.3g} ± {v.std_error:.1g} {v.unit}".removesuffix(" 1")
-        for name, v in found.findings[0].parameters.items()
-        if v.determined
-    ]
-    text += f" {', '.join(sizes)}."
+    for finding in found.findings:
+        sizes = [_sized(*one) for one in finding.parameters.items() if one[1].determined]
+        whose = f"{named(finding, found.frozen)}: " if len(found.findings) > 1 else ""
+        text += f" {whose}{', '.join(sizes)}." if sizes else ""
     if found.unexplained:
         text += " Something besides is left that no effect of the library explains."
     return text
+
+
+def _sized(name: str, size: Size) -> str:
+    """``F = 1.12 ± 0.06 N·m``; what was chosen, not fitted, has no error: ``ratio = 1``."""
+    error = f" ± {size.std_error:.1g}" if size.std_error else ""
+    return f"{name} = {size.value:.3g}{error} {size.unit}".removesuffix(" 1")
 
 
 def identified_words(found: FitSummary) -> str:
@@ -121,11 +132,15 @@ def fall_words(judged: LastWord) -> str:
         return f"{judged.models[0]} is judged {where}; nothing was added to it."
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)
     best, worst = int(np.argmax(fall)), int(np.argmin(fall))
+
+    def sizes(j: int) -> str:
+        return f"from {before[j]:.3g} to {after[j]:.3g} {judged.unit(j)}"
+
     text = (
-        f"The error of joint {best + 1} falls from {before[best]:.3g} to {after[best]:.3g} {where}."
+        f"The error of joint {best + 1} falls {sizes(best)} {where}."
         if fall[best] > 0
         else f"No joint's error falls {where}."
     )
     if fall[worst] < -RISE:
-        text += f" That of joint {worst + 1} rises from {before[worst]:.3g} to {after[worst]:.3g}."
+        text += f" That of joint {worst + 1} rises {sizes(worst)}."
     return text

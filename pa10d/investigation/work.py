@@ -122,6 +122,7 @@ def _judge(
     first, last = judged[0].judgement, judged[-1].judgement
     if first is None or last is None:
         raise UserError(f"runs {', '.join(runs)}: not in the store any more")
+    robot = library.models.load(judged[-1].info).robot
     word = LastWord(
         fresh=bool(fresh),
         seen="no fit has seen" if fresh or state.unseen else "the models were fitted to",
@@ -132,6 +133,7 @@ def _judge(
         noise_floor=plain(last.floor.values),
         cutoff_hz=last.cutoff,
         mask=last.mask,
+        units=[robot.torque_unit(j) for j in range(robot.n)],
     )
     return StepOutcome(result=plain(word), said=fall_words(word))
 

@@ -55,7 +55,8 @@ def parameter_list(model: TorqueModel) -> list[ParameterLine]:
         for i, (k, value) in enumerate(zip(model.base.kept, model.base_values, strict=True))
     ]
     for i, term in enumerate(model.terms):
-        bounds = {shape.name: (shape.lower, shape.upper) for shape in term.effect.shapes}
+        shapes = [shape for shape in term.effect.shapes if shape.scale != "choice"]
+        bounds = {shape.name: (shape.lower, shape.upper) for shape in shapes}
         doubts = {c.name: next(places) for c in term.effect.coefficients}
         found += [
             ParameterLine(

@@ -78,22 +78,29 @@ class Cards:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under a head; the first column is text, the others are numbers."""
+    """Rows under a head; the first column is text, the others are numbers, but for the last
+    ``words`` ones, whose sentences break where there is no room."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    words: int = 0
 
     def render(self, number: Numbers) -> str:
         """As HTML."""
-        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in self.head)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
-            for row in self.rows
-        )
+        head = self._row("th", self.head)
+        body = "".join(self._row("td", row) for row in self.rows)
         return (
-            f'<div class="scroll"><table><thead><tr>{head}</tr></thead>'
-            f"<tbody>{body}</tbody></table></div>"
+            f'<div class="scroll"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>'
         )
+
+    def _row(self, kind: str, cells: Sequence[str]) -> str:
+        numbers = len(cells) - self.words
+        marks = ["" if k < numbers else ' class="text"' for k in range(len(cells))]
+        inner = (
+            f"<{kind}{mark}>{html.escape(cell)}</{kind}>"
+            for mark, cell in zip(marks, cells, strict=True)
+        )
+        return f"<tr>{''.join(inner)}</tr>"
 
 
 @dataclass(frozen=True)

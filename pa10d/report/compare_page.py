@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d import figures
 from pa10d.common.version import __version__
-from pa10d.common.words import counted, times, times_noise
+from pa10d.common.words import counted, joint_words, times, times_noise
 from pa10d.compare import Comparison, RunScores
 from pa10d.compare.phrases import brief
 from pa10d.figures.staircase import Stair
@@ -83,8 +83,9 @@ def joint_section(
         Plot("In cycles per revolution, and in hertz", drawn["spectra"], texts["spectra"],
              _line_advice(j, order.lines if order else (), unit)),
         Plot("Its memory", drawn["memory"], texts["memory"],
-             f"Within the band: {white.samples} samples worth {white.effective:.0f} independent "
-             f"ones; {'not white' if white.p_value < WHITE else 'white'} ({p})."),
+             f"At the rate that the low-pass leaves, these are {white.samples} samples, worth "
+             f"{white.effective:.0f} independent ones: "
+             f"{'not white' if white.p_value < WHITE else 'white'} ({p})."),
     ]  # fmt: skip
     name = f"Joint {j + 1}"
     rms = pooled.scores.rms[j]
@@ -163,13 +164,12 @@ def _figures(comparison: Comparison) -> Section:
 
 
 def _floor_source(methods: Sequence[str | None]) -> str:
-    """``Noise floor from repeated motion (joints 1, 2), high frequencies (joint 3).``"""
+    """``Noise floor from repeated motion (joints 1, 2), not known from these runs (joint 3).``"""
     said = []
     for method in dict.fromkeys(methods):
-        joints = [str(j + 1) for j, other in enumerate(methods) if other == method]
-        where = f"(joint{'s' if len(joints) > 1 else ''} {', '.join(joints)})"
-        said.append(f"{method or 'nothing: this data does not show it'} {where}")
-    return f"Noise floor from {', '.join(said)}."
+        where = joint_words(j for j, other in enumerate(methods) if other == method)
+        said.append(f"{f'from {method}' if method else 'not known from these runs'} ({where})")
+    return f"Noise floor {', '.join(said)}."
 
 
 def figures_table(entry: RunScores, joints: Sequence[str]) -> Table:

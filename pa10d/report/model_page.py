@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pa10d.common.version import __version__
-from pa10d.common.words import listed
+from pa10d.common.words import joint_words, listed, percent
 from pa10d.compare import Comparison
 from pa10d.dynamics import Robot
 from pa10d.figures.staircase import Stair
@@ -124,7 +124,7 @@ def _identification(dossier: Dossier) -> Section:
     model, found = dossier.model, summary(dossier.model)
     condition = found.condition_number
     shift = f"{1e3 * model.shift:.3g} ms, found and taken out" if model.shift else "none found"
-    effects = listed([term.label for term in model.terms])
+    effects = listed(_grouped(model))
     facts = [
         ("Base parameters", f"{found.base_parameters}, {found.inertial_base_parameters} of "
          "them inertial"),
@@ -140,7 +140,8 @@ def _identification(dossier: Dossier) -> Section:
         ("Bodies", "can exist (a feasible set is known)" if model.feasible
          else "no set of bodies that can exist is known for it"),
         ("Method", "weighted least squares on base parameters, joints weighted by their noise; "
-         "standard errors from the scatter between stretches of the data"),
+         "standard errors from the scatter between stretches of the data, and from the torque "
+         f"constants, which are known to {percent(model.robot.gain_share(()))} or so"),
     ]  # fmt: skip
     names = model.robot.joint_names
     rms = [[f"{j + 1} {n}", f"{model.noise[j]:.4g}"] for j, n in enumerate(names)]
@@ -152,6 +153,23 @@ def _identification(dossier: Dossier) -> Section:
     return Section("The identification", [*blocks, *([Lines(warnings)] if warnings else [])])
 
 
+def _grouped(model: TorqueModel) -> list[str]:
+    """``coulomb (joints 1 to 7)``: every effect once, with its joints."""
+    where: dict[str, list[tuple[int, ...]]] = {}
+    for term in model.terms:
+        over = f" over {', '.join(term.over)}" if term.over else ""
+        name = f"{term.effect_id.replace('_', ' ')}{over}"
+        where.setdefault(name, []).append(tuple(term.joints))
+    return [f"{name}{_joints(joints)}" for name, joints in where.items()]
+
+
+def _joints(joints: Sequence[tuple[int, ...]]) -> str:
+    if all(len(own) == 1 for own in joints):
+        return f" ({joint_words(own[0] for own in joints)})"
+    said = [joint_words(own) for own in joints if own]
+    return f" ({', '.join(said)})" if said else ""
+
+
 def _parameters(parameters: Sequence[ParameterLine]) -> Section:
     rows = []
     for one in parameters:
@@ -159,7 +177,7 @@ def _parameters(parameters: Sequence[ParameterLine]) -> Section:
         share = abs(error / value) if known and error and value else None
         rows.append(
             [one.name, f"{value:.4g}" if known else UNDETERMINED,
-             f"± {error:.2g}" if known else "–",
+             f"± {error:.2g}" if known and error else "–",
              "–" if share is None else f"{100 * share:.0f} %",
              "–" if one.urdf is None else f"{one.urdf:.4g}",
              "" if one.value.unit == "1" else one.value.unit, ", ".join(one.flags) or "–",
@@ -172,7 +190,7 @@ def _parameters(parameters: Sequence[ParameterLine]) -> Section:
         "the value.",
         muted=True,
     )
-    return Section("Parameters", [Table(head, rows), note])
+    return Section("Parameters", [Table(head, rows, words=1), note])
 
 
 def _bodies(model: TorqueModel) -> list[Section]:

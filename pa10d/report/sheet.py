@@ -48,11 +48,24 @@ def diagnosis_sheet(found: Diagnosis, seen: HeldOut, asked: Asked) -> dict[str, 
     return {"summary": {"sections": sections, **apart}}
 
 
-def sections_of(sheet: Sheet) -> list[Section]:
-    """A sheet as blocks again, for a report of whoever has it by HTTP: findings come second."""
+def sections_of(sheet: Sheet, *, commands: bool = True) -> list[Section]:
+    """A sheet as blocks again, for a report of whoever has it by HTTP: findings come second.
+    commands: with what to type next, which a report of work that is done leaves out."""
     verdict, *rest = sheet["sections"]
     apart = (*sheet.get("findings", ()), *sheet.get("unexplained", ()))
-    return [_block(part) for part in (verdict, *apart, *rest)]
+    parts = [verdict, *apart, *rest]
+    return [_block(part) for part in (parts if commands else _without(parts, "command"))]
+
+
+def _without(plain: Any, name: str) -> Any:
+    """The same without the blocks of this name."""
+    if isinstance(plain, list):
+        return [
+            _without(i, name) for i in plain if not (isinstance(i, dict) and i.get("block") == name)
+        ]
+    if isinstance(plain, dict) and plain.get("block") == "section":
+        return plain | {"blocks": _without(plain["blocks"], name)}
+    return plain
 
 
 def _block(plain: Any) -> Any:

@@ -27,12 +27,18 @@ def headline(found: Diagnosis) -> str:
 
 def doubt_words(found: Diagnosis) -> str:
     """Whether this data can tell what was found from everything else; empty where it can."""
-    if not any(f.confounded_with for f in found.findings):
+    doubtful = [finding for finding in found.findings if finding.confounded_with]
+    if not doubtful:
         return ""
-    text = "This data alone cannot tell it from every other explanation"
-    if any(f.next_experiment for f in found.findings):
-        return f"{text}; there is an experiment that would."
-    return f"{text}."
+    settled = sum(finding.next_experiment is not None for finding in doubtful)
+    which = "it" if len(found.findings) == 1 else "them"
+    if len(doubtful) < len(found.findings):
+        which = f"{len(doubtful)} of them"
+    text = f"This data alone cannot tell {which} from every other explanation"
+    if not settled:
+        return f"{text}."
+    where = f"for {settled} of these " if settled < len(doubtful) else ""
+    return f"{text}; {where}there is an experiment that would."
 
 
 def answer(found: Diagnosis) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pa10d.report.model_page import Dossier, RunFigures
 
 Progress = Callable[[float, str], None]
-FITTED, JUDGED = "fit", "judge"
+FITTED, JUDGED, SEARCHED = "fit", "judge", "judge in the search"
 BELOW = 0.9  # of half the rate: a low-pass of a slower run
 
 
@@ -44,8 +44,10 @@ def dossier(
     model: str,
     runs: Sequence[str] = (),
     progress: Progress = lambda share, what: None,
+    searched: Sequence[str] = (),
 ) -> Dossier:
-    """Everything that the report of a model shows."""
+    """Everything that the report of a model shows. searched: runs that a search judged by, which
+    stand in the list of runs as well."""
     from pa10d.report.model_page import Dossier
 
     info = library.models.find(model)
@@ -63,6 +65,8 @@ def dossier(
     for run in judged:
         both = f"{FITTED} and {JUDGED}" if run.id in used else JUDGED
         used[run.id] = (run, both)
+    for run in _here(library, searched):
+        used.setdefault(run.id, (run, SEARCHED))
     figures = [_figures(library, run, use, loaded.cutoff) for run, use in used.values()]
     versions = [
         (one.name, one.change, one.created[:16].replace("T", " "), one.software)

@@ -6,13 +6,14 @@ import contextlib
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from loops import run_apart
 
 from pa10d.client import ApiError, running_at
 from pa10d.common.errors import UserError
-from pa10d.daemon.night import Night, Secret
+from pa10d.daemon.night import FILE, Drawn, Night, Secret, drawn_before
 from pa10d.demo.hidden import Hidden, hide
 from pa10d.profile import load_profile
 
@@ -72,6 +73,31 @@ def test_what_a_draw_changes_is_not_there_on_the_first_day():
     assert not Hidden().changes
 
 
+def test_day_and_arm_stay_with_the_data(tmp_path):
+    drawn = Drawn("pa10-sim", "any", 7)
+    secret = replace(SECRET, drawn=drawn)
+    assert drawn_before(tmp_path) is None
+    night = Night(secret, tmp_path)
+    assert drawn_before(tmp_path) == drawn
+    run_apart(night.passes(nothing))
+    kept = drawn_before(tmp_path)
+    assert kept is not None
+    assert (kept.seed, kept.day, kept.revealed) == (7, 2, False)
+    again = Night(replace(SECRET, drawn=kept), tmp_path)
+    with pytest.raises(UserError, match="day 2"):
+        run_apart(again.passes(nothing))
+    again.reveal()
+    assert Night(replace(SECRET, drawn=drawn_before(tmp_path)), tmp_path).revealed
+    for broken in (
+        "",
+        "[]",
+        '{"seed": "x"}',
+        '{"profile": "p", "hide": "any", "seed": 1, "day": 5}',
+    ):
+        (tmp_path / FILE).write_text(broken)
+        assert drawn_before(tmp_path) is None
+
+
 @contextlib.contextmanager
 def hiding(data, *options):
     command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve", *options]
@@ -99,4 +125,9 @@ def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
         assert client.enable()["state"] == "holding"
         client.disable()
         assert ask("GET", "/api/v1/story")["hidden"] is None
+    with hiding(tmp_path, "--hide", "payload") as client:  # no seed: the arm that was left
+        ask = client._ask
+        assert ask("GET", "/api/v1/story")["day"] == 2
+        with pytest.raises(ApiError, match="day 2"):
+            ask("POST", "/api/v1/story/night")
         assert ask("POST", "/api/v1/story/reveal")["hidden"].startswith("payload (mass = ")

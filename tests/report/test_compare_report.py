@@ -66,7 +66,7 @@ def test_every_plot_has_its_figure_and_its_words(text):
 def blind(comparison):
     """The same, of which nobody knows the noise."""
     pooled = comparison.pooled
-    floor = replace(pooled.floor, values=np.full(3, np.nan))
+    floor = replace(pooled.floor, values=np.full(3, np.nan), methods=(None,) * 3)
     spread = tuple(failing(pooled.scores, floor.values, comparison.model.robot, []))
     return replace(comparison, pooled=replace(pooled, floor=floor, where=(), spread=spread))
 
@@ -77,6 +77,7 @@ def test_where_the_noise_is_not_known_nothing_is_measured_by_it(blind):
     for untrue in ("units of its noise", "0 of 3", "Green:", "(dashed)", "looks like noise"):
         assert untrue not in words
     assert "The noise of no joint is known" in words
+    assert "Noise floor not known from these runs (joints 1 to 3)." in words
     range_shares = 100 * blind.pooled.scores.nrmse
     assert blind.pooled.worst == np.argmax(range_shares)
     drawn = figures.overview(blind.pooled, blind.model.robot.joint_names, ["N·m"] * 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import figure_reader as reader
 import numpy as np
@@ -25,7 +26,7 @@ from pa10d.report.blocks import Numbers
 from pa10d.report.diagnosis_page import diagnosis_page, diagnosis_sections
 from pa10d.report.finding_section import Asked
 from pa10d.report.sheet import diagnosis_sheet, sections_of
-from pa10d.report.verdict import headline
+from pa10d.report.verdict import doubt_words, headline
 
 STRIBECK = {"effect": "stribeck", "joint": 4, "Fs": 3.5, "vs": 0.08, "delta": 1.0}
 CROSSED = {"effect": "cross_friction", "joints": [5, 6], "amplitude": 0.43, "cycles": 0.8}
@@ -215,3 +216,29 @@ def test_a_sheet_becomes_the_same_report_again(stribeck):
     there, back = Numbers(), Numbers()
     own = [section.render(there) for section in (parts.verdict, *parts.findings, *parts.rest)]
     assert [section.render(back) for section in sections_of(sheet)] == own
+    done = "".join(section.render(back) for section in sections_of(sheet, commands=False))
+    assert "pa10d add" in "".join(own)
+    assert "pa10d" not in done
+    assert done.count("<figure") == "".join(own).count("<figure")
+
+
+@pytest.mark.parametrize(
+    ("doubts", "said"),
+    [
+        ("-", ""),
+        ("?", "cannot tell it from every other explanation."),
+        ("!", "cannot tell it from every other explanation; there is an experiment that would."),
+        ("??", "cannot tell them from every other explanation."),
+        ("-!", "cannot tell 1 of them from every other explanation; there is an experiment"),
+        ("-?!", "cannot tell 2 of them from every other explanation; for 1 of these there is"),
+    ],
+)
+def test_a_doubt_says_of_how_many_findings_it_is(doubts, said):
+    """-: told from everything; ?: not; !: not, and an experiment would."""
+    findings = [
+        SimpleNamespace(confounded_with=one != "-", next_experiment="chirp" if one == "!" else None)
+        for one in doubts
+    ]
+    words = doubt_words(SimpleNamespace(findings=findings))
+    assert said in words
+    assert bool(words) == bool(said)

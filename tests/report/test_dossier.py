@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from backends.virtual.datasets import make_runs
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.effects import Value
+from pa10d.model import Term
 from pa10d.model.parameters import flags, parameter_list
 from pa10d.services.dossier import dossier, write_model_report
 from pa10d.services.library import open_library
@@ -67,6 +69,34 @@ def test_a_run_on_both_sides_is_said_to_be(library):
     found = dossier(library, "m0", ["train_a", "valid_a"])
     assert found.seen == "some of which it was fitted to"
     assert [run.use for run in found.runs] == ["fit and judge", "judge"]
+
+
+def test_runs_that_a_search_judged_by_are_told_too(library):
+    found = dossier(library, "m0", ["train_a"], searched=["train_a", "valid_a"])
+    assert [(run.name, run.use) for run in found.runs] == [
+        ("train_a", "fit and judge"), ("valid_a", "judge in the search"),
+    ]  # fmt: skip
+
+
+def test_a_reviewer_reads_each_effect_once_and_where_errors_come_from(library, tmp_path):
+    path = write_model_report(library, "m0", tmp_path / "m0.html", ["valid_a"])
+    text = path.read_text(encoding="utf-8")
+    assert "viscous (joints 1 to 7)" in text
+    assert "the torque constants, which are known to 5 % or so" in text
+    longest = max(parameter_list(library.models.load("m0")), key=lambda one: len(one.meaning))
+    assert f'<td class="text">{longest.meaning}</td>' in text, "it breaks, and is not cut off"
+
+
+def test_what_was_chosen_is_at_no_bound(library):
+    model = library.models.load("m0")
+    term = replace(
+        Term.of("coupling_friction", (2, 3), {"ratio": 1.0, "viscous": 1.0}),
+        shape_errors={"ratio": 0.0, "viscous": 0.0},
+    )
+    p = len(model.covariance) + term.width
+    known = replace(model, terms=(*model.terms, term), covariance=np.eye(p), notes={})
+    (ratio,) = (one for one in parameter_list(known) if one.name.endswith("ratio"))
+    assert "at its bound" not in ratio.flags
 
 
 def test_the_urdf_stands_beside_each_base_parameter(library):

@@ -29,11 +29,19 @@ export function fill(box, ...children) {
   return box;
 }
 
-/** Fill a list of things to tick again, and leave the keyboard on the thing it was on. */
-export function refill(list, ...children) {
-  const held = list.contains(document.activeElement) ? document.activeElement.value : null;
-  fill(list, ...children);
-  if (held !== null) [...list.querySelectorAll("input")].find((one) => one.value === held)?.focus();
+const called = (one) => [one.tagName, one.getAttribute("aria-label"), one.value, one.textContent].join();
+
+/** Fill again, and leave the keyboard on the thing it was on. */
+export function refill(box, ...children) {
+  const held = box.contains(document.activeElement) ? called(document.activeElement) : null;
+  fill(box, ...children);
+  if (held !== null) [...box.querySelectorAll("input, button, a, summary")].find((one) => called(one) === held)?.focus();
+}
+
+/** The same, but only where other elements would stand there: what is being pressed stays under the pointer. */
+export function renew(box, ...children) {
+  const fresh = fill(box.cloneNode(false), ...children);
+  if (fresh.innerHTML !== box.innerHTML.replaceAll(' data-busy="yes"', "")) refill(box, ...fresh.childNodes);
 }
 
 /** Change text only where it differs, so that nothing flickers. */

@@ -7,7 +7,8 @@ export function number(value, digits = 3) {
   return String(Number(value.toPrecision(digits)));
 }
 
-export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "–");
+/** So many decimals; what rounds to nothing has no sign. */
+export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits).replace(/^-(?=[0.]*$)/, "") : "–");
 
 export function seconds(value) {
   if (!Number.isFinite(value)) return "–";

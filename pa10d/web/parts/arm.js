@@ -2,17 +2,22 @@
 // that came into sight last, and is fetched with the first.
 import { el, fill, say } from "../base/dom.js";
 import { get, fetchBytes } from "../base/api.js";
+import { fixed } from "../base/units.js";
 import { quiet } from "../base/columns.js";
 
 let stage = null, owner = null;
 
-let told = null;
+let told = null, slides = [];
 /** The chain of joints, asked for once. */
 export function shapeOnce() {
   told ??= get("robot/shape");
-  told.catch(() => { told = null; });
+  told.then((shape) => { slides = shape.joints.map((one) => one.prismatic); }, () => { told = null; });
   return told;
 }
+
+/** What the position of a joint (from 0) is measured in, as far as the shape is known; and of all of them. */
+export const unitOf = (joint) => (slides[joint] ? "m" : "rad");
+export const unitOfAll = () => [...new Set(slides.map((_, j) => unitOf(j)))].sort().reverse().join(" or ") || "rad";
 
 /** The drawing, with everything it needs, once. */
 function stageReady() {
@@ -95,4 +100,4 @@ export function armView(label, ...tools) {
 }
 
 /** Angles in words: for everybody who does not see the picture. */
-export const inWords = (q) => q.map((value, j) => `${j + 1}:\u00a0${value.toFixed(3)}`).join("   ");
+export const inWords = (q) => q.map((value, j) => `${j + 1}:\u00a0${fixed(value, 3)}`).join("   ");

@@ -8,6 +8,7 @@ import { frames, reach } from "../base/kinematics.js";
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const UP = new Vector3(0, 1, 0), AXES = [["#d8475c", [1, 0, 0]], ["#2fa58a", [0, 1, 0]], ["#3d8fd6", [0, 0, 1]]];
+const AWAY = 2.55; // of the arm's reach: upright, with its tool, it fills four fifths of the picture's height
 const VIEWS = { corner: [1, -1.25, 0.55], front: [1, 0, 0.12], side: [0, -1, 0.12], top: [0.001, 0, 1] };
 
 export class ArmScene {
@@ -122,7 +123,7 @@ export class ArmScene {
 
   look(from) {
     const target = new Vector3(...this.shape.up).multiplyScalar(0.42 * this.size);
-    const away = new Vector3(...VIEWS[from]).normalize().multiplyScalar(2.15 * this.size);
+    const away = new Vector3(...VIEWS[from]).normalize().multiplyScalar(AWAY * this.size);
     const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...this.shape.up));
     this.camera.position.copy(away.applyQuaternion(turn).add(target));
     this.controls.target.copy(target);

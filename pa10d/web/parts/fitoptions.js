@@ -24,7 +24,7 @@ export function fitOptions(runs) {
     el("div", { class: "field" }, terms.box, el("small", {}, "on every joint; better asked for by a diagnosis")),
     field("bodies as in the URDF within", "% of what is usual for a link, one standard deviation: decides what the motion leaves open", prior),
     field("parameters you know", "one a line, SI: a name of the table of parameters (Fc3 for coulomb J3: Fc) or a link's own figure (link J7: m), its value ± one standard deviation; +- will do", given),
-    el("div", { class: "field" }, el("span", { class: "label" }, "knocks and glitches"), el("span", { class: "row" }, robust, el("label", { htmlFor: robust.id }, "let samples far off count less"))),
+    el("div", { class: "field" }, el("span", { class: "label" }, "knocks and glitches"), el("span", { class: "row tied" }, robust, el("label", { htmlFor: robust.id }, "let samples far off count less"))),
     field("only faster than", "rad/s, one number or one per joint: where friction is a straight line", faster), out.box));
   box.addEventListener("toggle", () => {
     if (!box.open || effects.length) return;

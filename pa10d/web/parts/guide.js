@@ -78,7 +78,8 @@ function nextStep() {
   if (!state.runs.length) {
     return canMove()
       ? { go: "investigate", text: "Nothing is recorded yet. Investigate: all of it by one button. Or step by step: Record the starting set, motions to fit a model to and others to judge it by.", label: "Investigate",
-          also: { go: "experiments", label: "Record" } }
+          then: { go: "investigate", label: "Investigate", text: "Nothing is recorded yet. Step by step, the starting set comes first; or all of it goes by one button here.", also: STARTING_SET },
+          also: { ...STARTING_SET, text: "Nothing is recorded yet. The starting set has motions to fit a model to, and others to judge it by." } }
       : { go: "runs", text: "Nothing is recorded yet. Drop recordings (CSV) into Runs: at least one to fit a model to, one of another motion to judge it by.", label: "Import" };
   }
   if (!fit.length || !judge.length) {
@@ -139,6 +140,8 @@ function afterDiagnosis(model, diagnosis) {
 }
 
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
+
+const STARTING_SET = { go: "experiments", label: "Record" };
 
 /** Where the step is to look at something, and one is there already, the step after it. */
 const forSection = (step, section) => (step.go === section && step.then ? step.then : step.also?.go === section ? { ...step, ...step.also } : step);

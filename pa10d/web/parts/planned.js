@@ -3,7 +3,7 @@
 import { el } from "../base/dom.js";
 import { state } from "../base/store.js";
 import { fixed } from "../base/units.js";
-import { armView } from "./arm.js";
+import { armView, unitOf } from "./arm.js";
 
 const TIGHT = 0.05, CLOSE = 0.05, FULL = 0.95; // rad (m), m, share: worth a second look
 const FRAME = 50; // ms
@@ -49,5 +49,5 @@ function bodies({ self, floor }, jump) {
 const table = ({ joints }, jump) => el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "what is left to the limits" }, el("table", {},
   el("thead", {}, el("tr", {}, ["joint", "to the nearer position limit", "speed used", "acceleration used", "torque used"].map((head) => el("th", { scope: "col" }, head)))),
   el("tbody", {}, joints.map((one) => el("tr", {}, el("th", { scope: "row" }, `${one.joint} ${state.robot?.axes[one.joint - 1]?.name ?? ""}`),
-    el("td", { class: one.position < TIGHT ? "warn" : "" }, jump(one.at, `${fixed(one.position, 3)} rad`)),
+    el("td", { class: one.position < TIGHT ? "warn" : "" }, jump(one.at, `${fixed(one.position, 3)} ${unitOf(one.joint - 1)}`)),
     ["velocity", "acceleration", "torque"].map((what) => el("td", { class: one[what] > FULL ? "warn" : "" }, one[what] === null ? "no limit" : `${Math.round(100 * one[what])} %`)))))));

@@ -27,9 +27,13 @@ export function decide(box, seen, others = 0) {
   });
 }
 
+/** What helps, in words of this page: what an import can put right is a button there. */
+const adviceOf = ({ advice, mends }, mend) => !advice || (mends?.length && mend) ? ""
+  : ` → ${mends?.length ? "import the file anew: there a button mends it" : advice}`;
+
 /** What the checks said, each with a button where something mends it. */
 export const findingsList = (findings, mend = null) => findings.length
-  ? el("ul", { class: "levels" }, findings.map((one) => el("li", { class: one.severity }, el("b", {}, one.severity), ` ${one.sentence}${one.advice ? ` → ${one.advice}` : ""} `,
+  ? el("ul", { class: "levels" }, findings.map((one) => el("li", { class: one.severity }, el("b", {}, one.severity), ` ${one.sentence}${adviceOf(one, mend)} `,
     mend && one.mends?.length ? el("button", { type: "button", class: "small", "aria-label": `Mend it: ${one.sentence}`, onclick: () => mend(one.mends) }, "Mend it") : null)))
   : null;
 

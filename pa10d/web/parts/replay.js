@@ -1,7 +1,7 @@
 // A recording as the arm went through it: to be played, and to follow the cursor of any plot.
 import { el } from "../base/dom.js";
 import { table } from "../base/columns.js";
-import { armView, inWords } from "./arm.js";
+import { armView, inWords, unitOfAll } from "./arm.js";
 
 const POSES = 2400, FRAME = 50; // of a run that are fetched; ms
 
@@ -19,7 +19,7 @@ export function replay(label = "The arm at the cursor") {
     const q = columns.map((column) => column[below] + share * (column[above] - column[below]));
     slider.value = seconds;
     slider.setAttribute("aria-valuetext", `${seconds.toFixed(2)} s`);
-    view.show({ q, words: `At ${seconds.toFixed(2)} s, rad:   ${inWords(q)}` });
+    view.show({ q, words: `At ${seconds.toFixed(2)} s, ${unitOfAll()}:   ${inWords(q)}` });
   };
   const halt = () => { clearInterval(timer); timer = null; play.textContent = "▶ Play"; };
   play.addEventListener("click", () => {

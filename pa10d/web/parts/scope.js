@@ -6,6 +6,7 @@ export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const LEFT = 58, RIGHT = 8, TOP = 8, BOTTOM = 20, MOST = 700; // px, points of a line
 const TICKS = [1, 2, 5, 10, 15, 20, 30], APART = 10; // s between marks of time; px between their words
+const WORDS = 4; // rows of words of what happened
 const LIMITS_OF = 2; // joints: with more, nobody could tell whose limit it is
 
 /** title, unit; `value`, `target`: (row, joint from 0) -> number; `limits`: joint -> [lower, upper]. */
@@ -84,10 +85,12 @@ export class Scope {
     }
   }
 
-  /** What happened: thin lines, faults in red, with a word. */
+  /** What happened: thin lines, faults in red, each with a word in the lowest row where it lies on no
+      other; where no row has room the line stands alone. The newest and the faults choose first. */
   marks(pen, { x, oldest, right, bottom }, marks) {
+    const rows = Array.from({ length: WORDS }, () => []);
     pen.textBaseline = "bottom";
-    for (const [k, { time, word, bad }] of marks.entries()) {
+    for (const { time, word, bad } of [...marks].reverse().sort((a, b) => Boolean(b.bad) - Boolean(a.bad))) {
       if (time < oldest) continue;
       pen.strokeStyle = pen.fillStyle = css(bad ? "--bad" : "--muted");
       pen.lineWidth = bad ? 2 : 1;
@@ -95,9 +98,12 @@ export class Scope {
       pen.moveTo(x(time), TOP);
       pen.lineTo(x(time), bottom);
       pen.stroke();
-      const left = x(time) > right - 70; // the word has no room on the other side
+      const width = pen.measureText(word).width + APART, left = x(time) + width > right; // no room on the other side
+      const from = x(time) - (left ? width : 0), row = rows.findIndex((taken) => taken.every(([a, b]) => from + width <= a || from >= b));
+      if (row < 0) continue;
+      rows[row].push([from, from + width]);
       pen.textAlign = left ? "right" : "left";
-      pen.fillText(word, x(time) + (left ? -3 : 3), bottom - 3 - 13 * (k % 4));
+      pen.fillText(word, x(time) + (left ? -3 : 3), bottom - 3 - 13 * row);
     }
   }
 

@@ -1,5 +1,5 @@
 // All of it by one button: from the arm, or recordings, to a model, what it lacks, and a report.
-import { el, fill } from "../base/dom.js";
+import { el, fill, renew } from "../base/dom.js";
 import { client, get, post } from "../base/api.js";
 import { mayCommand, moves } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
@@ -23,13 +23,14 @@ const WORDS = {
 };
 const AGAIN = 1500; // ms between looks while it runs
 const planned = new Map(); // id -> its motions as they were planned, and how many steps they are of
-let parts = null, shown = null, known = [];
+let parts = null, shown = null, sheet = null, known = [];
 
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "investigations" }), detail: el("div", { class: "grow" }) };
   fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'." }), storyPanel(), form(), setAside("investigations"),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["jobs", "ready"], soon);
+  watch(["robot", "condition"], () => { if (sheet && state.section === "investigate") draw(sheet.found); }); // whether it may go on
 }
 
 /** #/investigate/ID */
@@ -43,12 +44,12 @@ const soon = () => { waiting ??= setTimeout(() => { waiting = null; if (state.se
 
 async function refresh() {
   known = (await get("investigations")).items;
-  fill(parts.list, known.map((one) => el("button", {
+  renew(parts.list, known.map((one) => el("button", {
     type: "button", role: "tab", class: "kind", "aria-selected": String(one.id === shown), dataset: { investigation: one.name },
     onclick: () => { shown = one.id; history.replaceState(null, "", `#/investigate/${one.id}`); refresh(); },
   }, el("b", {}, one.name), el("small", {}, `${one.status}, ${when(one.created)}`))));
   shown = known.some((one) => one.id === shown) ? shown : known[0]?.id ?? null;
-  if (!shown) return fill(parts.detail);
+  if (!shown) { sheet = null; return fill(parts.detail); }
   const found = await get(`investigations/${shown}`);
   if (found.id !== shown) return;
   if (planned.get(shown)?.steps !== found.steps.length) {
@@ -87,15 +88,22 @@ function form() {
   el("p", { class: "muted below" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));
 }
 
+/** Part by part, and only what is new: it comes several times a second, and buttons are to be pressed meanwhile. */
 function draw(found) {
+  if (sheet?.id !== found.id) {
+    sheet = { id: found.id, head: el("div", { class: "row between" }), said: el("div", {}), steps: el("ol", { class: "steps" }), result: el("div", {}) };
+    fill(parts.detail, el("div", { class: "panel", id: "investigation" }, sheet.head, sheet.said, sheet.steps, sheet.result));
+  }
+  sheet.found = found;
   const step = found.steps.find((one) => one.status === "running");
-  fill(parts.detail, el("div", { class: "panel", id: "investigation" },
-    el("div", { class: "row between" }, el("h2", {}, found.name, " ", el("small", {}, found.question === "changed" ? "what has changed?" : "what is missing?")), buttons(found)),
-    el("p", { role: "status", class: found.status === "failed" ? "bad" : "" }, found.error && found.status === "failed" ? `${found.error} ` : "", WORDS[found.status],
-      found.pausing ? " It will rest after this step." : ""),
-    found.status === "done" ? null : budget(found),
-    el("ol", { class: "steps" }, found.steps.map((one) => line(one, one === step, found))),
-    result(found)));
+  renew(sheet.head, el("h2", {}, found.name, " ", el("small", {}, found.question === "changed" ? "what has changed?" : "what is missing?")), buttons(found));
+  renew(sheet.said, el("p", { role: "status", class: found.status === "failed" ? "bad" : "" }, found.error && found.status === "failed" ? `${found.error} ` : "", WORDS[found.status],
+    found.pausing ? " It will rest after this step." : ""),
+  found.status === "done" ? null : budget(found));
+  const lines = found.steps.map((one) => line(one, one === step, found));
+  if (sheet.steps.children.length !== lines.length) fill(sheet.steps, lines);
+  else lines.forEach((one, k) => { if (sheet.steps.children[k].outerHTML.replaceAll(' open=""', "") !== one.outerHTML) sheet.steps.children[k].replaceWith(one); });
+  renew(sheet.result, result(found));
 }
 
 /** What is left of it, in s of the arm's clock. */
@@ -119,11 +127,11 @@ function line(step, now, found) {
 }
 
 function buttons(found) {
-  const mine = [...state.jobs.values()].find((one) => one.request?.investigation === found.id && ["queued", "running"].includes(one.status));
+  const mine = () => [...state.jobs.values()].find((one) => one.request?.investigation === found.id && ["queued", "running"].includes(one.status));
   if (found.status === "running") {
     return el("div", { class: "row" },
       el("button", { type: "button", disabled: found.pausing, onclick: guarded("It could not be paused.", async () => { await post(`investigations/${found.id}/pause`); await refresh(); }) }, "Pause after this step"),
-      el("button", { type: "button", class: "danger", onclick: guarded("It could not be stopped.", async () => { if (mine) await post(`jobs/${mine.id}/cancel`); await refresh(); }) }, "Stop"));
+      el("button", { type: "button", class: "danger", onclick: guarded("It could not be stopped.", async () => { if (mine()) await post(`jobs/${mine().id}/cancel`); await refresh(); }) }, "Stop"));
   }
   if (found.status === "done") return el("a", { class: "button primary", href: `api/v1/investigations/${found.id}/report`, target: "_blank" }, "Open the report");
   const start = el("button", { type: "button", class: "primary", onclick: guarded("It could not be started.", () => begin(found)) }, found.status === "waiting" ? "Start" : "Go on");
@@ -151,11 +159,19 @@ function result(found) {
   const search = found.steps.filter((one) => one.kind === "diagnose" && one.status === "done").at(-1);
   const judged = found.judged;
   return el("div", { class: "result" }, el("p", { class: `verdict ${found.verdict}` }, search.said),
-    judged ? [el("p", {}, `Error in N·m on runs that ${judged.seen}, with ${judged.models.join(" and ")}:`),
-      table(["joint", "before", "after", "noise floor"], judged.before.map((before, j) => [String(j + 1), number(before), number(judged.after[j]), number(judged.noise_floor[j])]))] : null,
+    judged ? [el("p", {}, `RMS error on runs that ${judged.seen}, with ${judged.models.join(" and ")}:`),
+      judgedTable(judged)] : null,
     found.doubts.map((doubt) => el("p", {}, doubt.says, " ", doubt.problem ?? "",
       links(found, doubt))));
 }
+
+function judgedTable({ models, before, after, noise_floor: floor, units }) {
+  const added = models.length > 1;
+  return table(["joint", ...(added ? ["before", "after"] : ["error"]), "noise floor", "unit"],
+    before.map((first, j) => [String(j + 1), number(first), ...(added ? [number(after[j])] : []), floorOf(floor[j]), units?.[j] ?? "N·m"]));
+}
+
+const floorOf = (value) => (value === null ? "not known" : number(value));
 
 function links(found, doubt) {
   const number = found.findings.findIndex((one) => one.effect === doubt.effect && String(one.joints) === String(doubt.joints)) + 1;

@@ -208,7 +208,7 @@ const PARAMETERS = [ // head, value to sort by, how it is shown
   ["95 % interval", (one) => one.value, (one) => (one.determined && one.std_error > 0 ? `${number(one.value - 1.96 * one.std_error)} … ${number(one.value + 1.96 * one.std_error)}` : "–")],
   ["URDF", (one) => one.urdf ?? -Infinity, (one) => (one.urdf === null ? "–" : number(one.urdf, 4))],
   ["unit", (one) => one.unit, (one) => (one.unit === "1" ? "" : one.unit)],
-  ["to be known", (one) => one.flags.join(), (one) => one.flags.join(", ")],
+  ["what to know", (one) => one.flags.join(), (one) => one.flags.join(", ")],
 ];
 const relative = (one) => 100 * (one.std_error ?? Infinity) / Math.abs(one.value);
 
@@ -228,5 +228,6 @@ function parameters(model) {
     fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show]) => el("td", {}, show(one))))));
   };
   refresh();
-  return el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "parameters" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body));
+  return [el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "parameters" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body)),
+    el("p", { class: "muted" }, "Weak: the standard error is above 30 % of the value. Not determined: this motion leaves it open. Press a head to sort by it; point at a line to read what the parameter is.")];
 }

@@ -5,7 +5,7 @@ import { mayCommand, silent } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
-import { armView, inWords, shapeOnce } from "../parts/arm.js";
+import { armView, inWords, shapeOnce, unitOfAll } from "../parts/arm.js";
 import { lawInWords, lawOf, lawsWith, valueOf } from "../parts/laws.js";
 import { heading } from "../parts/guide.js";
 import { live } from "../parts/live.js";
@@ -53,7 +53,7 @@ function liveArm() {
     const known = state.pose ?? (state.robot?.axes.length ? state.robot.axes.map((axis) => axis.position) : null);
     const lost = state.condition.kind === "lost" || state.condition.frozen;
     view.box.classList.toggle("old", Boolean(lost));
-    view.show({ q: known ?? undefined, words: !known ? "No drive answers: the arm is drawn with all joints at zero." : lost ? "Not known now: the last pose that was read." : `Joints, rad:   ${inWords(known)}` });
+    view.show({ q: known ?? undefined, words: !known ? "No drive answers: the arm is drawn with all joints at zero." : lost ? "Not known now: the last pose that was read." : `Joints, ${unitOfAll()}:   ${inWords(known)}` });
   });
   return view.box;
 }

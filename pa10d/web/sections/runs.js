@@ -1,5 +1,5 @@
 // Recordings: bring in, look, mark what they are for, take out.
-import { el, fill } from "../base/dom.js";
+import { el, fill, refill } from "../base/dom.js";
 import { download, get, patch, remove } from "../base/api.js";
 import { loadRuns, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
@@ -24,7 +24,7 @@ export function mount(box) {
     ["run", "kind", "recorded", "length", "status", "fit", "judge"].map((head) => el("th", { scope: "col" }, head)))), body));
   const refresh = () => {
     const shown = state.runs.filter((run) => [run.name, run.kind, ...run.tags].join(" ").toLowerCase().includes(filter));
-    fill(body, shown.map((run) => row(run, run.id === selected, select)));
+    refill(body, shown.map((run) => row(run, run.id === selected, select)));
     fill(none, state.ready && !state.runs.length ? empty("There are no runs yet. Drop a recording above, or let the arm move.", { href: "#/experiments", label: "Experiments" }) : null);
     table.hidden = !state.runs.length;
     search.hidden = state.runs.length < 6;
