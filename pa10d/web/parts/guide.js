@@ -63,8 +63,9 @@ function lastInvestigation(newest) {
   const step = { go: "investigate", at: last.id };
   if (last.status === "running") return { ...step, text: `${last.name} is under way.`, label: "Watch" };
   if (["paused", "stopped", "failed"].includes(last.status)) return { ...step, text: `${last.name} is ${last.status}; what is done stays done. Go on with it.`, label: "Go on" };
-  return last.status === "done" && newest?.name.startsWith(`${last.name}-m`)
-    ? { ...step, text: `${last.name} is done. Read its report; its last model is ${newest.name}.`, label: "Read" } : null;
+  const own = newest?.name.startsWith(`${last.name}-m`);
+  return last.status === "done" && (own || newest?.created <= last.created)
+    ? { ...step, text: `${last.name} is done. Read its report${own ? `; its last model is ${newest.name}` : ""}.`, label: "Read" } : null;
 }
 
 function nextStep() {
