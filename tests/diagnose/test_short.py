@@ -77,8 +77,8 @@ def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     model = identify(runs, robot, name="m0")
     assert model.notes["cutoff"]["chosen_by"] == SHORT_MOTION
     found = diagnose(model, runs, judged)
-    assert [f.term.effect_id for f in found.findings] == ["load_friction"]
-    assert found.findings[0].rms_after < 0.4 * found.rms
+    assert found.findings[0].term.effect_id == "load_friction"
+    assert found.left.rms < 0.4 * found.rms
 
 
 @pytest.mark.parametrize("name", ["on.csv", "off.csv"])
