@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context
 from pa10d.export.endings import Format
-from pa10d.export.mjcf import PROPERTIES
+from pa10d.export.mjcf import DRY_LAG, PROPERTIES
 from pa10d.export.python_module import writable
 from pa10d.export.straight_line import traceable
 from pa10d.export.tabulated import Tabulated
@@ -34,6 +34,9 @@ HELD: Mapping[Format, Callable[[TorqueModel], tuple[Term, ...]]] = {
 
 NOTHING = 1e-6  # N·m
 FORGETFUL: tuple[Format, ...] = ("c", "matlab", "ros2_control")  # each call stands for itself
+DRY: Mapping[Format, float] = {"urdf": 0.0, "sdf": 0.0, "mjcf": DRY_LAG}
+"""Formats in which friction turns round at once, where speed and so many s of acceleration pass
+zero, and not by a slope."""
 RESTING: tuple[Format, ...] = ("tables",)  # held only at rest, and by each joint's own speed
 
 
@@ -52,7 +55,7 @@ def loss(model: TorqueModel, format: Format, motions: Mapping[str, Context]) -> 
     held = HELD[format](model)
     forgets = format in FORGETFUL and any(t.effect.remembers for t in held)
     whole = len(held) == len(model.terms) and not forgets and format not in RESTING
-    if not motions or whole:
+    if not motions or (whole and format not in DRY):
         return None
     deliver = _delivery(replace(model, terms=held), format)
     squares, count = np.zeros(model.robot.n), 0
@@ -60,6 +63,8 @@ def loss(model: TorqueModel, format: Format, motions: Mapping[str, Context]) -> 
         squares += np.sum((model.predict(seen) - deliver(seen)) ** 2, axis=0)
         count += len(seen.q)
     rms = np.sqrt(squares / count)
+    if whole and not (rms > _floor(model)).any():
+        return None
     beside = ", beside what each table is off by" if format in RESTING else ""
     return Loss(tuple(motions), rms, _sentence(model, tuple(motions), rms) + beside)
 
@@ -69,8 +74,29 @@ def _delivery(kept: TorqueModel, format: Format) -> Callable[[Context], Array]:
     if format in RESTING:
         tabulated = Tabulated(kept)
         return lambda seen: tabulated.torque(seen.q, seen.dq)
-    forgetful = format in FORGETFUL
-    return lambda seen: kept.predict(replace(seen, apart=seen.apart or forgetful))
+    if format in DRY:
+        return lambda seen: _turning_at_once(kept, seen, DRY[format])
+    if format in FORGETFUL:
+        return lambda seen: kept.predict(replace(seen, apart=True, temperature=None))
+    return kept.predict
+
+
+def _turning_at_once(kept: TorqueModel, seen: Context, lag: float) -> Array:
+    """(N, n) with dry friction as formats of bodies know it."""
+    dry = [term.effect.joint_property == "friction" for term in kept.terms]
+    others = tuple(term for term, rubs in zip(kept.terms, dry, strict=True) if not rubs)
+    out = replace(kept, terms=others).predict(seen)
+    for term in (term for term, rubs in zip(kept.terms, dry, strict=True) if rubs):
+        (j,) = term.joints
+        out[:, j] += term.coefficients[0] * np.sign(seen.dq[:, j] + lag * seen.ddq[:, j])
+    return out
+
+
+def _floor(model: TorqueModel) -> Array:
+    """(n,) N·m (N) what a motion that was repeated, or else the fit, leaves by chance."""
+    told = model.notes.get("noise_floor")
+    known = np.array([np.nan if v is None else v for v in told] if told else model.noise, float)
+    return np.where(np.isfinite(known), known, model.noise)
 
 
 def _sentence(model: TorqueModel, runs: tuple[str, ...], rms: Array) -> str:

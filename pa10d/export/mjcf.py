@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 
 PROPERTIES = {"armature": "armature", "damping": "damping", "friction": "frictionloss"}
 """An effect's joint property -> what MJCF calls it."""
+FIRMEST = 0.004  # s: time constant of a constraint, twice MuJoCo's usual step, the least it takes
+DRY_LAG = 0.5 * 0.95 * FIRMEST
+"""s: a constraint in MuJoCo has friction turn round where speed + this × acceleration passes zero
+(its reference is -2/(dmax·time constant) × speed, dmax 0.95)."""
 
 
 def mjcf(model: TorqueModel, about: str) -> tuple[str, list[str]]:
@@ -68,7 +72,8 @@ def _properties(model: TorqueModel, joint: int) -> dict[str, str]:
     for term in model.terms:
         if term.effect.joint_property in PROPERTIES and term.joints == (joint,):
             found[PROPERTIES[term.effect.joint_property]] += float(term.coefficients[0])
-    return {key: _row([value]) for key, value in found.items()}
+    written = {key: _row([value]) for key, value in found.items()}
+    return written | {"solreffriction": _row([FIRMEST, 1.0])}
 
 
 def _row(values: NDArray[np.float64] | list[float]) -> str:

@@ -37,16 +37,18 @@ def test_mujoco_gives_the_models_torque_less_what_was_said(found):
     arm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
     data = mujoco.MjData(arm)
     expected = model.possible().predict(seen)
-    slow = np.abs(seen.dq).min(axis=1)  # dry friction is full there, not a slope over v0
-    rows = np.flatnonzero(slow > np.quantile(slow, 0.97))[::5]
+    rows = np.arange(0, len(seen.q), 7)
     replayed = np.empty((len(rows), model.robot.n))
     for at, k in enumerate(rows):
         data.qpos, data.qvel, data.qacc = seen.q[k], seen.dq[k], seen.ddq[k]
         mujoco.mj_inverse(arm, data)
         replayed[at] = data.qfrc_inverse
     left = np.sqrt(np.mean((replayed - expected[rows]) ** 2, axis=0))
-    assert left == pytest.approx(made.loss.rms, rel=0.1, abs=0.01)
-    assert (made.loss.rms > 1e-3).any()
+    assert left == pytest.approx(made.loss.rms, rel=0.25, abs=0.01)
+    assert left.max() < 0.1, "MuJoCo's usual friction left 0.15"
+    fast = np.abs(seen.dq[rows]).min(axis=1)  # no reversal near
+    away = replayed[fast > 0.5] - expected[rows][fast > 0.5]
+    assert away.std(axis=0).max() < 0.01
 
 
 @pytest.mark.skipif(shutil.which("octave-cli") is None, reason="no Octave on this machine")
