@@ -67,12 +67,24 @@ def test_a_trace_in_an_error_that_is_noise_is_told_and_not_claimed(ratio, share,
         assert "explained to the floor. 6 % of its squared error depends on dq2" in said.sentence
 
 
-def judgement_of_a_map(share: float) -> Structure:
+def judgement_of_a_map(share: float, beyond: float = 0.0) -> Structure:
     nothing = np.zeros(1)
     evidence = Evidence(1.0, 9.0, 1e-9, nothing, nothing, (), 9.0, nothing)
     return Structure(
-        0, ("dq2",), share, 0.1, 1e-9, (nothing,), nothing, evidence, np.ones(1, bool), 0.01
-    )
+        0, ("dq2",), share, 0.1, 1e-9, (nothing,), nothing, evidence, np.ones(1, bool), 0.01,
+        share / (1.0 - beyond), beyond,
+    )  # fmt: skip
+
+
+def test_error_where_the_fit_side_has_not_been_is_no_error_of_the_maps():
+    """ "79 % of it depends on q3", where 80 % of it lay beyond the angles of the fit side."""
+    seen = judgement_of_a_map(0.15, beyond=0.8)
+    (said,) = remaining(judged(9.6), [None], [seen], ["N·m"])
+    assert "15 % of its squared error depends on dq2" in said.sentence
+    assert "80 % lies where the fit side has not been" in said.sentence
+    assert "the rest, 8.9 times that floor" in said.sentence
+    (said,) = remaining(judged(9.6), [None], [judgement_of_a_map(0.15)], ["N·m"])
+    assert "has not been" not in said.sentence
 
 
 def test_findings_that_follow_the_angle_may_be_parts_of_the_curve_that_is_left():

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from two_links import recordings, state_of
 
 from pa10d.diagnose.unknown.structure import (
+    Prediction,
     basis_of,
     find_structure,
     knots,
+    of_all,
     questions,
     remembered,
 )
@@ -91,9 +93,18 @@ def test_structure_is_found_with_its_joint_and_variables(name):
     found = find_structure(state_of(recordings(1, extra)))
     assert found[0].joint == joint
     assert set(found[0].variables) == variables
-    assert found[0].share > 0.25
+    assert found[0].there > 0.25
     assert found[0].p_value < 1e-3
     assert found[0].evidence.slope == pytest.approx(1.0, abs=0.3)
+
+
+def test_a_share_is_of_all_the_error_also_where_the_map_knows_nothing():
+    """It removes all of the error where the fit side has been; ten times as much lies beyond."""
+    inside = np.arange(200) < 100
+    known = np.sin(np.arange(200.0))
+    residual = {0: np.where(inside, known, 10.0 * known)}
+    seen = Prediction(0, ("q1",), np.where(inside, known, 0.0), inside)
+    assert of_all(residual, seen) == pytest.approx(1 / 101, rel=0.05)
 
 
 def test_a_map_says_how_large_the_torque_is():

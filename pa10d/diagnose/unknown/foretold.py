@@ -40,6 +40,7 @@ from pa10d.diagnose.unknown.structure import (
     evidence_of,
     motion_variables,
     noise_beside,
+    of_all,
     rows_of,
 )
 
@@ -49,13 +50,15 @@ Motion = list[dict[str, Array]]
 
 @dataclass(frozen=True)
 class Foretold:
-    """joint (0-based) and the quantities together that foretell its residual."""
+    """joint (0-based) and the quantities together that foretell its residual; share: of all its
+    squared error; there: where the fit side has been."""
 
     joint: int
     names: tuple[str, ...]
     share: float
     rms: float
     p_value: float
+    there: float
 
     def unnamed(self) -> Unnamed:
         """As an entry of what is unexplained."""
@@ -79,8 +82,9 @@ def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
         if judged is None:
             continue
         rms = float(np.sqrt(np.mean(p.values**2)))
-        one = Foretold(p.joint, p.names, judged.share, rms, judged.p_value)
-        if p.joint not in best or one.share > best[p.joint].share:
+        whole = of_all(residual, p)
+        one = Foretold(p.joint, p.names, whole, rms, judged.p_value, judged.share)
+        if p.joint not in best or one.there > best[p.joint].there:
             best[p.joint] = one
     return list(best.values())
 

@@ -236,6 +236,8 @@ def _with_sentence(
             f"{size}; {percent(left.share)} of its squared error depends on "
             f"{listed(left.variables)}, and no effect that was looked for explains it"
         )
+        if isinstance(left, Structure) and left.beyond > CLAIMED_SHARE:
+            text += f"; {percent(left.beyond)} lies where the fit side has not been"
         rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
         if rest > MATERIAL_REST:
             text += f"; what the rest, {times(rest)} that floor, depends on is not known"

@@ -44,10 +44,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Structure:
-    """A joint's residual depends on the named variables: share of its squared error that the map
-    removes where the fit side has been, RMS N·m.
+    """A joint's residual depends on the named variables: share of all its squared error that the
+    map removes, RMS N·m.
 
     grid: the knots of each variable; values: the map on them, N·m (2-D where two variables)
+    there: share that it removes where the fit side has been, which is all that the map knows;
+    beyond: share of all the squared error that lies elsewhere
     inside: held-out rows where the fit side has been; left: (N·m)², mean squared error there with
     the map
     """
@@ -62,6 +64,8 @@ class Structure:
     evidence: Evidence
     inside: NDArray[np.bool_]
     left: float
+    there: float
+    beyond: float
 
     def outdoes(self, residual: PerJoint, factor: float) -> bool:
         """Does another model leave more than ``factor`` times this map's squared error, on the
@@ -88,8 +92,8 @@ def find_structure(state: SearchState) -> list[Structure]:
 
 
 def _best_maps(state: SearchState, joints: Iterable[int]) -> list[Structure]:
-    found = [max(maps, key=lambda m: m.share) for maps in all_maps(state, joints)]
-    return sorted(found, key=lambda m: -m.share)
+    found = [max(maps, key=lambda m: m.there) for maps in all_maps(state, joints)]
+    return sorted(found, key=lambda m: -m.there)
 
 
 def _without(state: SearchState, joints: list[int]) -> SearchState:
@@ -295,11 +299,20 @@ def _judge(
     claim, m = evidence_of(state, residual, prediction, among, noise), prediction.map
     if claim is None or m is None:
         return None
+    r, inside = residual[m.joint], prediction.inside
     rms = float(np.sqrt(np.mean(prediction.values**2)))
+    beyond = float(np.sum(r[~inside] ** 2) / np.sum(r**2))
     return Structure(
-        m.joint, m.names, claim.share, rms, claim.p_value, m.grid, m.values, claim.evidence,
-        prediction.inside, claim.left,
+        m.joint, m.names, of_all(residual, prediction), rms, claim.p_value, m.grid, m.values,
+        claim.evidence, inside, claim.left, claim.share, beyond,
     )  # fmt: skip
+
+
+def of_all(residual: PerJoint, prediction: Prediction) -> float:
+    """Share of all the squared error of its joint that a prediction removes, which is zero where
+    the fit side has not been."""
+    r = residual[prediction.joint]
+    return 1.0 - float(np.sum((r - prediction.values) ** 2) / np.sum(r**2))
 
 
 def knots(values: Array, count: int) -> Array:
