@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
+import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,10 +17,13 @@ from pa10d.readers.packed import first_bytes
 from pa10d.readers.signatures import STREAM
 from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
+from pa10d.store.csv_locate import most_unpacked
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
 SECOND = 1_000_000_000  # ns
+NUMBER = 8  # bytes
+NOT_NUMPY = (OSError, ValueError, zipfile.BadZipFile, zlib.error, KeyError, EOFError, MemoryError)
 FEW = 20  # rows: fewer are names, gains and the like
 CLOCKS = ("time", "t", "timestamp", "stamp")
 PREFIXES = {"extra": "", "command": "cmd_"}
@@ -29,6 +34,7 @@ Place = tuple[str, ...]
 def read_npz(path: Path) -> ForeignTable:
     """Arrays by name, also one array of records; objects are not unpacked."""
     try:
+        _refuse_growth(path, _size_of_npz(path))
         with path.open("rb") as raw:
             found = np.load(raw, allow_pickle=False)
             if isinstance(found, np.ndarray):
@@ -36,8 +42,25 @@ def read_npz(path: Path) -> ForeignTable:
             with found as file:
                 said: list[str] = []
                 return ForeignTable(spread({name: file[name] for name in file.files}, said), said)
-    except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
+    except NOT_NUMPY as error:
         raise damaged(path, "a NumPy .npz of plain arrays", error) from error
+
+
+def _size_of_npz(path: Path) -> int:
+    """Bytes of its arrays, as the archive says; a plain array is as large as its file."""
+    if not zipfile.is_zipfile(path):
+        return 0
+    with zipfile.ZipFile(path) as archive:
+        return sum(part.file_size for part in archive.infolist())
+
+
+def _refuse_growth(path: Path, size: int) -> None:
+    """UserError, before anything is unpacked, where a file becomes more than a recording does."""
+    if size > (most := max(most_unpacked(path), path.stat().st_size)):
+        raise UserError(
+            f"{path}: {path.stat().st_size} bytes become {size:.3g} bytes of numbers; expected a "
+            f"recording, at most {most:.3g}"
+        )
 
 
 def _of_one(found: Array) -> Mapping[str, Any]:
@@ -50,12 +73,16 @@ def _of_one(found: Array) -> Mapping[str, Any]:
 
 def read_mat(path: Path) -> ForeignTable:
     """MATLAB up to v7 by SciPy, v7.3 by h5py: arrays, or a struct of them."""
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
     if is_hdf5(path):
         return _read_hdf5(path)
     try:
+        told = whosmat(path)
+        _refuse_growth(path, sum(NUMBER * math.prod(shape) for _, shape, _ in told))
         content = loadmat(path, simplify_cells=True)
+    except UserError:
+        raise
     except Exception as error:  # whatever a damaged file makes of SciPy
         raise damaged(path, "a MAT file", error) from error
     named = {k: v for k, v in content.items() if not k.startswith("__")}
@@ -88,6 +115,8 @@ def read_arrow(path: Path) -> ForeignTable:
     try:
         is_parquet = first_bytes(path, 4) == b"PAR1"
         if is_parquet:
+            about = parquet.read_metadata(path)
+            _refuse_growth(path, NUMBER * about.num_rows * about.num_columns)
             found = parquet.read_table(path)
         elif first_bytes(path, 4) == STREAM:
             with pa.OSFile(str(path)) as source, pa.ipc.open_stream(source) as stream:
@@ -340,10 +369,19 @@ def _read_hdf5(path: Path) -> ForeignTable:
             "pip install 'pa10d[matlab]', or a file saved with -v7"
         ) from error
     found: dict[str, Any] = {}
+    size = 0
 
     def visit(name: str, item: Any) -> None:
+        nonlocal size
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
+        if item.external or item.is_virtual:
+            raise UserError(
+                f"{path}: {name}: its values lie in another file; expected a recording that holds "
+                "them itself"
+            )
+        size += item.dtype.itemsize * item.size
+        _refuse_growth(path, size)
         if item.dtype.names:
             rows = np.asarray(item[()])
             found.update({field: rows[field] for field in item.dtype.names})
@@ -357,7 +395,7 @@ def _read_hdf5(path: Path) -> ForeignTable:
     try:
         with h5py.File(path) as file:
             file.visititems(visit)
-    except OSError as error:
+    except (OSError, MemoryError) as error:
         raise damaged(path, "a MAT or HDF5 file", error) from error
     said: list[str] = []
     return ForeignTable(spread(found, said), said)

@@ -6,9 +6,12 @@ import bz2
 import gzip
 import io
 import json
+import zipfile
 
+import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from pa10d.common.errors import UserError
 from pa10d.readers import read_recording
@@ -145,3 +148,57 @@ def test_it_is_one_line_that_names_the_file(kind, tmp_path, arm):
     assert "expected" in message or ", " in message
     assert says in message
     assert len(message) < 700
+
+
+def hdf5_of_nothing(path):
+    with h5py.File(path, "w") as file:
+        for name in ("time", "q1", "tau1"):
+            file.create_dataset(name, (10**8,), "f8", chunks=(1 << 20,), compression="gzip")
+
+
+def npz_that_claims(path):
+    header = io.BytesIO()
+    shape = {"descr": "<f8", "fortran_order": False, "shape": (10**15,)}
+    np.lib.format.write_array_header_1_0(header, shape)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("time.npy", header.getvalue() + bytes(80))
+
+
+ZEROS = np.zeros(9_000_000)  # 72 MB
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "says"),
+    [
+        ("a.h5", hdf5_of_nothing, "bytes of numbers"),
+        ("a.npz", npz_that_claims, "Unable to allocate"),
+        ("b.npz", lambda path: np.savez_compressed(path, time=ZEROS), "bytes of numbers"),
+        ("a.mat", lambda path: savemat(path, {"t": ZEROS}, do_compression=True), "bytes of nu"),
+        ("a.parquet", lambda path: path.write_bytes(parquet(time=ZEROS)), "bytes of numbers"),
+    ],
+)
+def test_a_small_file_that_fills_the_memory_is_refused(tmp_path, name, write, says):
+    profile, robot = load_robot("ur5e")
+    write(tmp_path / name)
+    assert (tmp_path / name).stat().st_size < 300_000
+    with pytest.raises(UserError, match=says) as caught:
+        read_recording(tmp_path / name, profile, robot)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("way", ["external", "virtual"])
+def test_a_recording_reads_no_other_file_of_this_machine(tmp_path, way):
+    """What somebody sends by HTTP would come back as a column of numbers."""
+    profile, robot = load_robot("ur5e")
+    secret = tmp_path / "secret"
+    with h5py.File(secret, "w") as file:
+        file["time"] = np.arange(100.0)
+    with h5py.File(tmp_path / "sent.h5", "w") as file:
+        if way == "external":
+            file.create_dataset("time", (100,), "u1", external=[(str(secret), 0, 100)])
+        else:
+            layout = h5py.VirtualLayout((100,), "f8")
+            layout[:] = h5py.VirtualSource(str(secret), "time", (100,))
+            file.create_virtual_dataset("time", layout)
+    with pytest.raises(UserError, match="time: its values lie in another file"):
+        read_recording(tmp_path / "sent.h5", profile, robot)
