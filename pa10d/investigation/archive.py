@@ -14,9 +14,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed
 from pa10d.common.locked_file import lock_at_once
+from pa10d.diagnose.search.delivery import Delivery
 from pa10d.investigation.course import put_back
-from pa10d.investigation.state import Investigation
+from pa10d.investigation.results import LastWord, Searched
+from pa10d.investigation.state import Investigation, StepKind
 from pa10d.services.documents import Diagnose
 from pa10d.store.entries import SetAside, explained, read_entry, refuse_links
 from pa10d.store.folders import is_held, write_into
@@ -24,6 +27,12 @@ from pa10d.store.location import data_folder
 from pa10d.store.names import free_name, resolve
 
 STATE, LOCK, REPORT, SHEET = "state.json", "carried-out", "report.html", "sheet"
+ANSWERS: dict[StepKind, tuple[type, ...]] = {
+    "diagnose": (Diagnose, Searched),
+    "add": (Delivery,),
+    "judge": (LastWord,),
+}
+"""What is read of the figures of a step that is done, looked at before anybody reads it."""
 LARGEST = 16 << 20  # bytes of a state that is read
 ENDED = "its process ended before it was done; what is done stays done"
 
@@ -114,8 +123,10 @@ class Archive:
 def _read(path: Path) -> Investigation:
     try:
         state = Investigation.model_validate_json(read_entry(path, LARGEST))
-        for step in state.done("diagnose"):
-            Diagnose.model_validate(step.result)
+        for kind, forms in ANSWERS.items():
+            for step in state.done(kind):
+                for form in forms if step.result or kind == "diagnose" else ():
+                    parsed(form, step.result)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"])) or "the whole"

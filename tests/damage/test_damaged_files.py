@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import time
@@ -16,7 +17,10 @@ from model_examples import textbook
 from store_data import ALL, channels, motion, plain_table, samples, write_csv
 
 from pa10d.common.errors import UserError
+from pa10d.control.record import SCALARS, VECTORS
 from pa10d.dynamics import robot_from_urdf
+from pa10d.services.explorer import faults
+from pa10d.services.fault_records import read_fault
 from pa10d.services.robots import load_robot
 from pa10d.store import RunStore
 from pa10d.store.csv_import import read_csv
@@ -165,6 +169,65 @@ def test_csv(tmp_path, seeds, name, each):
         read_csv(path, 2, "arm")
 
     assert each(path.read_bytes(), seeds, not name.endswith("gz"), read) > 0
+
+
+@pytest.fixture
+def record(tmp_path):
+    """The last seconds before a fault, as the daemon keeps them; a function that damages it."""
+    folder = tmp_path / "data" / "faults"
+    folder.mkdir(parents=True)
+    fields = {name: np.zeros(20) for name in SCALARS}
+    fields |= {name: np.zeros((20, 2)) for name in VECTORS} | {"time": np.arange(20) * 0.002}
+    said = {"fault": {"kind": "stale", "joint": 2, "cause": "no news"}, "joints": ["a", "b"]}
+
+    def write(**changed):
+        given = {"about": np.array(json.dumps(said)), **fields, **changed}
+        np.savez_compressed(
+            folder / "20260101-000000-stale.npz",
+            **{name: values for name, values in given.items() if values is not None},
+        )
+        return folder / "20260101-000000-stale.npz"
+
+    return write
+
+
+def test_last_seconds_before_faults(record, seeds, each):
+    path = record()
+    whole = path.read_bytes()
+
+    def read(broken):
+        path.write_bytes(broken)
+        read_fault(path)
+
+    each(whole, seeds, False, read)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"q": np.zeros(20)},
+        {"q": np.zeros((20, 7))},
+        {"q": np.zeros((19, 2))},
+        {"tau": np.array("x")},
+        {"temperature": None},
+        {"time": np.full(20, np.nan)},
+        {"about": np.array("[]")},
+        {"about": np.array('{"fault": {}, "joints": 3}')},
+        {"state": np.zeros(100 << 20, np.uint8)},  # a hundred kilobytes in the file
+    ],
+    ids=lambda changed: next(iter(changed)),
+)
+def test_what_is_no_fault_record_is_passed_over(tmp_path, record, changed):
+    with pytest.raises(UserError, match=r"20260101-000000-stale\.npz"):
+        read_fault(record(**changed))
+    assert faults(str(tmp_path / "data")).items == []
+
+
+def test_a_pipe_among_the_faults_is_not_waited_for(tmp_path, record):
+    path = record()
+    os.mkfifo(path.with_name("20260101-000001-pipe.npz"))
+    path.with_name("20260101-000002-link.npz").symlink_to(path)
+    assert [one.id for one in faults(str(tmp_path / "data")).items] == [path.stem]
 
 
 @pytest.mark.parametrize("mass", ["٣", "\u0663.5", "1_0", "nan", "1e999", "3½"])

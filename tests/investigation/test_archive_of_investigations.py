@@ -52,6 +52,7 @@ def test_one_whose_process_has_died_can_be_taken_up(archive):
         (["steps", 0, "motion", "seconds"], -1.0, "seconds"),
         (["steps", 0, "runs"], ["../../etc"], "runs"),
         (["steps", 7, "result"], {"verdict": "maybe"}, "verdict"),
+        (["steps", 7, "result", "rms_with_reversals"], ["many"], "rms_with_reversals"),
         (["id"], "20260101-000000000-ffffff", "expected its folder's"),
         (["minutes"], "many", "minutes"),
         (["surprise"], 1, "surprise"),
