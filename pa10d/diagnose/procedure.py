@@ -102,7 +102,7 @@ def diagnose(
         cutoff=model.cutoff,
         findings=findings,
         unexplained=unexplained,
-        remaining=remaining(left, again, unexplained, units, state.terms[given:], slight),
+        remaining=remaining(left, again, unexplained, units, state.terms[given:], slight, doubt),
         model=versions[-1],
         versions=versions,
         fitted=tuple(state.train.runs),

@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics, sensitivities, typical_inertia
 from pa10d.effects.sign import smooth_sign
+from pa10d.measurement.motion import Quieting
 
 Array = NDArray[np.float64]
 
+KEPT = ("load", "quiet_ddq", "drowned", "quiet_load", "typical_inertia", "drawn", "_kept")
 SHARPEST = 5e-4  # rad/s: of a sign without noise, for which a reversal still takes some samples
 
 
@@ -34,6 +36,7 @@ class Context:
                      velocity has to be smoothed against it
     apart            the samples are of no one motion: nothing that came before any of them is
                      known, and t means nothing
+    quieting         takes from a measured acceleration what is noise; None: none is known
     """
 
     robot: Robot
@@ -48,6 +51,7 @@ class Context:
     rotor_in_load: tuple[int, ...] = ()
     desired: bool = False
     apart: bool = False
+    quieting: Quieting | None = None
 
     def sign(self, velocity: Array, v0: float) -> Array:
         """(N,) sign of a velocity smoothed over ±v0; along a motion its mean over each interval."""
@@ -67,11 +71,43 @@ class Context:
         """(N, n) N·m: torque that the transmission passes to the links."""
         return self.rigid_torque(self.q, self.dq, self.ddq)
 
+    @cached_property
+    def quiet_ddq(self) -> Array:
+        """(N, n) rad/s²: the acceleration without what lies above the motion's own band."""
+        return self.ddq if self.quieting is None else self.quieting(self.ddq, 1.0 / self.dt)
+
+    @cached_property
+    def drowned(self) -> NDArray[np.bool_]:
+        """(n,) of which joint does a load have more noise of the encoders than load?"""
+        if self.quieting is None:
+            return np.zeros(self.q.shape[1], dtype=bool)
+        noise = self.load - self._without_noise
+        return np.asarray(np.mean(noise**2, axis=0) > np.mean(self._without_noise**2, axis=0))
+
+    @cached_property
+    def quiet_load(self) -> Array:
+        """(N, n) N·m: the load, of joints whose load is mostly an encoder's noise without that. The
+        size of such a load is the noise's own, and no mean over a while makes it the load's."""
+        if not self.drowned.any():
+            return self.load
+        return np.where(self.drowned, self._without_noise, self.load)
+
+    @property
+    def quiet_total(self) -> Array:
+        """(N, n) N·m: the same of the torque of the whole model."""
+        if self.quieting is None or not self.drowned.any():
+            return self.total
+        return np.where(self.drowned, self.quieting(self.total, 1.0 / self.dt), self.total)
+
+    @cached_property
+    def _without_noise(self) -> Array:
+        return self.rigid_torque(self.q, self.dq, self.quiet_ddq)
+
     def with_total(self, total: Array) -> Context:
         """The same with another torque of the whole model; what follows from motion and bodies
         alone is not computed again."""
         found = replace(self, total=total)
-        for name in ("load", "typical_inertia", "drawn", "_kept"):
+        for name in KEPT:
             if name in self.__dict__:
                 found.__dict__[name] = self.__dict__[name]
         return found

@@ -26,6 +26,12 @@ def link_load(context: Context, joint: int, rotor: float) -> Array:
     return np.asanyarray(context.load[:, joint] - rotor * context.ddq[:, joint])
 
 
+def quiet_link_load(context: Context, joint: int, rotor: float) -> Array:
+    """The same for an effect of the load's size, which is not to be that of an encoder's noise."""
+    ddq = context.quiet_ddq if context.drowned[joint] else context.ddq
+    return np.asanyarray(context.quiet_load[:, joint] - rotor * ddq[:, joint])
+
+
 def link_inertia(context: Context, joint: int, rotor: float) -> Array:
     """(N,) kg·m²: M_jj(q) without what sits on the motor's side."""
     seen = context.inertia_seen(joint)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.measurement.recording import Recording
@@ -24,6 +25,25 @@ AGREES = 0.1  # of the velocity, after the lag is taken out
 GAIN = 0.03  # by which slopes may differ: a velocity in other units is none
 QUIETER = 0.7  # ratio of what lies above the equation's band
 FARTHEST = 0.05  # s of lag, beyond which the two are not the same quantity
+
+SEGMENT = 4.0  # s of one segment of an acceleration's spectrum
+LONGEST = 60_000  # samples of a run that are looked at
+BANDS_PER_OCTAVE = 3.0  # over which a spectrum is averaged
+
+
+@dataclass(frozen=True)
+class Quieting:
+    """Takes from signals (N, n), of whose joints each has noise of its own above ``up_to`` (n,) Hz
+    (inf: none is seen), what lies beyond. rate: of the samples, Hz."""
+
+    up_to: tuple[float, ...]
+
+    def __call__(self, signal: Array, rate: float) -> Array:
+        quiet = signal.copy()
+        for j, highest in enumerate(self.up_to):
+            if highest < 0.5 * rate:
+                quiet[:, j] = Lowpass(len(signal), rate, highest)(signal[:, j])
+        return quiet
 
 
 @dataclass(frozen=True)
@@ -71,6 +91,38 @@ def velocity_source(recording: Recording, cutoff: float) -> VelocitySource:
     above_reported = wide(moved)[inner] - reported[inner]
     quieter = _rms(above_reported) < QUIETER * _rms(above_own)
     return VelocitySource(alike & (np.abs(slope - 1) < GAIN) & matters & quieter, lag)
+
+
+def quieting_of(ddq: Array, rate: float, lowest: float, highest: float) -> Quieting | None:
+    """What takes the noise from an acceleration (N, n); None where none is seen."""
+    up_to = motion_bands(ddq, rate, lowest, highest)
+    return Quieting(up_to) if np.isfinite(up_to).any() else None
+
+
+def motion_bands(ddq: Array, rate: float, lowest: float, highest: float) -> tuple[float, ...]:
+    """(n,) Hz up to which an acceleration (N, n) is the joint's motion; inf where no end is seen.
+
+    What moves a joint falls off with frequency; noise of an angle grows with the fourth power of it
+    in the acceleration. So motion ends in the valley of the spectrum between ``lowest``, below
+    which nothing is given up, and ``highest``, to which the acceleration was filtered. Whatever
+    else grows again beyond a valley (a drive that hums, stamps that are interpolated) is no torque
+    that rigid links pass on either.
+    """
+    octaves = np.log2(highest / lowest) if highest > lowest else 0.0
+    if octaves < 2.0 / BANDS_PER_OCTAVE:
+        return (np.inf,) * ddq.shape[1]
+    spare = max(0, len(ddq) - LONGEST) // 2
+    part = ddq[spare : len(ddq) - spare]
+    length = min(len(part), int(SEGMENT * rate))
+    f, power = scipy.signal.welch(part, rate, nperseg=length, axis=0)
+    edges = lowest * 2.0 ** (np.arange(int(octaves * BANDS_PER_OCTAVE) + 1) / BANDS_PER_OCTAVE)
+    within = np.digitize(f, edges) - 1
+    seen = [k for k in range(len(edges) - 1) if np.any(within == k)]
+    if len(seen) < 2:
+        return (np.inf,) * ddq.shape[1]
+    density = np.array([power[within == k].mean(axis=0) for k in seen])
+    valley = density.argmin(axis=0)
+    return tuple(np.inf if v == len(seen) - 1 else float(edges[seen[v] + 1]) for v in valley)
 
 
 def _lag(difference: Array, acceleration: Array) -> float:

@@ -142,6 +142,18 @@ def test_what_the_coefficients_own_uncertainty_makes_is_nothing_missing():
     assert not claims(left, [SURE], doubt=0.1)
 
 
+@pytest.mark.parametrize("source", ["high frequencies", None])
+def test_what_little_data_leaves_open_asks_for_more_data_to_fit(source):
+    """26 times its floor after a fit to ten seconds: neither slow noise nor something missing."""
+
+    def sentence(doubt: float) -> str:
+        left = judged(8.0, source=source)
+        return remaining(left, [None], [], ["N·m"], doubt=np.array([doubt]))[0].sentence
+
+    assert sentence(0.9).endswith("may leave as much: fit to more data.")
+    assert "fit to more data" not in sentence(0.5)
+
+
 @pytest.mark.parametrize("source", ["repeated motion", "high frequencies", "standstill"])
 @pytest.mark.parametrize("seen", [None, CHANCE])
 def test_no_large_ratio_is_called_noise_without_a_witness(source, seen):

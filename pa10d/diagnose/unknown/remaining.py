@@ -167,9 +167,11 @@ def remaining(
     units: Sequence[str],
     found: Sequence[Term] = (),
     slight: Sequence[Structure] = (),
+    doubt: Array | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
-    terms; slight: what is significant there and too small for a claim."""
+    terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
+    uncertainty of the model's own coefficients may leave."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -191,6 +193,8 @@ def remaining(
             sentence="",
         )
         line = _with_sentence(line, left, seen, units[j])
+        if left is None and line.material is not False and not line.repeatable:
+            line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
             line = _with_trace(line, traces[j])
         if parts := _of_one_curve(line, found):
@@ -205,6 +209,16 @@ def _with_trace(line: Remaining, trace: Structure) -> Remaining:
         f"{listed(trace.variables)}: too little to claim anything."
     )
     return replace(line, significant=True, sentence=line.sentence + text)
+
+
+def _with_doubt(line: Remaining, doubt: float) -> Remaining:
+    """Where coefficients that little data leave open make as large an error, the next thing to have
+    is more data to fit, whatever the noise."""
+    floor = line.floor if line.floor > 0 else 0.0
+    if doubt <= 0.0 or np.hypot(MATERIAL_REST * floor, doubt) < line.rms:
+        return line
+    text = " The uncertainty of the model's own coefficients may leave as much: fit to more data."
+    return replace(line, sentence=line.sentence + text)
 
 
 def _of_one_curve(line: Remaining, found: Sequence[Term]) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
-from pa10d.effects.rotor import ROTOR, link_load, rotor_starts
+from pa10d.effects.rotor import ROTOR, quiet_link_load, rotor_starts
 
 
 class LoadFriction(Effect):
@@ -46,7 +46,7 @@ class LoadFriction(Effect):
 
     def columns(self, context, joints, shape):
         j = joints[0]
-        load = link_load(context, j, shape.get("rotor", 0.0))
+        load = quiet_link_load(context, j, shape.get("rotor", 0.0))
         sign = context.sign(context.dq[:, j], shape["v0"])
         return (np.abs(load) * sign + shape.get("uneven", 0.0) * load * sign**2)[:, None]
 

@@ -29,7 +29,7 @@ class TorqueSaturation(Effect):
     example = Example((8e-6,), against="total", motion="wander")
 
     def columns(self, context, joints, shape):
-        return measured(context.total[:, joints[0]], shape.get("at", 0.0))[:, None] ** 3
+        return measured(context.quiet_total[:, joints[0]], shape.get("at", 0.0))[:, None] ** 3
 
     def relinearised(self, coefficients, shape):
         # what is asked for swings about the answer, the wider the nearer the turning point is: a
