@@ -373,7 +373,8 @@ class Search:
             self.state.relook()
             self.state.refit()
             for index, term in enumerate(self.state.terms):
-                if term.effect.shapes and self._worth_refining(index):
+                early = number == 1 and only_rounds(term)  # it would imitate what is not settled
+                if term.effect.shapes and not early and self._worth_refining(index):
                     self._refine(index)
             self.state.relook()
             self.state.refit()
@@ -494,8 +495,7 @@ class Search:
             shape = refine(term.effect, term.shape, gain, evaluations=10)
         else:
             shape = approach(term.effect, term.shape, gain, move)
-        only_rounds = all(s.smoothing for s in free_shapes(term.effect, term.shape))
-        if only_rounds and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
+        if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
             return  # how sharp a corner is shows only on what passes it slowly: no guessing
         if shape != term.shape:
             self.state.replace_term(index, replace(term, shape=shape))
@@ -579,3 +579,8 @@ def rms(residual: dict[int, Array]) -> Array:
 def explained(state: SearchState) -> Array:
     """(n,) RMS of the model's torque on the held-out side, N·m."""
     return rms(predict(state.held_matrix, state.fit.beta))
+
+
+def only_rounds(term: Term) -> bool:
+    """Whether all that is free of a term's shape is how sharp a corner is."""
+    return all(s.smoothing for s in free_shapes(term.effect, term.shape))
