@@ -14,11 +14,11 @@ from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import through_channel
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
+from pa10d.regression.rests import FEWEST_MOVING
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-FEWEST_MOVING = 20  # filtered samples in motion below which a joint is judged at rest as well
 FEWEST = 8  # filtered samples below which nothing can be said
 
 
