@@ -27,8 +27,6 @@ Joints: {joints}
 Units: rad (m), rad/s, rad/s², N·m (N), torque at the joint side.
 {remembers}{lost}"""
 
-from __future__ import annotations
-
 '''
 
 INTERFACE = '''

@@ -14,6 +14,7 @@ import inspect
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
+from itertools import accumulate
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -200,12 +201,40 @@ def _parsed(thing: FunctionType | type) -> tuple[ast.AST, str]:
         if ast.unparse(decorator).startswith(("numba.", "njit", "jit")):
             for k in range(decorator.lineno - 1, (decorator.end_lineno or 0)):
                 lines[k] = ""
-    text = "\n".join(lines).lstrip("\n")
+    text = _without_annotations("\n".join(lines).lstrip("\n"))
     return ast.parse(text).body[0], text
 
 
+def _without_annotations(text: str) -> str:
+    """They name types that a module of NumPy alone does not have, and ``dataclass`` would look for
+    those in a module that whoever loads it may have registered nowhere."""
+    tree, written = ast.parse(text), text.encode()
+    starts = [0, *accumulate(len(line) + 1 for line in written.split(b"\n"))]
+    cuts: list[tuple[int, int, bytes]] = []
+
+    def end(node: ast.expr) -> int:
+        return starts[(node.end_lineno or 0) - 1] + (node.end_col_offset or 0)
+
+    for node in ast.walk(tree):
+        if isinstance(node, ast.arg) and node.annotation is not None:
+            begin = starts[node.lineno - 1] + node.col_offset + len(node.arg.encode())
+            cuts.append((begin, end(node.annotation), b""))
+        elif isinstance(node, ast.FunctionDef) and node.returns is not None:
+            begin = starts[node.returns.lineno - 1] + node.returns.col_offset
+            cuts.append((written.rfind(b"->", 0, begin) - 1, end(node.returns), b""))
+        elif isinstance(node, ast.ClassDef):
+            fields = [inner for inner in node.body if isinstance(inner, ast.AnnAssign)]
+            for inner in fields:
+                of_class = ast.unparse(inner.annotation).startswith("ClassVar")
+                kept = b"" if of_class else b": object"
+                cuts.append((end(inner.target), end(inner.annotation), kept))
+    for begin, until, instead in sorted(cuts, reverse=True):
+        written = written[:begin] + instead + written[until:]
+    return written.decode()
+
+
 def _names_in(thing: FunctionType | type, tree: ast.AST) -> set[str]:
-    """Names that the definition looks up in its module; annotations are never evaluated."""
+    """Names that the definition looks up in its module."""
     if isinstance(thing, FunctionType):
         if thing.__closure__:
             raise NotWritable(f"{thing.__name__} is made inside another function")

@@ -10,10 +10,15 @@ import pytest
 from test_third_party import CLASS, installed  # noqa: F401
 
 from pa10d.common.errors import UserError
+from pa10d.dynamics import robot_from_profile
+from pa10d.effect_kit import carried as carried_module
 from pa10d.effect_kit import check
+from pa10d.effect_kit.carried import carried
 from pa10d.effect_kit.dimension import power_of_second
 from pa10d.effect_kit.scaffold import scaffold
 from pa10d.effects import all_effects, effect
+from pa10d.export.python_module import python_module
+from pa10d.profile import load_profile
 
 
 @pytest.mark.parametrize("name", sorted(all_effects()))
@@ -32,6 +37,27 @@ def test_the_guides_effect_conforms_and_is_exported(installed):  # noqa: F811
     found = check(effect("creeping_hose"), draws=8)
     assert [v for v in found if not v.passed] == []
     assert found[-1].check == "export"
+
+
+def test_the_guides_effect_is_exported_as_it_is(installed, monkeypatch):  # noqa: F811
+    """Over 200 random shapes and motions; and a law that became another since is told."""
+    installed()
+    kind, robot = effect("creeping_hose"), robot_from_profile(load_profile("pa10-sim"))
+    assert carried(kind, robot, np.random.default_rng(7), 200) is None
+    columns = type(kind).columns
+
+    def other(self, *asked):
+        return columns(self, *asked) * (1.0 + 1e-6)
+
+    written = python_module
+    monkeypatch.setattr(
+        carried_module, "python_module", lambda *asked: (written(*asked), change())[0]
+    )
+
+    def change():
+        monkeypatch.setattr(type(kind), "columns", other)
+
+    assert "off by" in (carried(kind, robot, np.random.default_rng(7), 5) or "")
 
 
 @pytest.mark.long

@@ -73,6 +73,30 @@ def test_every_effect_agrees_over_random_shapes_and_motions(effect_id):
     assert worst < 1e-9
 
 
+def test_the_module_needs_no_place_among_the_loaded_ones(tmp_path):
+    """``dataclass`` looks up annotations in ``sys.modules``, where nobody has to put a module."""
+    import ast
+    import importlib.util
+
+    motion, model = examples.motion(), examples.with_effects(
+        examples.textbook(), *sorted(all_effects())
+    )  # fmt: skip
+    file = tmp_path / "nobodys_module.py"
+    file.write_text(python_module(model, "test")[0])
+    told = importlib.util.spec_from_file_location(file.stem, file)
+    assert told is not None
+    assert told.loader is not None
+    loaded = importlib.util.module_from_spec(told)
+    told.loader.exec_module(loaded)
+    assert file.stem not in sys.modules
+    found = loaded.torque(motion.q, motion.dq, motion.ddq, motion.t)
+    assert found == pytest.approx(model.predict(motion), abs=1e-9)
+    tree = ast.parse(file.read_text())
+    typed = [n for n in ast.walk(tree) if isinstance(n, ast.arg) and n.annotation]
+    typed += [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n.returns]
+    assert typed == [], "types that the module does not have"
+
+
 def test_a_wide_stribeck_joint_agrees():
     """Its sign once had another width in the export from vs = 0.2 rad/s on: 1.7 to 6 N·m."""
     from dataclasses import replace
