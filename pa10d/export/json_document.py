@@ -41,7 +41,7 @@ def json_document(model: TorqueModel, about: str) -> tuple[str, list[str]]:
             "feasible": bool(model.feasible),
         },
         "lineage": {"parent": model.parent, "change": model.change},
-        "notes": model.notes,
+        "notes": model.notes.document(),
     }
     return json.dumps(plain(document), ensure_ascii=False, indent=1, allow_nan=False) + "\n", []
 

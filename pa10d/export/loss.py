@@ -94,8 +94,7 @@ def _turning_at_once(kept: TorqueModel, seen: Context, lag: float) -> Array:
 
 def _floor(model: TorqueModel) -> Array:
     """(n,) N·m (N) what a motion that was repeated, or else the fit, leaves by chance."""
-    told = model.notes.get("noise_floor")
-    known = np.array([np.nan if v is None else v for v in told] if told else model.noise, float)
+    known = np.array(model.notes.noise_floor or model.noise, dtype=float)
     return np.where(np.isfinite(known), known, model.noise)
 
 

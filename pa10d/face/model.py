@@ -88,7 +88,7 @@ class Model(ByContent):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        return tuple(self.inner.notes.get("warnings", ()))
+        return self.inner.notes.warnings
 
     @cached_property
     def base_parameters(self) -> tuple[Parameter, ...]:

@@ -34,7 +34,7 @@ def add(
         model.inner, effect, [j - 1 for j in joints], recordings(fit),
         name=name or f"{model.name}+{effect}", over=over, progress=heeding(progress, cancel),
     )  # fmt: skip
-    notes = {**made.notes, "warnings": [*made.notes.get("warnings", []), *warnings]}
+    notes = replace(made.notes, warnings=(*made.notes.warnings, *warnings))
     return Model(replace(made, parent=model.name, notes=notes))
 
 

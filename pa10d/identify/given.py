@@ -42,10 +42,6 @@ class Given:
     unknown: int | None = None
     body: int | None = None
 
-    def document(self) -> dict[str, object]:
-        """Kept with the model."""
-        return {"name": self.name, "value": self.value, "std_error": self.std_error}
-
 
 def read_given(text: str) -> tuple[str, float, float]:
     """``Fc3=12±2``, ``Fc3 = 12 +- 10 %`` → name, value, standard error."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pa10d.common.jsonable import JsonObject
 from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
@@ -13,29 +12,27 @@ from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.torque_filter import TorqueFilter
-from pa10d.model import TorqueModel
+from pa10d.model import ModelNotes, TorqueModel
+from pa10d.model.notes import CutoffNote, FeasibleNote
 from pa10d.regression.layout import Layout
 
 
-def cutoff_note(cutoff: float, why: Cutoff | None) -> JsonObject:
+def cutoff_note(cutoff: float, why: Cutoff | None) -> CutoffNote:
     """Who chose the cut-off, and from what."""
     if why is None:
-        return {"hertz": cutoff, "chosen_by": "user"}
-    return {
-        "hertz": cutoff,
-        "chosen_by": why.limited_by,
-        "signal_hz": [float(f) for f in why.signal],
-        "encoder_hz": [float(f) for f in why.encoder],
-    }
+        return CutoffNote(cutoff, "user")
+    return CutoffNote(
+        cutoff, why.limited_by, tuple(map(float, why.signal)), tuple(map(float, why.encoder))
+    )
 
 
-def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> JsonObject:
+def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> FeasibleNote:
     """The coefficients that go with the feasible standard parameters, by name, and what they
     cost."""
-    return {
-        "rms": [float(v) for v in feasible.rms],
-        "coefficients": dict(zip(names, map(float, feasible.coefficients), strict=True)),
-    }
+    return FeasibleNote(
+        tuple(map(float, feasible.rms)),
+        dict(zip(names, map(float, feasible.coefficients), strict=True)),
+    )
 
 
 def model_of(
@@ -48,7 +45,7 @@ def model_of(
     shift: Shift,
     channel: TorqueFilter | None,
     recordings: Sequence[Recording],
-    notes: JsonObject,
+    notes: ModelNotes,
 ) -> TorqueModel:
     """The model of a finished fit."""
     beta = fit.solution.beta

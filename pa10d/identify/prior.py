@@ -26,6 +26,7 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics.pseudo_inertia import scales
 from pa10d.identify.fit import Fit
 from pa10d.identify.given import Given, placed
+from pa10d.model.notes import GivenNote, PriorNote
 from pa10d.regression.layout import Layout, rotors_within
 from pa10d.regression.problem import Knowledge
 
@@ -164,11 +165,11 @@ class Prior:
         found = np.linalg.norm(right[known] / values[known, None], axis=0) / scale
         return np.where(np.linalg.norm(right[~known], axis=0) > 1e-6, np.inf, found)
 
-    def document(self) -> dict[str, object]:
+    def note(self) -> PriorNote:
         """Kept with the model."""
-        known = [float(s) if np.isfinite(s) else None for s in self.std_errors]
-        given = [one.document() for one in self.given]
-        return {"percent": self.percent, "given": given, "std_errors": known}
+        known = tuple(float(s) if np.isfinite(s) else None for s in self.std_errors)
+        given = tuple(GivenNote(one.name, one.value, one.std_error) for one in self.given)
+        return PriorNote(self.percent, given, known)
 
     def contradicted(self, data: Fit) -> Iterator[str]:
         """A sentence for every given value that the data alone do not bear out."""

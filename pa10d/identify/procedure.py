@@ -32,7 +32,8 @@ from pa10d.identify.smoothing import (
 )
 from pa10d.identify.timing import find_shift
 from pa10d.measurement.recording import Recording
-from pa10d.model import TorqueModel
+from pa10d.model import ModelNotes, TorqueModel
+from pa10d.model.notes import ShiftNote
 from pa10d.regression.layout import Layout, textbook
 from pa10d.regression.problem import LinearProblem
 from pa10d.regression.told import names_of
@@ -121,22 +122,20 @@ def identify(
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout, beside)
     warnings = contradicted + warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
-    notes = {
-        "condition_number": pieces.condition_number(),
-        "warnings": warnings,
-        "cutoff": cutoff_note(cutoff, why),
-        "shift": {"estimate_s": shift.estimate, "std_error_s": float(shift.std_error)},
-        "feasible": feasible_note(layout.names()[len(layout.base) :], feasible),
-        "weights": [float(s) for s in fit.solution.sigma],
-        "correlation_s": [float(s) for s in fit.uncertainty.correlation],
-        "rank": fit.solution.rank,
-        "open": names_of(layout.names(), fit.open),
-        "robust": robust,
-    }
-    if speeds is not None:
-        notes["faster_than"] = speeds.tolist()
-    if known is not None:
-        notes["prior"] = known.document()
+    notes = ModelNotes(
+        condition_number=pieces.condition_number(),
+        warnings=tuple(warnings),
+        cutoff=cutoff_note(cutoff, why),
+        shift=ShiftNote(float(shift.estimate), float(shift.std_error)),
+        feasible=feasible_note(layout.names()[len(layout.base) :], feasible),
+        weights=tuple(map(float, fit.solution.sigma)),
+        correlation_s=tuple(map(float, fit.uncertainty.correlation)),
+        rank=int(fit.solution.rank),
+        open=tuple(names_of(layout.names(), fit.open)),
+        robust=robust,
+        faster_than=None if speeds is None else tuple(map(float, speeds)),
+        prior=None if known is None else known.note(),
+    )
     say(1.0, "done")
     return model_of(
         name, layout, fit, smoothing, feasible, cutoff, shift, channel, recordings, notes

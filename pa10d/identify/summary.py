@@ -31,9 +31,9 @@ def summary(model: TorqueModel) -> FitSummary:
         name=model.name,
         base_parameters=len(model.h) + textbook,
         inertial_base_parameters=len(model.h),
-        condition_number=model.notes.get("condition_number"),
+        condition_number=model.notes.condition_number,
         cutoff_hz=float(model.cutoff),
         rms=[float(v) for v in model.noise],
         feasible=bool(model.feasible),
-        warnings=list(model.notes.get("warnings", [])),
+        warnings=list(model.notes.warnings),
     )

@@ -23,8 +23,8 @@ have taken more than half of the motion."""
 def band(model: TorqueModel) -> float:
     """Hz of the low-pass on both sides: the model's own, at most HIGHEST_HZ unless a user or the
     motion asked for more."""
-    chosen = model.notes.get("cutoff", {})
-    if isinstance(chosen, dict) and chosen.get("chosen_by") in ("user", SHORT_MOTION):
+    chosen = model.notes.cutoff
+    if chosen is not None and chosen.chosen_by in ("user", SHORT_MOTION):
         return model.cutoff
     return min(model.cutoff, HIGHEST_HZ)
 

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
 from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.model.notes import ModelNotes
 from pa10d.model.term import Term, as_told
 from pa10d.model.unknowns import Unknowns
 
@@ -64,7 +64,7 @@ class TorqueModel:
     change: str = "textbook model"
     runs: tuple[str, ...] = ()
     held_out: dict[str, Array] = field(default_factory=dict)
-    notes: JsonObject = field(default_factory=dict)
+    notes: ModelNotes = field(default_factory=ModelNotes)
 
     @cached_property
     def unknowns(self) -> Unknowns:
@@ -94,7 +94,7 @@ class TorqueModel:
     @property
     def left_open(self) -> frozenset[str]:
         """Names of the unknowns that the data of the fit leave open."""
-        return frozenset(self.notes.get("open", ()))
+        return frozenset(self.notes.open)
 
     @property
     def base_values(self) -> list[Value]:
@@ -113,7 +113,7 @@ class TorqueModel:
         the coefficients that the feasible fit found within their bounds."""
         if self.standard is None:
             raise UserError(f"model {self.name!r} has no feasible standard parameters")
-        found = self.notes.get("feasible", {}).get("coefficients", {})
+        found = {} if self.notes.feasible is None else self.notes.feasible.coefficients
         own = iter(self.parameter_names()[len(self.h) :])
         terms = []
         for term in self.terms:

@@ -41,7 +41,8 @@ class ParameterLine:
 def parameter_list(model: TorqueModel) -> list[ParameterLine]:
     """One line per parameter, base parameters first."""
     sentences, urdf = model.base.sentences(), model.base.of(model.robot.parameters)
-    before = (model.notes.get("prior") or {}).get("std_errors") or []
+    known = model.notes.prior
+    before = [*(known.std_errors if known else ())]
     before = [*before, *[None] * (sum(t.width for t in model.terms) + len(urdf) - len(before))]
     places = iter(before[len(urdf) :])
     found = [

@@ -53,7 +53,7 @@ def dossier(
     info = library.models.find(model)
     loaded = library.models.load(info)
     fitted = _here(library, loaded.runs)
-    judged = _here(library, runs or _judged_on(loaded.notes.get("judged_on")), bool(runs))
+    judged = _here(library, runs or loaded.notes.judged_on or (), bool(runs))
     fresh = [run for run in judged if run.id not in {other.id for other in fitted}]
     compared = None
     if judged:
@@ -79,10 +79,6 @@ def dossier(
         "which no fit of this model has seen" if len(fresh) == len(judged)
         else "some of which it was fitted to",
     )  # fmt: skip
-
-
-def _judged_on(noted: object) -> list[str]:
-    return [str(run) for run in noted] if isinstance(noted, list) else []
 
 
 def _here(library: Library, names: Sequence[str], strict: bool = False) -> list[RunInfo]:

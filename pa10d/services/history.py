@@ -63,7 +63,4 @@ def _line(library: Library, model: str) -> list[TorqueModel]:
 
 
 def _own_runs(library: Library, info: ModelInfo) -> list[str]:
-    judged = library.models.load(info).notes.get("judged_on")
-    if isinstance(judged, list) and judged:
-        return [str(run) for run in judged]
-    return list(info.runs)
+    return list(library.models.load(info).notes.judged_on or info.runs)

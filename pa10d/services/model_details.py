@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.export.endings import ENDINGS, Format
-from pa10d.model import TorqueModel
+from pa10d.model import Delivery, TorqueModel
 from pa10d.model.impossible import impossible
 from pa10d.model.parameters import ParameterLine, parameter_list
 
@@ -24,7 +24,7 @@ class ModelDetails:
     shift: float
     torque_filter: str | None
     torque_units: list[str]
-    delivery: JsonObject | None
+    delivery: Delivery | None
     formats: Mapping[Format, str]
     impossible: list[str]
 
@@ -36,7 +36,7 @@ class ModelDetails:
             "shift_s": self.shift,
             "torque_filter": self.torque_filter,
             "torque_units": self.torque_units,
-            "delivery": self.delivery,
+            "delivery": self.delivery and self.delivery.document(),
             "formats": dict(self.formats),
             "impossible": self.impossible,
         }
@@ -54,7 +54,7 @@ def model_details(model: TorqueModel) -> ModelDetails:
         shift=model.shift,
         torque_filter=None if model.channel is None else str(model.channel),
         torque_units=[model.robot.torque_unit(j) for j in range(model.robot.n)],
-        delivery=model.notes.get("delivery"),
+        delivery=model.notes.delivery,
         formats=ENDINGS,
         impossible=list(impossible(model)),
     )

@@ -19,6 +19,7 @@ from pa10d.figures.staircase import Stair
 from pa10d.judgement import Judgement, judge, judge_alike
 from pa10d.measurement.recording import Recording
 from pa10d.model import Parameters, TorqueModel
+from pa10d.model.notes import LeftOutNote
 from pa10d.services.history import line_band
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
@@ -120,10 +121,10 @@ def identify_runs(
         cancel=cancel,
     )
     if left_out:
-        model.notes["left_out"] = [
-            {"run": library.runs.find(run).name, "begin": begin, "end": end}
-            for run, begin, end in left_out
-        ]
+        without = tuple(
+            LeftOutNote(library.runs.find(run).name, begin, end) for run, begin, end in left_out
+        )
+        model = dataclasses.replace(model, notes=dataclasses.replace(model.notes, left_out=without))
     info = library.models.save(model, replace=replace)
     return Identified(
         info, model, {**vars(summary(model)), **found.document(), "id": info.id, "name": info.name}
@@ -188,11 +189,10 @@ def compare_runs(
 
 def with_noise_floor(model: TorqueModel, found: Judgement) -> TorqueModel:
     """The model with the noise floor of a judgement among its notes, unless it has one."""
-    if "noise_floor" in model.notes or not np.all(np.isfinite(found.floor.values)):
+    if model.notes.noise_floor is not None or not np.all(np.isfinite(found.floor.values)):
         return model
-    return dataclasses.replace(
-        model, notes={**model.notes, "noise_floor": found.floor.values.tolist()}
-    )
+    floor = tuple(map(float, found.floor.values))
+    return dataclasses.replace(model, notes=dataclasses.replace(model.notes, noise_floor=floor))
 
 
 def read_runs(

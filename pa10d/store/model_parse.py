@@ -75,7 +75,7 @@ class _Parser:
         base = self._base()
         terms = tuple(self._term(k, e) for k, e in enumerate(entry.effects))
         size = len(base) + sum(len(term.coefficients) for term in terms)
-        floor = {} if entry.noise_floor is None else {"noise_floor": entry.noise_floor}
+        floor = None if entry.noise_floor is None else tuple(entry.noise_floor)
         return TorqueModel(
             name=entry.name,
             robot=robot,
@@ -97,7 +97,7 @@ class _Parser:
                 run: self._per_joint(("held_out", run), values)
                 for run, values in entry.held_out.items()
             },
-            notes=entry.notes | floor,
+            notes=replace(entry.notes, noise_floor=floor),
         )
 
     def _loads(self) -> Array | None:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from pa10d.common.fieldtypes import NotNegative, Number, Positive, Text, Vector3
-from pa10d.common.jsonable import JsonObject
+from pa10d.model import ModelNotes
 from pa10d.store.entries import Id, Name
 
 FORMAT = 1
@@ -113,6 +113,6 @@ class ModelFile(_Strict):
     structure: Annotated[list[Number], Field(min_length=2, max_length=2)]  # pivots kept, dropped
     effects: list[EffectEntry]
     standard_parameters: dict[str, list[Number]] | None = None
-    notes: JsonObject = {}
+    notes: ModelNotes = ModelNotes()
     covariance: Covariance
     urdf: Text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import xml.etree.ElementTree as ET
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import yaml
@@ -57,7 +57,7 @@ def model_text(model: TorqueModel, info: ModelInfo) -> str:
         "structure": row(model.base.gap),
         "effects": _effects(model),
         "standard_parameters": _standard(model),
-        "notes": simple({k: v for k, v in model.notes.items() if k != "noise_floor"}),
+        "notes": simple(replace(model.notes, noise_floor=None).document()),
         "covariance": {"encoding": ENCODING, "data": BlockText(_triangle(model.covariance))},
         "urdf": BlockText(tidy(model.robot.urdf)),
     }

@@ -178,7 +178,6 @@ def _careful_info(path: Path) -> ModelInfo | SetAside:
 def new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
     """What a file says of a model that is written now."""
     now = datetime.now(UTC)
-    floor = model.notes.get("noise_floor")
     return ModelInfo(
         id=new_id(now),
         name=model.name,
@@ -192,7 +191,7 @@ def new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
         feasible=model.feasible,
         rms=tuple(float(v) for v in model.noise),
         held_out={run: tuple(map(float, values)) for run, values in model.held_out.items()},
-        noise_floor=None if floor is None else tuple(float(v) for v in floor),
+        noise_floor=model.notes.noise_floor,
         parent=parent.id if parent else None,
         parent_name=parent.name if parent else None,
     )

@@ -16,6 +16,7 @@ from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.judgement import judge, run_residual, worse
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
+from pa10d.model import Delivery, ModelNotes
 
 
 def stiff(t, q, dq, ddq):
@@ -33,7 +34,7 @@ def test_a_version_achieves_what_was_promised():
     np.testing.assert_allclose(note.promised, judge(made, held).rms, rtol=1e-3)
     np.testing.assert_allclose(note.achieved, judge(made, held).rms, rtol=1e-4)
     assert note.achieved[1] < 0.2 * note.before[1]
-    assert note.worse == []
+    assert note.worse == ()
 
 
 def test_a_joint_that_became_worse_is_named():
@@ -50,8 +51,8 @@ def test_a_joint_that_became_worse_is_named():
     assert worse(before, after) == [0]
     assert worse(after, before) == []
     assert worse(before, before) == []
-    note = {"before": [0.1, 0.1], "achieved": [0.4, 0.1], "worse": [1]}
-    said = warnings(replace(spoilt, parent="m0", notes={"delivery": note}))
+    note = Delivery(before=(0.1, 0.1), achieved=(0.4, 0.1), worse=(1,))
+    said = warnings(replace(spoilt, parent="m0", notes=ModelNotes(delivery=note)))
     assert said == ["joint 1: its error rises from 0.1 to 0.4 N·m against m0, which stays as it is"]
 
 

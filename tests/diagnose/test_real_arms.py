@@ -17,6 +17,7 @@ import scipy.signal
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.measurement.recording import Recording
+from pa10d.model.notes import CutoffNote
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")
@@ -136,7 +137,9 @@ def test_what_is_put_into_a_real_recording_is_named(shared_data, name, joint, ex
 
     case = replace(case, train=[spoilt(r) for r in case.train], valid=spoilt(case.valid))
     textbook = case.identify()
-    asked = replace(textbook, notes={**textbook.notes, "cutoff": {"chosen_by": "user"}})
+    asked = replace(
+        textbook, notes=replace(textbook.notes, cutoff=CutoffNote(textbook.cutoff, "user"))
+    )
     found = diagnose(asked, case.train, [case.valid])
     places = [(f.term.effect_id, f.term.joints) for f in found.findings]
     assert (expected, joints) in places

@@ -55,7 +55,7 @@ def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
 def test_joints_that_turn_round_often_ask_for_a_wider_band():
     fit, _ = two_runs(1)
     model = identify([fit], robot(), name="m0")
-    assert model.notes["cutoff"]["chosen_by"] == SHORT_MOTION
+    assert model.notes.cutoff.chosen_by == SHORT_MOTION
     assert HIGHEST_HZ < band(model) == model.cutoff <= 25.0
     slow = recording("slow", 1, 24.0, pace=0.2)
     assert identify([slow], robot(), name="m0").cutoff == HIGHEST_HZ
@@ -75,7 +75,7 @@ def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     robot, runs = servo("sin_sin")
     judged = servo("sin_time_square")[1]
     model = identify(runs, robot, name="m0")
-    assert model.notes["cutoff"]["chosen_by"] == SHORT_MOTION
+    assert model.notes.cutoff.chosen_by == SHORT_MOTION
     found = diagnose(model, runs, judged)
     assert found.findings[0].term.effect_id == "load_friction"
     assert found.left.rms < 0.4 * found.rms

@@ -48,7 +48,7 @@ def test_the_low_pass_of_the_channel_is_found():
     _, model = smoothed()
     assert model.channel.kind == "first order"
     assert 0.5 / np.pi / model.channel.seconds == pytest.approx(HERTZ, rel=0.15)
-    assert any("a low-pass of first order" in line for line in model.notes["warnings"])
+    assert any("a low-pass of first order" in line for line in model.notes.warnings)
 
 
 @pytest.mark.long

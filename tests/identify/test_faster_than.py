@@ -38,7 +38,7 @@ def test_fast_samples_give_the_friction_that_holds_above_the_limit():
     off_whole, off_fast = (np.abs(values(m, "coulomb") - right) for m in (whole, fast))
     assert np.all(off_whole > 0.3)
     assert np.all(off_fast < 0.1)
-    assert fast.notes["faster_than"] == list(LIMIT)
+    assert fast.notes.faster_than == tuple(LIMIT)
     sharp = [t.shape["v0"] for t in fast.terms if t.effect_id == "coulomb"]
     assert max(sharp) < 1e-3  # nothing slow was fitted that could tell it
     assert np.all(fast.noise < 0.5 * whole.noise)

@@ -106,7 +106,7 @@ def test_a_vanishing_error_fixes_the_value_in_every_fit(run, free):
     for how in ({}, {"robust": True}):
         told = fitted(run, ("Fc3", value, 0.0), **how)
         assert estimates(told)[i] == pytest.approx(value, rel=1e-6)
-        assert told.notes["feasible"]["coefficients"][FC3] == pytest.approx(value, rel=1e-3)
+        assert told.notes.feasible.coefficients[FC3] == pytest.approx(value, rel=1e-3)
         flags = {one.name: one.flags for one in parameter_list(told)}
         assert flags[FC3] == ["from the prior"]
 
@@ -144,10 +144,10 @@ def test_a_contradiction_is_said_in_one_line(run, free):
     gain = TRUTH.robot.gain_share((2,)) * value
     off = value + 4.0 * np.hypot(doubt, gain)
     told = fitted(run, ("Fc3", off, 0.0))
-    (said,) = [w for w in told.notes["warnings"] if "contradict" in w]
+    (said,) = [w for w in told.notes.warnings if "contradict" in w]
     assert said.startswith(f"{FC3} was given as {off:.4g} ± 0, the data alone say {value:.4g} ±")
     near = fitted(run, ("Fc3", value + 2.0 * np.hypot(doubt, gain), 0.0))
-    assert not [w for w in near.notes["warnings"] if "contradict" in w]
+    assert not [w for w in near.notes.warnings if "contradict" in w]
 
 
 @pytest.mark.parametrize(

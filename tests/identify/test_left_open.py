@@ -51,5 +51,5 @@ def test_a_stribeck_torque_that_nobody_saw_is_not_printed(shared_data):
     assert len(unsure) >= 3
     assert all("not determined" in told[name].flags for name in unsure)
     assert "coulomb J1: Fc" not in model.left_open
-    (line,) = [w for w in model.notes["warnings"] if "standard error above 30 %" in w]
+    (line,) = [w for w in model.notes.warnings if "standard error above 30 %" in w]
     assert "not determined" in line

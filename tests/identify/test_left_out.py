@@ -13,6 +13,7 @@ from pa10d.common.errors import UserError
 from pa10d.identify import identify
 from pa10d.judgement import judge
 from pa10d.measurement.recording import Recording
+from pa10d.model.notes import LeftOutNote
 from pa10d.services.library import open_library
 from pa10d.services.models import identify_runs
 from pa10d.services.robots import load_robot
@@ -90,7 +91,7 @@ def test_one_fit_leaves_out_what_others_use(stored):
         library, ["one"], profile, name="good", cutoff=10.0, left_out=[("one", *WRONG)]
     )
     assert max(good.info.rms) < 0.2 * max(bad.info.rms)
-    assert good.model.notes["left_out"] == [{"run": "one", "begin": 6.0, "end": 8.0}]
+    assert good.model.notes.left_out == (LeftOutNote("one", 6.0, 8.0),)
     assert library.runs.find("one").excluded == (), "the run stays as it was"
 
 

@@ -41,7 +41,7 @@ def test_a_common_delay_is_found_and_taken_out(seconds):
     assert model.shift == pytest.approx(seconds, abs=3e-4)
     in_time = identify([run], truth.robot, name="m", cutoff=10.0)
     assert np.all(model.noise < 1.05 * in_time.noise)
-    assert any("torque is" in w and "ms" in w for w in model.notes["warnings"])
+    assert any("torque is" in w and "ms" in w for w in model.notes.warnings)
 
 
 def test_a_likely_delay_is_taken_though_it_is_not_proven():
@@ -88,7 +88,7 @@ def test_without_friction_the_usual_sharpness_is_assumed_and_said():
     truth = pa10_truth(2, friction=False)
     model = identify([noisy(truth)], truth.robot, name="m", cutoff=10.0)
     assert {t.shape["v0"] for t in model.terms if t.effect_id == "coulomb"} == {0.01}
-    assert any("not visible" in w for w in model.notes["warnings"])
+    assert any("not visible" in w for w in model.notes.warnings)
 
 
 # ---- cut-off --------------------------------------------------------------------------------
@@ -101,8 +101,8 @@ def test_the_chosen_cutoff_follows_the_noise():
         for sigma in (0.05, 20.0)
     )
     assert loud.cutoff < quiet.cutoff <= 25.0
-    assert loud.notes["cutoff"]["chosen_by"] == "torque falls to the noise"
-    seen = [np.array(m.notes["cutoff"]["signal_hz"]) for m in (loud, quiet)]
+    assert loud.notes.cutoff.chosen_by == "torque falls to the noise"
+    seen = [np.array(m.notes.cutoff.signal_hz) for m in (loud, quiet)]
     assert np.all(seen[0] <= seen[1])
 
 
@@ -110,10 +110,10 @@ def test_a_coarse_encoder_limits_the_cutoff():
     truth = pa10_truth(3)
     run = noisy(truth, 24.0, 0.02, rate=500.0)
     coarse = replace(run, q=np.round(run.q / 1e-3) * 1e-3)
-    fine = identify([run], truth.robot, name="m").notes["cutoff"]
-    rough = identify([coarse], truth.robot, name="m").notes["cutoff"]
-    assert np.median(rough["encoder_hz"]) < 0.5 * np.median(fine["encoder_hz"])
-    assert rough["hertz"] < fine["hertz"]
+    fine = identify([run], truth.robot, name="m").notes.cutoff
+    rough = identify([coarse], truth.robot, name="m").notes.cutoff
+    assert np.median(rough.encoder_hz) < 0.5 * np.median(fine.encoder_hz)
+    assert rough.hertz < fine.hertz
 
 
 def test_an_impossible_cutoff_is_refused():
@@ -158,10 +158,10 @@ def test_a_joint_that_never_moves_is_named_with_the_remedy():
         x[:, 1] = 0.0
     noise = 0.1 * np.random.default_rng(0).normal(size=q.shape)
     model = identify([recording(truth, (t, q, dq, ddq), noise)], truth.robot, name="m", cutoff=10.0)
-    said = model.notes["warnings"]
+    said = model.notes.warnings
     assert any("joint 2 (S2) hardly moves" in w and "move it over its range" in w for w in said)
     assert any("rank lost" in w for w in said)
-    assert model.notes["rank"] < len(estimates(model))
+    assert model.notes.rank < len(estimates(model))
 
 
 def test_a_joint_that_turns_one_way_is_named():
@@ -171,7 +171,7 @@ def test_a_joint_that_turns_one_way_is_named():
     dq = np.column_stack([0.3 * np.cos(t), 0.04 * t])
     ddq = np.column_stack([-0.3 * np.sin(t), np.full_like(t, 0.04)])
     model = identify([recording(truth, (t, q, dq, ddq))], truth.robot, name="m", cutoff=10.0)
-    assert any("joint 2 (S2) turns round 0 times" in w for w in model.notes["warnings"])
+    assert any("joint 2 (S2) turns round 0 times" in w for w in model.notes.warnings)
 
 
 def test_with_torque_offset():

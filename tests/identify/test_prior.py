@@ -60,7 +60,7 @@ def test_what_the_motion_leaves_open_is_the_urdfs_give_or_take(poor):
         assert entries["my3"] == entries["Izz3"] == [flag]
         assert entries["mz3"] == entries["coulomb J2: Fc"] == []
     assert flagged[1]["rotor_inertia J3: Ia"] == ["not determined"], "no URDF knows rotors"
-    assert told.notes["prior"]["percent"] == 30.0
+    assert told.notes.prior.percent == 30.0
 
 
 def test_nothing_is_taken_for_known_where_a_rotor_is_one_with_its_link(poor):

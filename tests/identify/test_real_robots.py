@@ -31,11 +31,11 @@ def test_feasible_parameters_are_those_of_possible_bodies(shared_data):
     model = identify([train], robot, name="ur10", cutoff=8.0)
     assert model.standard is not None
     assert np.all(definiteness(model.standard) > 0)
-    friction = model.notes["feasible"]["coefficients"]
+    friction = model.notes.feasible.coefficients
     assert len(friction) == sum(len(t.coefficients) for t in model.terms)
     assert min(friction.values()) >= 0
     # a real arm breaks the textbook: where, and which motion would help, is said in words
-    said = "\n".join(model.notes["warnings"])
+    said = "\n".join(model.notes.warnings)
     assert "nothing that can exist explains all of it" in said or "nothing can have it" in said
     assert "standard error above 30 %" in said
     assert "joint" in said

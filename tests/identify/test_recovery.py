@@ -90,9 +90,7 @@ def test_pieces_do_not_change_the_answer(monkeypatch):
     monkeypatch.setattr("pa10d.identify.blocks.ENOUGH", 100)
     pieces = identify([run], truth.robot, name="m", cutoff=10.0)
     assert np.max(np.abs(estimates(pieces) - estimates(whole)) / whole.std_errors) < 0.05
-    assert pieces.notes["condition_number"] == pytest.approx(
-        whole.notes["condition_number"], rel=1e-3
-    )
+    assert pieces.notes.condition_number == pytest.approx(whole.notes.condition_number, rel=1e-3)
 
 
 def test_summary_of_the_pa10():

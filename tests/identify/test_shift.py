@@ -80,7 +80,7 @@ def test_a_saturation_hardly_poses_as_a_delay(seed):
     """The slow motion asks for 34 to 62 ms, give or take 3 to 7."""
     model = identify([pendulum(seed, 1.25e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
     assert abs(model.shift) < 10e-3
-    assert [w for w in model.notes["warnings"] if "slow parts of the motion" in w]
+    assert [w for w in model.notes.warnings if "slow parts of the motion" in w]
 
 
 @pytest.mark.parametrize("seed", [1, 3])

@@ -11,13 +11,14 @@ import pytest
 from pa10d.common.errors import UserError
 from pa10d.dynamics import inverse_dynamics
 from pa10d.export.formats import export
+from pa10d.model import ModelNotes
 
 RNG = np.random.default_rng(4)
 Q, DQ, DDQ = RNG.uniform(-0.9, 0.9, (3, 20, 4))
 
 
 def bodies_only(model):
-    return replace(model, terms=(), notes={})
+    return replace(model, terms=(), notes=ModelNotes())
 
 
 def test_bodies_are_the_models_in_pinocchio(tmp_path):
@@ -120,11 +121,11 @@ def test_a_slope_of_friction_that_a_format_makes_dry_is_told_above_the_noise():
         replace(term, shape={"v0": 0.05}) if term.effect_id == "coulomb" else term
         for term in model.terms
     )
-    quiet = replace(model, terms=wide, notes={"noise_floor": [1e-3] * model.robot.n})
+    quiet = replace(model, terms=wide, notes=ModelNotes(noise_floor=(1e-3,) * model.robot.n))
     told = export(quiet, "mjcf", motions={"held": slow})
     assert told.not_carried == ()
     assert told.loss.rms.min() > 0.1
-    loud = replace(quiet, notes={"noise_floor": [1e3] * model.robot.n})
+    loud = replace(quiet, notes=ModelNotes(noise_floor=(1e3,) * model.robot.n))
     assert export(loud, "mjcf", motions={"held": slow}).loss is None
 
 

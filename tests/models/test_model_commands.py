@@ -92,8 +92,8 @@ def test_what_counts_in_a_fit_is_asked_for(ask, data, option):
     assert status == 0
     kept = open_library(data / "store").models
     notes = kept.load(kept.find(name)).notes
-    assert notes["robust"] == (name == "robust")
-    assert notes.get("faster_than") == (None if name == "robust" else [0.05] * 3)
+    assert notes.robust == (name == "robust")
+    assert notes.faster_than == (None if name == "robust" else (0.05,) * 3)
     assert found["rms"] != plain["rms"]
 
 

@@ -15,6 +15,7 @@ from pa10d.export.formats import export
 from pa10d.export.python_module import python_module
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.model.impossible import impossible, mass_matrices
+from pa10d.model.notes import FeasibleNote
 
 DRAWS = 200
 
@@ -235,9 +236,7 @@ def bounded(model, **lowest):
 
     names = model.parameter_names()[len(model.h) :]
     found = dict.fromkeys(names, 0.5) | {key.replace("_", " "): v for key, v in lowest.items()}
-    return replace(
-        model, notes=model.notes | {"feasible": {"coefficients": found, "rms": [1.0] * 4}}
-    )
+    return replace(model, notes=replace(model.notes, feasible=FeasibleNote((1.0,) * 4, found)))
 
 
 def test_friction_in_a_urdf_is_the_feasible_sets():

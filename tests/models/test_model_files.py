@@ -10,6 +10,15 @@ import yaml
 
 from pa10d.common.errors import UserError
 from pa10d.effects import all_effects
+from pa10d.model import Delivery, ModelNotes
+from pa10d.model.notes import (
+    CutoffNote,
+    FeasibleNote,
+    GivenNote,
+    LeftOutNote,
+    PriorNote,
+    ShiftNote,
+)
 from pa10d.store.models import ModelStore
 
 
@@ -44,6 +53,76 @@ def test_a_model_comes_back_to_the_last_bit(store):
     assert again.notes == model.notes
     motion = examples.motion()
     assert np.array_equal(model.predict(motion), again.predict(replace(motion, robot=again.robot)))
+
+
+WHOLE = ModelNotes(
+    condition_number=83.5,
+    warnings=("joint 2: weak",),
+    cutoff=CutoffNote(8.0, "torque falls to the noise", (7.5, 9.0), (30.0, 31.5)),
+    shift=ShiftNote(1.5e-3, 2e-4),
+    feasible=FeasibleNote((0.5, 0.25), {"coulomb J1: Fc": 3.0}),
+    weights=(0.5, 0.1 + 0.2),
+    correlation_s=(0.125, 0.25),
+    rank=12,
+    open=("Izz1",),
+    robust=True,
+    faster_than=(0.05, 0.05),
+    prior=PriorNote(30.0, (GivenNote("coulomb J1: Fc", 12.0, 2.0),), (None, 0.5)),
+    left_out=(LeftOutNote("one", 6.0, 8.0),),
+    delivery=Delivery((0.5, 0.5), (0.25, 0.5), (0.25, 0.75), (2,), 8.0, "all samples"),
+    judged_on=("valid_a",),
+    noise_floor=(0.125, 0.25),
+)
+
+
+def test_all_notes_come_back(store):
+    model = replace(examples.textbook(), notes=WHOLE)
+    model = replace(model, notes=replace(WHOLE, noise_floor=(0.5,) * model.robot.n))
+    assert None not in vars(model.notes).values(), "a note that this test leaves out"
+    store.save(model)
+    assert ModelStore(store.folder.parent).load("m0").notes == model.notes
+    plain = replace(model, name="plain", notes=ModelNotes())
+    store.save(plain)
+    assert ModelStore(store.folder.parent).load("plain").notes == ModelNotes()
+
+
+def _with_notes(store, notes):
+    store.save(replace(examples.textbook(), notes=replace(WHOLE, noise_floor=None)))
+    (file,) = store.folder.glob("*.yaml")
+    head, rest = file.read_text().split("notes:\n", 1)
+    file.write_text(head + "notes:\n" + notes + rest[rest.index("covariance:") :])
+    return ModelStore(store.folder.parent)
+
+
+def test_notes_of_other_versions_are_read(store):
+    """What an earlier version wrote, and what a later one may write."""
+    told = _with_notes(
+        store,
+        "  condition_number: 12.5\n  cutoff: {hertz: 5.0, chosen_by: user}\n"
+        "  open: []\n  delivery:\n    before: [1, 1]\n    promised: [1, 1]\n"
+        "    achieved: [1, 1]\n    worse: []\n    cutoff_hz: 5.0\n    of_tomorrow: 1\n"
+        "  of_tomorrow: {a: 1}\n",
+    ).load("m0")
+    assert told.notes == ModelNotes(
+        condition_number=12.5, cutoff=CutoffNote(5.0, "user"),
+        delivery=Delivery((1.0, 1.0), (1.0, 1.0), (1.0, 1.0), (), 5.0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("notes", "says"),
+    [
+        ("  cutoff: 5.0\n", "notes.cutoff: found 5.0, expected a section of keys and values"),
+        ("  cutoff: {hertz: wide, chosen_by: user}\n", "hertz: found 'wide', expected a number"),
+        ("  delivery: {worse: [one]}\n", "worse.1: found 'one', expected a whole number"),
+        ("  open: Izz1\n", "notes.open: found 'Izz1', expected a list"),
+    ],
+)
+def test_a_note_that_is_none_is_one_line(store, notes, says):
+    with pytest.raises(UserError) as told:
+        _with_notes(store, notes).load("m0")
+    assert says in str(told.value)
+    assert "\n" not in str(told.value)
 
 
 @pytest.mark.parametrize("effect_id", sorted(all_effects()))

@@ -21,6 +21,8 @@ from pa10d.figures.of_diagnosis import diagnosis_figures
 from pa10d.figures.structure_map import variable_label
 from pa10d.figures.views import QUANTITIES
 from pa10d.identify.procedure import identify
+from pa10d.model import ModelNotes
+from pa10d.model.notes import CutoffNote
 from pa10d.profile import load_profile
 from pa10d.report.blocks import Numbers
 from pa10d.report.diagnosis_page import diagnosis_page, diagnosis_sections
@@ -83,7 +85,7 @@ def test_predictions_of_the_versions_leave_what_the_diagnosis_says(stribeck):
 def test_blocks_of_one_run_are_judged_on_the_held_out_ones(stribeck):
     found, _, runs = stribeck
     alone = diagnose(
-        replace(found.versions[0], notes={"cutoff": {"chosen_by": "user"}}),
+        replace(found.versions[0], notes=ModelNotes(cutoff=CutoffNote(8.0, "user"))),
         [runs["train_a"]], only=("stribeck", [3]),
     )  # fmt: skip
     seen = held_out(alone)

@@ -12,7 +12,7 @@ from backends.virtual.datasets import make_runs
 from pa10d.cli import main
 from pa10d.common.errors import UserError
 from pa10d.effects import Value
-from pa10d.model import Term
+from pa10d.model import ModelNotes, Term
 from pa10d.model.parameters import flags, parameter_list
 from pa10d.services.dossier import dossier, write_model_report
 from pa10d.services.library import open_library
@@ -94,7 +94,7 @@ def test_what_was_chosen_is_at_no_bound(library):
         shape_errors={"ratio": 0.0, "viscous": 0.0},
     )
     p = len(model.covariance) + term.width
-    known = replace(model, terms=(*model.terms, term), covariance=np.eye(p), notes={})
+    known = replace(model, terms=(*model.terms, term), covariance=np.eye(p), notes=ModelNotes())
     (ratio,) = (one for one in parameter_list(known) if one.name.endswith("ratio"))
     assert "at its bound" not in ratio.flags
 

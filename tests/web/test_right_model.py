@@ -9,16 +9,17 @@ import shutil
 import pytest
 from benches import served
 
+from pa10d.model import Delivery
 from pa10d.services.library import open_library
 
 FINDINGS = [
     {"effect": "stribeck", "joints": [4], "next_experiment": None, "confounded_with": []},
     {"effect": "backlash", "joints": [2], "next_experiment": None, "confounded_with": []},
 ]
-DELIVERY = {
-    "before": [1.0] * 7, "promised": [1.0] * 6 + [0.2], "achieved": [1.0] * 5 + [1.5, 0.25],
-    "worse": [6], "cutoff_hz": 10.0, "mask": "all",
-}  # fmt: skip
+DELIVERY = Delivery(
+    before=(1.0,) * 7, promised=(*[1.0] * 6, 0.2), achieved=(*[1.0] * 5, 1.5, 0.25),
+    worse=(6,), cutoff_hz=10.0, mask="all",
+)  # fmt: skip
 SEARCH = {
     "id": "20260101-000000000-abcdef", "kind": "diagnose", "status": "succeeded", "progress": 1,
     "message": "done", "error": None, "created": "2026-01-01T00:00:00+00:00", "started": None,
@@ -41,7 +42,7 @@ def versions(archive, tmp_path):
 def _add(library, name, parent, finding):
     older = library.models.load(library.models.find(parent))
     change = f"added {finding['effect']} J{finding['joints'][0]}"
-    notes = {**older.notes, "delivery": DELIVERY}
+    notes = dataclasses.replace(older.notes, delivery=DELIVERY)
     library.models.save(
         dataclasses.replace(older, name=name, parent=parent, change=change, notes=notes)
     )

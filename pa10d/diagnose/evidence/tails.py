@@ -44,8 +44,7 @@ def with_open(model: TorqueModel, labels: Container[str]) -> TorqueModel:
         if term.label in labels
         for coefficient in term.effect.coefficients
     ]
-    known = model.notes.get("open", [])
-    return replace(model, notes={**model.notes, "open": list(dict.fromkeys([*known, *open_]))})
+    return replace(model, notes=model.notes.with_open(open_))
 
 
 def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> str | None:

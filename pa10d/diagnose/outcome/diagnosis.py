@@ -165,8 +165,8 @@ class Diagnosis:
                 }
                 for s in self.unexplained
             ],
-            "promised": delivered(self.model).promised,
-            "achieved": delivered(self.model).achieved,
+            "promised": plain(delivered(self.model).promised),
+            "achieved": plain(delivered(self.model).achieved),
             "remaining": [line.document() for line in self.remaining],
             "judged_on": self.judged_on,
             "frozen": self.frozen,

@@ -3,31 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.judgement import RunResidual, judged, worse
-from pa10d.model import TorqueModel
+from pa10d.model import Delivery, TorqueModel
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Delivery:
-    """All on the same held-out samples in one band; None where no search made the model.
-
-    before: (n,) N·m of the model it was made from, as that one is; promised: by which the search
-    judged; achieved: by the version as it is stored; worse: joints from 1
-    """
-
-    before: list[float] | None = None
-    promised: list[float] | None = None
-    achieved: list[float] | None = None
-    worse: list[int] | None = None
-    cutoff_hz: float | None = None
-    mask: str | None = None
 
 
 def delivery(
@@ -37,10 +20,10 @@ def delivery(
     was refitted, and as the new version does; promised: (n,) N·m."""
     old, new = judged("before", before), judged("after", after)
     return Delivery(
-        before=old.rms.tolist(),
-        promised=promised.tolist(),
-        achieved=new.rms.tolist(),
-        worse=[j + 1 for j in worse(before, after)],
+        before=tuple(old.rms.tolist()),
+        promised=tuple(promised.tolist()),
+        achieved=tuple(new.rms.tolist()),
+        worse=tuple(j + 1 for j in worse(before, after)),
         cutoff_hz=new.cutoff,
         mask=new.mask,
     )
@@ -48,8 +31,7 @@ def delivery(
 
 def delivered(model: TorqueModel) -> Delivery:
     """What the model's note says of it."""
-    note = model.notes.get("delivery", {})
-    return Delivery(**{field.name: note.get(field.name) for field in fields(Delivery)})
+    return model.notes.delivery or Delivery()
 
 
 def warnings(model: TorqueModel) -> list[str]:

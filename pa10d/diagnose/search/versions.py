@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.common.jsonable import plain
 from pa10d.diagnose.evidence.errors_of import scales_of
 from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.evidence.tails import tails, with_open
@@ -51,13 +50,11 @@ def snapshot(
         replace(term, shape_errors=known.shape_errors.get(index, term.shape_errors))
         for index, term in enumerate(part.terms)
     ]
-    lost = (
-        ("warnings", "delivery") if frozen else ("warnings", "feasible", "noise_floor", "delivery")
-    )
+    notes = replace(given.notes, warnings=(), delivery=None)
     if not frozen:  # fitted to the data alone, and perhaps to others
         same = {run.name for run in part.train.runs} <= set(given.runs)
-        lost = (*lost, "prior", "left_out", *(() if same else ("open",)))
-    notes = {k: v for k, v in given.notes.items() if k not in lost}
+        notes = replace(notes, feasible=None, noise_floor=None, prior=None, left_out=None)
+        notes = notes if same else replace(notes, open=())
     model = replace(
         part.model,
         terms=tuple(terms),
@@ -76,7 +73,7 @@ def snapshot(
     model = replace(
         model,
         held_out={"held out": np.array(promise.achieved)},
-        notes={**model.notes, "delivery": plain(promise)},
+        notes=replace(model.notes, delivery=promise),
     )
     model = with_open(_with_open(model, part), unseen(model, part, len(given.terms)))
     return model if frozen else _with_bodies(model, part)
@@ -104,8 +101,7 @@ def _with_open(model: TorqueModel, part: SearchState) -> TorqueModel:
     added = added_ones(len(model.h), model.terms)
     scales = scales_of(part, part.matrix(0))
     found = names_of(model.parameter_names(), left_open(values, model.std_errors, *scales, added))
-    known = model.notes.get("open", [])
-    return replace(model, notes={**model.notes, "open": list(dict.fromkeys([*known, *found]))})
+    return replace(model, notes=model.notes.with_open(found))
 
 
 def _with_bodies(model: TorqueModel, part: SearchState) -> TorqueModel:
@@ -117,5 +113,5 @@ def _with_bodies(model: TorqueModel, part: SearchState) -> TorqueModel:
         model,
         standard=bodies.standard if bodies.found else None,
         feasible=bodies.found,
-        notes={**model.notes, "feasible": feasible_note(names, bodies)},
+        notes=replace(model.notes, feasible=feasible_note(names, bodies)),
     )
