@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
 
 from backends.virtual.plant.textbook import default_textbook
-from pa10d.common.jsonable import JsonObject
+from pa10d.paper.results import HiddenFriction
 from pa10d.profile import Profile, Simulation, load_profile
 
 BASE, NAME = "pa10-sim", "pa10-case-study"
@@ -21,22 +21,24 @@ SPEED = (0.1, 0.2)  # rad/s over which that rise dies away
 POWER = (1.0, 1.6)
 
 
-def hidden_friction(seed: int, profile: Profile, joints: Sequence[int]) -> tuple[JsonObject, ...]:
+def hidden_friction(
+    seed: int, profile: Profile, joints: Sequence[int]
+) -> tuple[HiddenFriction, ...]:
     """What the virtual arm hides in these joints (from 1), drawn from the seed: friction that rises
     towards standstill."""
     rng = np.random.default_rng([seed, 9])
     usual = default_textbook(np.array(profile.limits.torque)).coulomb
     drawn = [
-        {
-            "effect": "stribeck",
-            "joint": j + 1,
-            "Fs": round(float(rng.uniform(*RISE) * usual[j]), 3),
-            "vs": round(float(rng.uniform(*SPEED)), 4),
-            "delta": round(float(rng.uniform(*POWER)), 3),
-        }
+        HiddenFriction(
+            effect="stribeck",
+            joint=j + 1,
+            Fs=round(float(rng.uniform(*RISE) * usual[j]), 3),
+            vs=round(float(rng.uniform(*SPEED)), 4),
+            delta=round(float(rng.uniform(*POWER)), 3),
+        )
         for j in range(len(usual))
     ]
-    return tuple(one for one in drawn if one["joint"] in joints)
+    return tuple(one for one in drawn if one.joint in joints)
 
 
 def write_profile(folder: Path) -> Profile:
@@ -57,8 +59,8 @@ def write_profile(folder: Path) -> Profile:
     return load_profile(file)
 
 
-def with_secret(profile: Profile, seed: int, hidden: Sequence[Mapping[str, Any]]) -> Profile:
+def with_secret(profile: Profile, seed: int, hidden: Sequence[HiddenFriction]) -> Profile:
     """The profile as the simulator gets it: masses and friction of its own, and what is hidden."""
-    options = {"dynamics": {"spread": SPREAD, "seed": seed}, "effects": [dict(h) for h in hidden]}
+    options = {"dynamics": {"spread": SPREAD, "seed": seed}, "effects": [asdict(h) for h in hidden]}
     simulation = Simulation(clock="simulated", seed=seed, options=options)
     return profile.model_copy(update={"simulation": simulation})

@@ -7,7 +7,9 @@ import numpy as np
 from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.scope import Scope
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed
 from pa10d.paper.results import Boundaries
+from pa10d.paper.told import ToldBoundary
 
 RUN = "boundary"
 
@@ -15,11 +17,12 @@ RUN = "boundary"
 def find_boundaries(lab: Laboratory, joints: int, scope: Scope) -> Boundaries:
     """One experiment with all joints in turn; the limit is on the safe side of the interval."""
     result = lab.run("boundary_velocity", scope.boundary, RUN)
-    found = {one["joint"]: one for one in result["analysis"][RUN]["boundary_velocity"]}
+    told = result["analysis"][RUN]["boundary_velocity"]
+    found = {one.joint: one for one in (parsed(ToldBoundary, document) for document in told)}
     if missing := [j for j in range(1, joints + 1) if j not in found]:
         raise UserError(
             f"no boundary velocity for joint {missing[0]}: {' '.join(result['recommendation'])}"
         )
-    documents = tuple(found[j] for j in range(1, joints + 1))
-    limit = [max(one["interval"][1], one["finest"]) for one in documents]
-    return Boundaries(documents, np.array(limit))
+    each = tuple(found[j] for j in range(1, joints + 1))
+    limit = [max(one.interval[1], one.finest) for one in each]
+    return Boundaries(each, np.array(limit))

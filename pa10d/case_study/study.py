@@ -12,9 +12,17 @@ from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.measured import followed, steady
 from pa10d.case_study.other import other_motion
 from pa10d.case_study.scope import Scope
-from pa10d.common.jsonable import JsonObject
 from pa10d.identify.summary import summary
-from pa10d.paper.results import MODEL, PID, SETS, WITH_EFFECTS, CaseStudy, Following
+from pa10d.paper.results import (
+    MODEL,
+    PID,
+    SETS,
+    WITH_EFFECTS,
+    CaseStudy,
+    Following,
+    HiddenFriction,
+    NamedLack,
+)
 from pa10d.profile import Profile
 from pa10d.report.verdict import answer
 from pa10d.services.diagnoses import diagnose_runs, store_versions
@@ -39,7 +47,7 @@ def case_study(
     *,
     scope: Scope,
     seed: int,
-    hidden: tuple[JsonObject, ...],
+    hidden: tuple[HiddenFriction, ...],
     tell: Tell,
     progress: Progress,
 ) -> CaseStudy:
@@ -57,7 +65,7 @@ def case_study(
     with step("boundary velocity", "1. From which speed on is friction linear? Each joint swings."):
         limits = find_boundaries(lab, robot.n, scope)
     for one in limits.found:
-        tell(f"   {one['sentence']}")
+        tell(f"   {one.sentence}")
 
     with step("exciting trajectory", "2. Search for a trajectory that excites all parameters."):
         design = excite(
@@ -123,7 +131,17 @@ def case_study(
         slow_rms=rms_of_sets(steady(library, "40s-pid"), found, robot),
         identified=summary(made.model),
         following=following,
-        diagnosis=diagnosis.document(),
+        findings=tuple(
+            NamedLack(
+                one.term.effect_id,
+                tuple(j + 1 for j in one.term.joints),
+                one.parameters,
+                one.rms_before,
+                one.rms_after,
+                one.p_value,
+            )
+            for one in diagnosis.findings
+        ),
         answer=answer(diagnosis),
         models={"set_a": made.info.id, "with_effects": versions[-1].id if versions else ""},
         seconds=seconds,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from pa10d.figures.plotly import (
     mark,
     packed,
 )
+from pa10d.paper.told import Numbers, ToldBoundary
 
 Array = NDArray[np.float64]
 
@@ -27,18 +26,16 @@ USUAL = ("I", "Fc", "Fv")
 UNITS = {"I": "kg·m²", "Fc": "N·m", "Fv": "N·m·s/rad"}
 
 
-def convergence(found: JsonObject) -> Figure:
+def convergence(found: ToldBoundary) -> Figure:
     """Estimates of equation 7 against the threshold, with their standard errors and, for the
-    inertia, the band within which it is the same as that of the fast samples.
-
-    found: a document of ``BoundaryVelocity``
-    """
-    sweep = found["sweep"]
-    x = _numbers(sweep["thresholds"])
+    inertia, the band within which it is the same as that of the fast samples."""
+    sweep = found.sweep
+    x = _numbers(sweep.thresholds)
     data, axes = [], {}
     for row, (name, color) in enumerate(zip(USUAL, (ERROR, MODEL, NOISE), strict=True), 1):
         ref = "" if row == 1 else str(row)
-        value, error = (_numbers(sweep[name][key]) for key in ("value", "std_error"))
+        told = sweep.of(name)
+        value, error = _numbers(told.value), _numbers(told.std_error)
         x_packed, y_axis = packed(x), f"y{ref}"
         data += [
             _edge(x_packed, value + 2 * error, y_axis),
@@ -49,12 +46,12 @@ def convergence(found: JsonObject) -> Figure:
         axes[f"yaxis{ref}"] = axis(
             f"{name}, {UNITS[name]}", domain=[max(top - 0.30, 0.0), top], range=_range(value)
         )
-    low, high = (_numbers(edge) for edge in sweep["I_band"])
+    low, high = (_numbers(edge) for edge in sweep.I_band)
     for edge in (low, high):
         data.append(
             line("band of Î", edge, MEASURED, x=packed(x), dash="dot", width=1.0, showlegend=False)
         )
-    shapes = [mark(("x", y), x=found["threshold"], color=MODEL) for y in ("y", "y2", "y3")]
+    shapes = [mark(("x", y), x=found.threshold, color=MODEL) for y in ("y", "y2", "y3")]
     return {
         "data": data,
         "layout": layout(
@@ -63,13 +60,12 @@ def convergence(found: JsonObject) -> Figure:
     }  # fmt: skip
 
 
-def friction_chart(found: JsonObject) -> Figure:
+def friction_chart(found: ToldBoundary) -> Figure:
     """Friction torque against speed in both directions, and the straight line of the fast part."""
-    chart = found["friction_map"]
-    speed, level = _numbers(chart["speed"]), _numbers(chart["level"])
-    error = _numbers(chart["std_error"])
-    forward, backward = _numbers(chart["forward"]), _numbers(chart["backward"])
-    fast = speed > max(found["threshold"], found["finest"])
+    chart = found.friction_map
+    speed, level, error = (_numbers(v) for v in (chart.speed, chart.level, chart.std_error))
+    forward, backward = _numbers(chart.forward), _numbers(chart.backward)
+    fast = speed > max(found.threshold, found.finest)
     weight = 1.0 / error[fast]
     straight = np.polyfit(speed[fast], level[fast], 1, w=weight)
     ends = np.array([0.0, speed[-1]])
@@ -88,7 +84,7 @@ def friction_chart(found: JsonObject) -> Figure:
         )
         for sign in (1, -1)
     ]  # fmt: skip
-    threshold = found["threshold"]
+    threshold = found.threshold
     shapes = [mark(("x", "y"), x=at, color=MODEL) for at in (-threshold, threshold)]
     return {
         "data": [*both, *lines],
@@ -116,5 +112,5 @@ def _range(values: Array) -> list[float]:
     return [float(low - room), float(high + room)]
 
 
-def _numbers(values: Any) -> Array:
+def _numbers(values: Numbers) -> Array:
     return np.array([np.nan if v is None else v for v in values], dtype=float)

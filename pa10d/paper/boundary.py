@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
 from pa10d.paper.friction_map import FrictionMap, friction_map, knee, knee_spread
 from pa10d.paper.single_joint import GRAVITY, JointEquation
 from pa10d.paper.sweep import Sweep, sweep
+from pa10d.paper.told import ToldBoundary
 
 Array = NDArray[np.float64]
 
@@ -59,22 +59,22 @@ class BoundaryVelocity:
             f"rad/s (by the {self.decided_by}); {self.gravity}"
         )
 
-    def document(self) -> JsonObject:
-        """For JSON and reports."""
-        return {
-            "joint": self.joint + 1,
-            "threshold": self.threshold,
-            "std_error": self.std_error,
-            "interval": list(self.interval),
-            "decided_by": self.decided_by,
-            "finest": self.finest,
-            "from_inertia": self.from_inertia,
-            "from_map": self.from_map,
-            "gravity": self.gravity,
-            "sentence": self.sentence,
-            "sweep": self.sweep.document(),
-            "friction_map": self.map.document(),
-        }
+    def told(self) -> ToldBoundary:
+        """For whoever is told of it elsewhere."""
+        return ToldBoundary(
+            joint=self.joint + 1,
+            threshold=self.threshold,
+            std_error=self.std_error,
+            interval=self.interval,
+            decided_by=self.decided_by,
+            finest=self.finest,
+            from_inertia=self.from_inertia,
+            from_map=self.from_map,
+            gravity=self.gravity,
+            sentence=self.sentence,
+            sweep=self.sweep.told(),
+            friction_map=self.map.told(),
+        )
 
 
 def boundary_velocity(data: JointEquation, seed: int = 1) -> BoundaryVelocity:

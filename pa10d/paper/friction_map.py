@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.jsonable import JsonObject
 from pa10d.paper.single_joint import JointEquation
+from pa10d.paper.told import ToldMap
 
 Array = NDArray[np.float64]
 
@@ -35,16 +35,16 @@ class FrictionMap:
     nuisance: Array
     nuisance_replicates: Array
 
-    def document(self) -> JsonObject:
-        """For JSON and reports."""
-        return {
-            "speed": self.speed.tolist(),
-            "forward": self.forward.tolist(),
-            "backward": self.backward.tolist(),
-            "level": self.level.tolist(),
-            "std_error": self.std_error.tolist(),
-            "edges": self.edges.tolist(),
-        }
+    def told(self) -> ToldMap:
+        """For whoever is told of it elsewhere."""
+        return ToldMap(
+            speed=tuple(self.speed),
+            forward=tuple(self.forward),
+            backward=tuple(self.backward),
+            level=tuple(self.level),
+            std_error=tuple(self.std_error),
+            edges=tuple(self.edges),
+        )
 
 
 def friction_map(data: JointEquation, draws: NDArray[np.int64]) -> FrictionMap:

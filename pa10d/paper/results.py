@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
+from pa10d.effects import Value
 from pa10d.identify.summary import FitSummary
+from pa10d.paper.told import ToldBoundary
 from pa10d.paper.variants import Variants
 from pa10d.trajectory.excitation.result import ExcitationFigures
 
@@ -22,16 +24,16 @@ PID, MODEL, WITH_EFFECTS = "pid", "computed_torque", "computed_torque_with_effec
 
 @dataclass(frozen=True)
 class Boundaries:
-    """found: one document of ``BoundaryVelocity`` per joint; limit (n,) rad/s, the upper end of
+    """found: per joint; limit (n,) rad/s, the upper end of
     each interval (at least the slowest speed that was resolved): what design and estimation use"""
 
-    found: tuple[JsonObject, ...]
+    found: tuple[ToldBoundary, ...]
     limit: Array
 
     @property
     def values(self) -> list[float]:
         """rad/s, one per joint; 0 where friction is linear as far down as the data reach."""
-        return [float(one["threshold"]) for one in self.found]
+        return [one.threshold for one in self.found]
 
 
 @dataclass(frozen=True)
@@ -83,17 +85,42 @@ class Following:
 
 
 @dataclass(frozen=True)
+class HiddenFriction:
+    """What the virtual arm hides in one joint (from 1): Fs N·m by which friction is higher at rest,
+    vs rad/s over which that dies away, with the power delta."""
+
+    effect: str
+    joint: int
+    Fs: float
+    vs: float
+    delta: float
+
+
+@dataclass(frozen=True)
+class NamedLack:
+    """An effect that the diagnosis has named. joints: from 1; rms_before, rms_after: (n,) N·m on
+    data that the fit has not seen."""
+
+    effect: str
+    joints: tuple[int, ...]
+    parameters: Mapping[str, Value]
+    rms_before: Array
+    rms_after: Array
+    p_value: float
+
+
+@dataclass(frozen=True)
 class CaseStudy:
     """Everything.
 
     excitation: of the exciting trajectory
     slow_rms: of both sets on the sines of 40 s; following: "4s" and "40s", by controller
-    diagnosis: its document, answer: the same in words; seconds: of each step
+    findings: what the diagnosis named, answer: the same in words; seconds: of each step
     """
 
     seed: int
     joints: tuple[str, ...]
-    hidden: tuple[Mapping[str, Any], ...]
+    hidden: tuple[HiddenFriction, ...]
     boundaries: Boundaries
     excitation: ExcitationFigures
     preparation: Preparation
@@ -102,7 +129,7 @@ class CaseStudy:
     slow_rms: dict[str, list[float]]
     identified: FitSummary
     following: dict[str, dict[str, Following]]
-    diagnosis: JsonObject
+    findings: tuple[NamedLack, ...]
     answer: str
     models: dict[str, str]
     seconds: dict[str, float] = field(default_factory=dict)
@@ -138,10 +165,15 @@ class CaseStudy:
             "rms_40s": self.slow_rms,
             "answer": self.answer,
             "findings": [
-                {key: found[key] for key in ("effect", "joints", "parameters", "p_value")}
-                for found in self.diagnosis["findings"]
+                {
+                    "effect": found.effect,
+                    "joints": list(found.joints),
+                    "parameters": {name: v.document() for name, v in found.parameters.items()},
+                    "p_value": found.p_value,
+                }
+                for found in self.findings
             ],
-            "hidden": [dict(one) for one in self.hidden],
+            "hidden": [asdict(one) for one in self.hidden],
             "models": self.models,
             "seed": self.seed,
             "seconds": self.seconds,

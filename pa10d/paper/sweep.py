@@ -8,8 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.common.jsonable import JsonObject
 from pa10d.paper.single_joint import JointEquation
+from pa10d.paper.told import ToldEstimate, ToldSweep
 
 Array = NDArray[np.float64]
 
@@ -41,20 +41,20 @@ class Sweep:
         k = int(np.searchsorted(self.thresholds, threshold))
         return float(self.thresholds[max(k, 1)] - self.thresholds[max(k, 1) - 1])
 
-    def document(self) -> JsonObject:
-        """For JSON and reports."""
+    def told(self) -> ToldSweep:
+        """For whoever is told of it elsewhere."""
         columns = {
-            name: {"value": self.values[:, i].tolist(), "std_error": self.std_errors[:, i].tolist()}
+            name: ToldEstimate(tuple(self.values[:, i]), tuple(self.std_errors[:, i]))
             for i, name in enumerate(NAMES)
         }
-        return {
-            "thresholds": self.thresholds.tolist(),
+        return ToldSweep(
+            thresholds=tuple(self.thresholds),
             **columns,
-            "I_band": [self.low.tolist(), self.high.tolist()],
-            "share_of_samples": self.kept.tolist(),
-            "reference_threshold": self.reference,
-            "converged_from": self.converged_from,
-        }
+            I_band=(tuple(self.low), tuple(self.high)),
+            share_of_samples=tuple(self.kept),
+            reference_threshold=self.reference,
+            converged_from=self.converged_from,
+        )
 
 
 def sweep(

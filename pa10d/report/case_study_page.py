@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
+from pa10d.effects import Value
 from pa10d.figures import case_study_texts as texts
 from pa10d.figures.of_boundary import convergence, friction_chart
 from pa10d.figures.of_case_study import exciting_motion, reconstruction, tracking, tracking_bars
@@ -78,10 +78,10 @@ def _glance(found: CaseStudy) -> Section:
 def _boundary(found: CaseStudy) -> Section:
     ours, rows = found.boundaries, []
     for j, one in enumerate(ours.found):
-        low, high = one["interval"]
+        low, high = one.interval
         rows.append(
-            [f"{j + 1} {found.joints[j]}", f"{one['threshold']:.3f}", f"± {one['std_error']:.3f}",
-             f"{low:.3f} … {high:.3f}", f"{ours.limit[j]:.3f}", one["decided_by"],
+            [f"{j + 1} {found.joints[j]}", f"{one.threshold:.3f}", f"± {one.std_error:.3f}",
+             f"{low:.3f} … {high:.3f}", f"{ours.limit[j]:.3f}", one.decided_by,
              f"{published.BOUNDARY_VELOCITY[j]:g}"]
         )  # fmt: skip
     head = ["joint", "boundary, rad/s", "standard error", "90 % interval", "used", "decided by",
@@ -92,7 +92,7 @@ def _boundary(found: CaseStudy) -> Section:
         "Boundary velocity",
         [
             Table(head, rows),
-            Lines([("", one["sentence"]) for one in ours.found]),
+            Lines([("", one.sentence) for one in ours.found]),
             Text(
                 "Position is commanded, not torque: it stays where it is safe. The upper end of "
                 "the interval is what the design and set A use.", muted=True,
@@ -211,15 +211,15 @@ def _tracking(found: CaseStudy, pace: str, title: str, figure: str) -> Section:
 
 def _low_speed(found: CaseStudy) -> Section:
     hidden = ", ".join(
-        f"{one['effect']} in joint {one['joint']} (Fs = {one['Fs']} N·m, vs = {one['vs']} rad/s)"
+        f"{one.effect} in joint {one.joint} (Fs = {one.Fs} N·m, vs = {one.vs} rad/s)"
         for one in found.hidden
     )
     rows = [
-        [finding["effect"], ", ".join(map(str, finding["joints"])),
-         "; ".join(_parameter(name, v) for name, v in finding["parameters"].items()),
-         f"{finding['rms_before'][finding['joints'][0] - 1]:.3f}" if finding["joints"] else "",
-         f"{finding['rms_after'][finding['joints'][0] - 1]:.3f}" if finding["joints"] else ""]
-        for finding in found.diagnosis["findings"]
+        [finding.effect, ", ".join(map(str, finding.joints)),
+         "; ".join(_parameter(name, v) for name, v in finding.parameters.items()),
+         f"{finding.rms_before[finding.joints[0] - 1]:.3f}" if finding.joints else "",
+         f"{finding.rms_after[finding.joints[0] - 1]:.3f}" if finding.joints else ""]
+        for finding in found.findings
     ]  # fmt: skip
     head = ["effect", "joint", "parameters", "N·m before", "N·m after"]
     return Section(
@@ -251,9 +251,9 @@ def _errors(found: CaseStudy, pace: str, laws: Sequence[str]) -> Table:
     return Table(head, rows)
 
 
-def _parameter(name: str, found: JsonObject) -> str:
-    unit = "" if found["unit"] == "1" else f" {found['unit']}"
-    return f"{name} = {found['value']:.3g} ± {found['std_error']:.1g}{unit}"
+def _parameter(name: str, found: Value) -> str:
+    unit = "" if found.unit == "1" else f" {found.unit}"
+    return f"{name} = {found.value:.3g} ± {found.std_error:.1g}{unit}"
 
 
 def _numbers(values: Sequence[float] | np.ndarray) -> str:

@@ -33,7 +33,7 @@ def _boundaries(found: CaseStudy) -> tuple[str, str]:
     seen = [v for v in found.boundaries.values if v > 0]
     if not seen:
         return ("differs", "No joint has a boundary velocity: its friction is linear throughout.")
-    by_inertia = sum(one["decided_by"] == "inertia" for one in found.boundaries.found)
+    by_inertia = sum(one.decided_by == "inertia" for one in found.boundaries.found)
     text = (
         f"Every joint has a speed below which friction is not linear: {min(seen):.2f} to "
         f"{max(seen):.2f} rad/s here, {min(published.BOUNDARY_VELOCITY):g} to "

@@ -184,7 +184,7 @@ def analyse(data: str, profile: str, kind: str, runs: list[str]) -> JsonObject:
         for name, run in zip(names, stored, strict=True):
             told = json.loads(run.metadata["pa10d.plan"]["plan"])
             linear, missing = boundaries(run.recording(name)[0], Plan.from_dict(told), robot)
-            analysis[name]["boundary_velocity"] = [b.document() for b in linear]
+            analysis[name]["boundary_velocity"] = [plain(b.told()) for b in linear]
             advice = [*(b.sentence for b in linear), *missing, *advice]
     return {"analysis": analysis, "recommendation": advice}
 

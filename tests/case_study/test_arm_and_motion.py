@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -28,9 +30,9 @@ def test_the_daemon_s_profile_knows_nothing_of_the_secret(profile):
     assert profile.simulation.options == {}
     hidden = hidden_friction(3, profile, ALL)
     secret = with_secret(profile, 3, hidden)
-    assert secret.simulation.options["effects"] == list(hidden)
+    assert secret.simulation.options["effects"] == [asdict(one) for one in hidden]
     rise = load_plant(secret, 4).physics.friction.rise
-    assert rise == pytest.approx([one["Fs"] for one in hidden])
+    assert rise == pytest.approx([one.Fs for one in hidden])
 
 
 def test_the_secret_follows_from_the_seed_alone(profile):

@@ -7,12 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import parsed, plain
 from pa10d.dynamics import inverse_dynamics
+from pa10d.figures.of_boundary import convergence, friction_chart
 from pa10d.measurement.recording import Recording
 from pa10d.paper.boundary import boundary_velocity
 from pa10d.paper.single_joint import single_joint
+from pa10d.paper.told import ToldBoundary
 from tests.paper.swings import (
     COULOMB,
     INERTIA,
@@ -114,12 +118,20 @@ def test_bands_are_as_wide_as_estimates_scatter():
     assert np.all((ratio > 0.4) & (ratio < 1.5))
 
 
-def test_the_document_is_json():
+def test_what_is_told_comes_back_from_json_and_is_drawn():
     result = found(swings(stribeck(3.0, 0.1)))
-    text = json.loads(json.dumps(result.document(), allow_nan=True))
-    assert text["joint"] == 1
-    assert text["threshold"] == result.threshold
-    assert len(text["sweep"]["thresholds"]) == len(text["sweep"]["I"]["value"])
+    document = json.loads(json.dumps(plain(result.told()), allow_nan=False))
+    told = parsed(ToldBoundary, document)
+    assert told.joint == 1
+    assert told.threshold == result.threshold
+    assert told.sentence == result.sentence
+    assert told.sweep.of("Fc").value == pytest.approx(tuple(result.sweep.values[:, 1]))
+    assert told.friction_map.level == pytest.approx(tuple(result.map.level))
+    assert plain(told) == document
+    for figure in (convergence(told), friction_chart(told)):
+        assert all(trace["type"] == "scatter" for trace in figure["data"])
+    with pytest.raises(ValidationError, match="threshold"):
+        parsed(ToldBoundary, {k: v for k, v in document.items() if k != "threshold"})
 
 
 def test_what_cannot_be_judged_is_said():
