@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainSerializer, WrapValidator
+from pydantic import Field
 
 from pa10d.api.schemas.jobs import Job
 from pa10d.services.documents import (
+    AsItIs,
     Compare,
     Diagnose,
     Document,
@@ -19,12 +20,11 @@ from pa10d.services.documents import (
     Improve,
     Investigate,
     Known,
+    Parameters,
     PerJoint,
     Plan,
     Track,
 )
-
-AsItIs = (WrapValidator(lambda value, _: value), PlainSerializer(lambda value: value))
 
 
 class PreCheck(Document):
@@ -61,9 +61,11 @@ class SeriesResult(Document):
     experiments: list[ExperimentResult]
 
 
-class Planned(Plan):
+class Planned(Document):
     """What there is to know of a plan. joints: from 1; duration: s."""
 
+    kind: str
+    parameters: Parameters
     joints: list[int]
     duration: float
     notes: list[str]

@@ -5,16 +5,29 @@ Fields may be added under a version; one that is taken away or changes its meani
 
 from __future__ import annotations
 
-from typing import Literal
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WrapValidator,
+    create_model,
+)
 
-from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import Law, ModelLaw
+from pa10d.trajectory.kinds import KINDS, Kind
 
 PerJoint = list[float]
 Known = list[float | None]
 """Per joint; null where this data does not show it."""
+
+
+AsItIs = (WrapValidator(lambda value, _: value), PlainSerializer(lambda value: value))
+"""Described in the schema, and not judged again: whoever made it has, and it may be older."""
 
 
 class Document(BaseModel):
@@ -39,11 +52,33 @@ class Confusion(Document):
     why: str
 
 
-class Plan(Document):
-    """An experiment, ready to be sent. parameters: as its kind's own schema says."""
+class Expected(Document):
+    """What an experiment is expected to tell. expected_standard_errors: by which two explanations
+    will be apart."""
 
-    kind: str
-    parameters: JsonObject
+    expected_standard_errors: float
+
+
+def _plan_of(kind: type[Kind]) -> type[Document]:
+    """``{kind, parameters}``, the parameters by their names."""
+    return create_model(
+        f"{kind.__name__}Plan",
+        __base__=Document,
+        __doc__=f"{kind.title}, ready to be sent.",
+        kind=(Literal[kind.kind], ...),  # type: ignore[arg-type]
+        parameters=(kind, ...),
+        about=(Expected | None, None),
+    )
+
+
+if TYPE_CHECKING:
+    Plan = Document
+    Parameters = Kind
+else:
+    Parameters = reduce(or_, KINDS.values())
+    Plan = Annotated[reduce(or_, map(_plan_of, KINDS.values())), Field(discriminator="kind")]
+"""An experiment, ready to be sent: one class per kind, whose parameters are that kind's.
+``Parameters``: those of any kind, where another field says which."""
 
 
 class Finding(Document):
@@ -56,7 +91,7 @@ class Finding(Document):
     rms_after: PerJoint
     p_value: float = Field(description="Corrected for everything that was tried")
     confounded_with: list[Confusion]
-    next_experiment: Plan | None
+    next_experiment: Annotated[Plan | None, *AsItIs]
     sentence: str
 
 
@@ -273,7 +308,7 @@ class Track(Document):
     """One motion under each control law; worth: empty where there is one model."""
 
     kind: str
-    parameters: JsonObject
+    parameters: Parameters
     joints: list[str]
     runs: list[str]
     laws: list[LawFollowed]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
 from pa10d.cli import main
-from pa10d.services.documents import SCHEMAS
+from pa10d.services.documents import SCHEMAS, Plan
+from pa10d.trajectory.kinds import KINDS
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +47,23 @@ def test_the_story_of_a_small_machine(told, half_a_minute, capsys):
     status, document = told("compare", "nobody", "valid", capsys=capsys)
     assert status == 1
     SCHEMAS["error"].model_validate(document)
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+def test_what_is_to_be_run_next_has_the_parameters_of_its_kind(kind):
+    """In the schema by name, and not judged where a document is read: it may be an older one."""
+    schema = SCHEMAS["diagnose"].model_json_schema()
+    (plan, _) = schema["$defs"]["Finding"]["properties"]["next_experiment"]["anyOf"]
+    of_kind = schema["$defs"][plan["discriminator"]["mapping"][kind].rpartition("/")[2]]
+    assert of_kind["properties"]["kind"]["const"] == kind
+    named = schema["$defs"][of_kind["properties"]["parameters"]["$ref"].rpartition("/")[2]]
+    assert named["properties"].keys() == KINDS[kind].model_json_schema()["properties"].keys()
+    plans = TypeAdapter(Plan)
+    told = {"kind": kind, "parameters": {}, "about": {"expected_standard_errors": 4.5}}
+    if not named.get("required"):
+        assert isinstance(plans.validate_python(told).parameters, KINDS[kind])
+    with pytest.raises(ValidationError, match="of_tomorrow"):
+        plans.validate_python({**told, "parameters": {"of_tomorrow": 1}})
 
 
 @pytest.mark.parametrize("name", sorted(SCHEMAS))

@@ -16,7 +16,7 @@ from pa10d.services.responses import responses
 from pa10d.services.robots import load_robot
 from pa10d.store.channels import Channels, CommandedMotion, Samples
 from pa10d.trajectory.kinds import read_request
-from pa10d.trajectory.kinds.step import Step
+from pa10d.trajectory.kinds.step import SmallStep
 from pa10d.trajectory.poses import Surroundings
 
 RATE = 500.0
@@ -65,7 +65,7 @@ def test_a_joint_that_never_gets_there_says_so():
 def test_it_is_as_sharp_as_control_takes(arm):
     profile, robot = arm
     around, limits = Surroundings.of(robot), arm_limits(profile, robot)
-    plan = Step(joints=[2, 7]).build(around)
+    plan = SmallStep(joints=[2, 7]).build(around)
     samples = plan.sample(RATE)
     rows = np.hstack([samples.q, samples.dq, samples.ddq, np.zeros_like(samples.q)])
     assert wrong_with_rows(rows, 0, len(rows), samples.q[0], limits, 1 / RATE) is None
@@ -81,7 +81,7 @@ def test_a_joint_at_its_end_steps_the_other_way_or_not_at_all(arm):
     around = Surroundings.of(arm[1])
     pose = around.limits.rest_pose()
     pose[0] = around.limits.upper[0] - 0.01
-    plan = Step(joints=[1], pose=pose.tolist()).build(around)
+    plan = SmallStep(joints=[1], pose=pose.tolist()).build(around)
     assert plan.sample(RATE).q[:, 0].min() == pytest.approx(pose[0] - 0.05)
     with pytest.raises(UserError, match="less than or equal to"):
         read_request({"kind": "step", "parameters": {"size": 0.3}})
@@ -89,7 +89,7 @@ def test_a_joint_at_its_end_steps_the_other_way_or_not_at_all(arm):
 
 def test_runs_stand_beside_each_other(arm, tmp_path):
     profile, robot = arm
-    plan = Step(joints=[4]).build(Surroundings.of(robot))
+    plan = SmallStep(joints=[4]).build(Surroundings.of(robot))
     motion, library = plan.sample(RATE), open_library(tmp_path)
     gains = {key: [1.0] * 7 for key in ("kp", "ki", "kd")}
     for name, late, law in (("before", 10, "pid"), ("after", 2, "computed_torque")):

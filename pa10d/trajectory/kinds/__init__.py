@@ -16,7 +16,7 @@ from pa10d.trajectory.kinds.load_sweep import LoadSweep
 from pa10d.trajectory.kinds.point_to_point import PointToPoint
 from pa10d.trajectory.kinds.reversals import Reversals
 from pa10d.trajectory.kinds.single_joint import SingleJoint
-from pa10d.trajectory.kinds.step import Step
+from pa10d.trajectory.kinds.step import SmallStep
 from pa10d.trajectory.kinds.tracking import Tracking
 from pa10d.trajectory.kinds.velocity_sweep import VelocitySweep
 from pa10d.trajectory.kinds.warm_up import WarmUp
@@ -25,7 +25,7 @@ KINDS: dict[str, type[Kind]] = {
     kind.kind: kind
     for kind in (
         BoundaryVelocity, Excitation, Tracking, PointToPoint, VelocitySweep, LoadSweep, Reversals,
-        WarmUp, ChirpSweep, SingleJoint, KnownWeight, Step, FirstMotion,
+        WarmUp, ChirpSweep, SingleJoint, KnownWeight, SmallStep, FirstMotion,
     )
 }  # fmt: skip
 

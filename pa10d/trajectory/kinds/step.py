@@ -17,7 +17,7 @@ BEFORE = 0.2  # s at rest
 MOST = 0.2  # rad (m)
 
 
-class Step(Kind):
+class SmallStep(Kind):
     """One joint after the other goes a small way and back, as sharply as its limits of speed and
     acceleration allow, and rests after each: rise, overshoot and settling show in the run."""
 
