@@ -3,14 +3,16 @@
 Three joints together, products across joints, what a joint did before, what happens late in a run:
 a ridge regression on many features of many quantities at once knows none of them by name, but
 where it foretells the held-out residual from what the fit side left, that residual is no noise.
-Which quantities it looks at, and how stiff it is, is settled on the fit side alone.
+Which quantities it looks at, and how stiff it is, is settled on the fit side alone. Where the
+held-out side moves elsewhere, stretches of the fit side that take turns say it of each other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, islice
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.parallel import shared_map
 from pa10d.diagnose.constants import (
+    BLOCK_SECONDS,
     FORETOLD_DEGREE,
     FORETOLD_FOLDS,
     FORETOLD_LATE,
@@ -30,7 +33,9 @@ from pa10d.diagnose.constants import (
     FORETOLD_WIDTHS,
     FORETOLD_WORK,
     MAP_MEMORIES,
+    WORTH_JUDGING,
 )
+from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.remaining import Unnamed
@@ -38,6 +43,7 @@ from pa10d.diagnose.unknown.structure import (
     KNOWN_GROUND,
     Prediction,
     evidence_of,
+    holds,
     motion_variables,
     noise_beside,
     of_all,
@@ -51,7 +57,8 @@ Motion = list[dict[str, Array]]
 @dataclass(frozen=True)
 class Foretold:
     """joint (0-based) and the quantities together that foretell its residual; share: of all its
-    squared error; there: where the fit side has been."""
+    squared error; there: where the fit side has been; elsewhere: the held-out side has not been
+    there, and all this is about the fit side."""
 
     joint: int
     names: tuple[str, ...]
@@ -59,10 +66,12 @@ class Foretold:
     rms: float
     p_value: float
     there: float
+    elsewhere: bool = False
 
     def unnamed(self) -> Unnamed:
         """As an entry of what is unexplained."""
-        return Unnamed(self.joint, self.share, self.rms, self.p_value, witness="motion")
+        witness: Literal["elsewhere", "motion"] = "elsewhere" if self.elsewhere else "motion"
+        return Unnamed(self.joint, self.share, self.rms, self.p_value, witness)
 
 
 def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
@@ -70,8 +79,11 @@ def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
     if not joints:
         return []
     motions = _quantities(state.train), _quantities(state.held)
-    found = shared_map(lambda j: _of_joint(state, motions, j), list(joints))
+    asked = list(joints)
+    found = shared_map(lambda j: _of_joint(state, motions, j), asked)
     predictions = [p for of_joint in found for p in of_joint]
+    unseen = [j for j, of_joint in zip(asked, found, strict=True) if not of_joint]
+    elsewhere = shared_map(lambda j: _of_fit_side(state, motions[0], j), unseen)
     residual = state.held_residual()
     noise = noise_beside(state, residual, predictions)
     best: dict[int, Foretold] = {}
@@ -86,7 +98,7 @@ def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
         one = Foretold(p.joint, p.names, whole, rms, judged.p_value, judged.share)
         if p.joint not in best or one.there > best[p.joint].there:
             best[p.joint] = one
-    return list(best.values())
+    return [*best.values(), *(one for one in elsewhere if one is not None)]
 
 
 def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
@@ -139,10 +151,34 @@ def _quantities(side: Side) -> Motion:
 
 
 def _of_joint(state: SearchState, motions: tuple[Motion, Motion], joint: int) -> list[Prediction]:
+    """The strongest of the sets whose quantities the held-out side shares with the fit side."""
     tried = [_fitted(state, motions[0], joint, names) for names in sets_of(joint, state.train.n)]
-    good = sorted((t for t in tried if t.gain > 0), key=lambda t: -t.gain)[:FORETOLD_TRIED]
-    predictions = [t.predict(state, motions[1]) for t in good]
-    return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+    good = (t.predict(state, motions[1]) for t in _strongest(tried))
+    known = (p for p in good if p.inside.mean() >= KNOWN_GROUND)
+    return list(islice(known, FORETOLD_TRIED))
+
+
+def _of_fit_side(state: SearchState, motion: Motion, joint: int) -> Foretold | None:
+    """What stretches of the fit side foretell of each other, corrected for all that was tried."""
+    sets = sets_of(joint, state.train.n)
+    strongest = _strongest([_fitted(state, motion, joint, names) for names in sets])[:1]
+    for t in strongest:
+        values = t.across(state, motion)
+        residual = {j: r * state.fit.sigma[j] for j, r in state.fit.residual.items()}
+        found = judge(state.train, residual, {joint: values})
+        share = 1.0 - float((found.after[joint] / found.before[joint]) ** 2)
+        p = min(1.0, found.p_value * state.train.n * len(sets) * len(FORETOLD_RIDGES))
+        if p < FORETOLD_LEVEL and holds(found, share):
+            rms = float(np.sqrt(np.mean(values**2)))
+            return Foretold(joint, t.names, share, rms, p, share, elsewhere=True)
+    return None
+
+
+def _strongest(tried: Sequence[_Fitted]) -> list[_Fitted]:
+    """Those that foretell stretches of the fit side about as well as the best of them."""
+    most = max(t.gain for t in tried)
+    good = (t for t in tried if t.gain > 0 and t.gain >= WORTH_JUDGING * most)
+    return sorted(good, key=lambda t: -t.gain)
 
 
 @dataclass(frozen=True)
@@ -191,6 +227,26 @@ class _Fitted:
     theta: Array
     absorbed: Array
     gain: float
+    ridge: float
+
+    def across(self, state: SearchState, motion: Motion) -> Array:
+        """(m_j,) N·m: each stretch of the fit side as the others, but for those that touch it in
+        time, foretell it."""
+        fit, side, joint = state.fit, state.train, self.joint
+        raw = self.features(_stacked(side, motion, self.names, joint))
+        columns = raw / self.scale / fit.sigma[joint]
+        own = columns - fit.basis[joint] @ (fit.basis[joint].T @ columns)
+        fold = np.arange(len(own)) * FORETOLD_FOLDS // len(own)
+        moments = side.gathered([_moments(run.t, k) for k, run in enumerate(side.runs)], joint)
+        values = np.zeros(len(own))
+        for f in range(FORETOLD_FOLDS):
+            asked = fold == f
+            apart = _apart(moments, moments[asked])
+            others = own[apart][::FORETOLD_THIN]
+            wanted = others.T @ fit.residual[joint][apart][::FORETOLD_THIN]
+            gram = others.T @ others + self.ridge * np.eye(own.shape[1])
+            values[asked] = own[asked] @ np.linalg.solve(gram, wanted)
+        return values * float(fit.sigma[joint])
 
     def predict(self, state: SearchState, motion: Motion) -> Prediction:
         x = _stacked(state.held, motion, self.names, self.joint)
@@ -202,6 +258,21 @@ class _Fitted:
 
 def _stacked(side: Side, motion: Motion, names: Sequence[str], joint: int) -> Array:
     return np.column_stack([rows_of(side, motion, name, joint) for name in names])
+
+
+def _moments(t: Array, run: int) -> Array:
+    """(M, 2): which run, and when in it (s)."""
+    return np.column_stack([np.full(len(t), float(run)), t])
+
+
+def _apart(moments: Array, asked: Array) -> NDArray[np.bool_]:
+    """(rows,): which of these moments lie in no stretch that is asked about, nor just beside it."""
+    apart = np.ones(len(moments), dtype=bool)
+    for run in np.unique(asked[:, 0]):
+        there = asked[asked[:, 0] == run, 1]
+        beside = np.abs(moments[:, 1] - np.clip(moments[:, 1], there[0], there[-1])) < BLOCK_SECONDS
+        apart &= (moments[:, 0] != run) | ~beside
+    return apart
 
 
 def _fitted(state: SearchState, motion: Motion, joint: int, names: tuple[str, ...]) -> _Fitted:
@@ -220,8 +291,9 @@ def _fitted(state: SearchState, motion: Motion, joint: int, names: tuple[str, ..
     best = int(np.argmax(gains))
     theta = np.linalg.solve(own.T @ own + ridges[best] * np.eye(own.shape[1]), own.T @ residual)
     return _Fitted(
-        joint, names, features, scale, theta, fit.to_beta @ (seen @ theta), float(gains[best])
-    )
+        joint, names, features, scale, theta, fit.to_beta @ (seen @ theta), float(gains[best]),
+        float(ridges[best]),
+    )  # fmt: skip
 
 
 def _held_back(columns: Array, residual: Array, ridges: Array) -> Array:

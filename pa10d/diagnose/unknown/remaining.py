@@ -33,15 +33,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
-    comes again with the motion, that motion predicts, that is gone in the middle of its strokes,
-    that turns round with the joint, or that is beyond any noise the data show; RMS N·m of that
-    share."""
+    comes again with the motion, that motion predicts (of the fit side alone, where the held-out
+    side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
+    joint, or that is beyond any noise the data show; RMS N·m of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "turning", "reversing", "size"]
+    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size"]
     variables: tuple[str, ...] = ()
 
 
@@ -284,6 +284,13 @@ def _with_sentence(
         text = (
             f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
             "two quantities do: more than two take part, or what was before"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "elsewhere":
+        text = (
+            f"{size}; of the fitted runs motion predicts {percent(left.share)} of its squared "
+            "error, from one stretch to another, but no one or two quantities do: more than two "
+            "take part, or what was before. The held-out side moves where none of them has been: "
+            "hold out motion like the fitted one"
         )
     elif seen is not None and line.repeatable and line.material and left is None:
         text = (

@@ -283,14 +283,15 @@ def evidence_of(
     left = float(np.mean((r - values)[inside] ** 2))
     share = 1.0 - left / float(np.mean(r[inside] ** 2))
     p = min(1.0, evidence.p_value * among)
-    if (
-        p > level
-        or share < CLAIMED_SHARE
-        or evidence.slope < LEAST_SLOPE
-        or evidence.cluster_t < CLUSTERS
-    ):
+    if p > level or not holds(evidence, share):
         return None
     return Claim(share, left, p, evidence)
+
+
+def holds(evidence: Evidence, share: float) -> bool:
+    """Is enough foretold to matter, of about the size that is there, and in all of the time?"""
+    well = evidence.slope >= LEAST_SLOPE and evidence.cluster_t >= CLUSTERS
+    return well and share >= CLAIMED_SHARE
 
 
 def _judge(
