@@ -127,6 +127,17 @@ def test_a_joint_that_never_moves_is_named(runs, model):
         two_sides(model, [run], [still])
 
 
+def test_a_joint_that_turns_round_too_often_does_not_stand(runs, model):
+    """A motor that cogs moves all the time; a band of 8 Hz only cannot see it."""
+    run = runs["fit_a"]
+    q = run.q.copy()
+    q[:, 1] = 0.3 + 0.05 * np.sin(2 * np.pi * 9.0 * run.t)
+    shaken = Recording("shaken", run.t, q, run.tau)
+    told = r"joint 2 turns round or stands so often .* 8 Hz .* strokes of 0\.2 s and more"
+    with pytest.raises(UserError, match=told):
+        two_sides(model, [run], [shaken])
+
+
 def test_scatter_puts_rows_back_where_they_were(runs, model):
     state = state_of(runs, model)
     side = state.train

@@ -18,6 +18,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.standstill import REACH
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 from pa10d.regression.per_joint import Mask
@@ -57,17 +58,32 @@ def two_sides(
             f"every other block of time of {', '.join(sorted(shared_names))}; the blocks between "
             "were fitted (no separate validation run)"
         )
-    for side, what in ((train, "to fit"), (held, "to judge by")):
-        moving = np.any([run.keep.any(axis=0) for run in side], axis=0)
-        if not moving.all():
-            still = ", ".join(str(j + 1) for j in np.flatnonzero(~moving))
-            raise UserError(
-                f"diagnose: joint {still} never moves in the data {what}, expected all joints to; "
-                "use other runs or a profile with fewer joints"
-            )
+    _all_move(train, "to fit")
+    _all_move(held, "to judge by")
     _enough_to_fit(model, train)
     _enough_to_judge(held)
     return Side.of(train), Side.of(held), words
+
+
+def _all_move(side: Sequence[RunEquation], what: str) -> None:
+    """Refuse data in which a joint has no motion that the band can tell from its standstills."""
+    idle = ~np.any([run.keep.any(axis=0) for run in side], axis=0)
+    if not idle.any():
+        return
+    turning = idle & np.any([(run.moving & run.counts).any(axis=0) for run in side], axis=0)
+    named = ", ".join(str(j + 1) for j in np.flatnonzero(turning if turning.any() else idle))
+    if not turning.any():
+        raise UserError(
+            f"diagnose: joint {named} never moves in the data {what}, expected all joints to; "
+            "use other runs or a profile with fewer joints"
+        )
+    cutoff = side[0].lowpass.cutoff
+    raise UserError(
+        f"diagnose: joint {named} turns round or stands so often in the data {what} that a band "
+        f"of {cutoff:.3g} Hz sees nothing clear of that, expected strokes of "
+        f"{2.0 * REACH / cutoff:.2g} s and more; use such runs, or a model that was identified in "
+        "a wider band"
+    )
 
 
 def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
