@@ -2,6 +2,7 @@
 // Esc pressed twice stops, too, wherever the keyboard's focus is; it types nothing anywhere.
 (() => {
   const TWICE = 600, PATIENCE = 1500, AGAIN = 1000, SHOWN = 8000, REST = 6000, LOOK = 200; // ms
+  const QUIET = 1; // s without a sign of life of the control process, which gives two a second
   const EMERGENCY = "Press the hardware emergency stop.";
   const AT_REST = {
     holding: "The arm stands still and is held.",
@@ -49,8 +50,9 @@
       try {
         let told = await ask("POST", "/stop", sent.signal);
         const patient = performance.now() + REST;
-        while (mine === turn && MOVING.includes(told.state) && performance.now() < patient) {
-          say(`Stop was heard; the arm is ${told.state} …`, "waiting");
+        while (mine === turn && (MOVING.includes(told.state) || hangs(told)) && performance.now() < patient) {
+          if (hangs(told)) unanswered(told.quiet);
+          else say(`Stop was heard; the arm is ${told.state} …`, "waiting");
           await new Promise((done) => setTimeout(done, LOOK));
           told = await ask("GET", "", sent.signal);
         }
@@ -81,8 +83,13 @@
     }
   }
 
-  function heard({ state, offline_reason: why }) {
-    if (AT_REST[state]) say(`Stop was heard. ${AT_REST[state]}`, "heard");
+  const hangs = ({ state, quiet }) => quiet > QUIET && state !== "offline";
+  const unanswered = (seconds) => say(`Stop was sent, but the control process has not answered for ${Math.round(seconds)} s. If the arm moves: ${EMERGENCY.toLowerCase()}`, "bad");
+
+  function heard(told) {
+    const { state, offline_reason: why } = told;
+    if (hangs(told)) unanswered(told.quiet);
+    else if (AT_REST[state]) say(`Stop was heard. ${AT_REST[state]}`, "heard");
     else if (state === "offline") say(`Stop was heard, but no drive answers${why ? ` (${why})` : ""}. If the arm moves: ${EMERGENCY.toLowerCase()}`, "bad");
     else say(`Stop was heard, but the arm is still ${state}. ${EMERGENCY}`, "bad");
   }

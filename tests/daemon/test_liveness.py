@@ -21,7 +21,11 @@ def ticks_until_it_is_given_up(liveness, written=lambda k: 0, commanded=False):
 
 
 def test_silence_without_cycles_is_given_up():
-    count, why = ticks_until_it_is_given_up(Liveness(EVERY))
+    liveness = Liveness(EVERY)
+    count, why = ticks_until_it_is_given_up(liveness)
+    assert liveness.quiet == pytest.approx(count * EVERY, abs=2 * EVERY)
+    liveness.heard()
+    assert liveness.quiet == 0.0
     assert HANGS <= count * EVERY <= HANGS + 1.0
     assert f"nothing was heard of it for {HANGS:g} s" in why
     assert "backend hangs" in why

@@ -15,11 +15,12 @@ from pa10d.daemon.presence import present
 LONG = 120_000  # ms
 
 
-@pytest.fixture
-def bench(browser, tmp_path):
-    """A daemon and its arm, to be hurt; (client, process id)."""
-    with local_daemon(tmp_path / "data", str(small_arm(tmp_path)), clock="simulated") as client:
-        yield client, present(tmp_path / "data").pid
+@pytest.fixture(scope="module")
+def bench(browser, tmp_path_factory):
+    """A daemon and its arm, to be hurt, each time a little more; (client, process id)."""
+    folder = tmp_path_factory.mktemp("lights")
+    with local_daemon(folder / "data", str(small_arm(folder)), clock="simulated") as client:
+        yield client, present(folder / "data").pid
 
 
 def lights(page) -> dict[str, str]:
@@ -31,12 +32,52 @@ def lights(page) -> dict[str, str]:
     return {name: page.locator(place).first.inner_text() for name, place in places.items()}
 
 
+def test_a_control_process_that_stands_still_is_not_said_to_move_the_arm(bench, visit):
+    client, pid = bench
+    visitor = visit(client.url)
+    page = visitor.page
+    visitor.open("robot")
+    moving = {"kind": "tracking", "parameters": {"amplitude": 0.05, "cycles": 60}}
+    job = client.start("experiments", moving)
+    page.locator("#arm-state", has_text="running").wait_for(timeout=LONG)
+    assert "The arm is moving" in lights(page)["meaning"]
+    [control] = children_of(pid, "pa10d.control")
+    os.kill(control, signal.SIGSTOP)
+    try:
+        page.locator("#arm-state", has_text="no answer").wait_for(timeout=15_000)
+        said = lights(page)
+        assert said["card"].lower() == "no answer"
+        assert "what the arm does now is not known" in said["meaning"]
+        assert "control process does not answer" in said["guide"]
+        assert not any("The arm is moving" in text for text in said.values())
+        assert page.locator(".old .axes").count() == 1
+        assert "s old" in page.locator(".panel .warn").first.inner_text()
+        assert page.locator(".columns button:enabled").count() == 0
+        page.keyboard.press("Escape")
+        page.keyboard.press("Escape")
+        unheard = page.locator("#stop-said.bad", has_text="control process has not answered")
+        unheard.wait_for()
+        assert "hardware emergency stop" in unheard.inner_text()
+    finally:
+        os.kill(control, signal.SIGCONT)
+    page.locator("#stop-said", has_text="Stop was heard").wait_for(timeout=LONG)
+    page.locator("#arm-state").get_by_text("no answer").wait_for(state="detached")
+    assert page.locator(".old .axes").count() == 0
+    client.cancel(job["id"])
+    page.locator("#jobs", has_text="cancelled").wait_for()
+    if client.robot()["state"] == "holding":
+        client.disable()
+    client.let_others_command()
+    assert not visitor.errors
+
+
 def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     client, pid = bench
     visitor = visit(client.url)
     page = visitor.page
     visitor.open("robot")
-    assert "Record the starting set" in lights(page)["guide"]
+    story = lights(page)["guide"]
+    assert any(words in story for words in ("Nothing is recorded yet", "Mark which runs"))
 
     # an experiment that is planned does not move the arm yet
     job = client.start("experiments", {"kind": "boundary_velocity"})
@@ -63,7 +104,7 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
         os.kill(pid, signal.SIGCONT)
     page.locator("#arm-state", has_text="inactive").wait_for(timeout=15_000)
     assert page.locator(".old .axes").count() == 0
-    assert "Record the starting set" in lights(page)["guide"]
+    assert lights(page)["guide"] == story
 
     # a fault: the guide says what happened and names the button that can be pressed
     until(page, "document.querySelectorAll('.scope canvas').length === 4")

@@ -25,6 +25,7 @@ HEARD = """<!doctype html>
 background: #c8102e; padding: 10px 30px">STOP</button></form><p><a href="/">Back to the page</a></p>
 </body></html>
 """
+QUIET = 1.0  # s without a sign of life of the control process: what it said last is not sure
 FOREVER = "public, max-age=31536000, immutable"
 
 
@@ -39,8 +40,9 @@ async def page() -> HTMLResponse:
 @router.post("/api/v1/robot/stop-page")
 async def stop_without_script(daemon: TheDaemon) -> HTMLResponse:
     """The stop button's plain form, for the moment before its script is there, and without one."""
-    state = (await stop(daemon)).state
-    rest = state in ("holding", "inactive", "fault")
+    told = await stop(daemon)
+    state = told.state
+    rest = state in ("holding", "inactive", "fault") and told.quiet <= QUIET
     advice = "" if rest else " If the arm moves, press the hardware emergency stop."
     return HTMLResponse(HEARD.format(state=state, advice=advice))
 

@@ -46,6 +46,7 @@ class Axis(BaseModel):
         None, description="CiA 402 state", examples=["switch on disabled"]
     )
     age: int = Field(description="Cycles since it answered")
+    silent: bool = Field(description="It does not answer: its values are no news")
 
 
 class Lease(BaseModel):
@@ -72,6 +73,9 @@ class RobotState(BaseModel):
     notes: list[str] = Field(description="What this machine does not allow, and what that means")
     recording: bool = Field(description="What the arm does now belongs to a run")
     time: float | None = Field(description="s on the loop's clock")
+    quiet: float = Field(
+        description="s since the control process last gave a sign of life; all else is that old"
+    )
     axes: list[Axis]
     lease: Lease
 

@@ -14,6 +14,11 @@ class Liveness:
         self._every = every
         self._quiet, self._written, self._patience = 0, -1, HANGS
 
+    @property
+    def quiet(self) -> float:
+        """s without a word and without a cycle."""
+        return self._quiet * self._every
+
     def heard(self) -> None:
         """It said something."""
         self._quiet, self._patience = 0, HANGS
@@ -29,7 +34,7 @@ class Liveness:
         self._written = written
         if commanded:
             self._patience = COMMANDED
-        if self._quiet * self._every <= self._patience:
+        if self.quiet <= self._patience:
             return None
         return (
             f"nothing was heard of it for {self._patience:g} s; its backend hangs, or this machine "

@@ -39,6 +39,7 @@ SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say 
 MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
+SILENT = 0.5  # s of the loop's time
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 ENDED = 5.0  # s for control to end that holds nothing
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
@@ -171,6 +172,7 @@ class RobotProcess:
                 "temperature": _finite(get(last, "temperature")[j]),
                 "status_word": int(get(last, "status")[j]),
                 "age": int(get(last, "age")[j]),
+                "silent": self._silent(int(get(last, "age")[j])),
             }
             for j, name in enumerate(self.robot.joint_names)
         ]  # fmt: skip
@@ -186,8 +188,17 @@ class RobotProcess:
             "notes": [*self._notes(), *_remarks(self.device, axes)],
             "recording": not offline and last is not None and bool(get(last, "recording")),
             "time": None if offline or last is None else float(get(last, "time")),
+            "quiet": self._liveness.quiet if self.control is not None else 0.0,
             "axes": axes,
         }
+
+    def _silent(self, age: int) -> bool:
+        """Whether what an axis said last, this many cycles ago, is no news any more; in a fault
+        sooner, for there its silence may be the cause."""
+        latest = SILENT * self.profile.control.rate
+        if self.state == "fault":
+            latest = min(latest, self.profile.safety.stale_cycles)
+        return age >= latest
 
     def pose(self) -> Array:
         """(n,) rad where the arm is held (its reference), or measured while unpowered."""

@@ -26,15 +26,18 @@ export const running = (...kinds) =>
 export const moves = () => running(...MOVES).sort((a, b) => (a.status === "running" ? -1 : 0) - (b.status === "running" ? -1 : 0))[0];
 
 /** kind, word, meaning, and `next` where it comes before the story; `old`: s since anything was
- * heard; `frozen`: nothing is read any more, the values are those from before the fault. */
+ * heard; `silent`: who it is that does not answer; `frozen`: nothing is read any more, the values
+ * are those from before the fault. */
 function judged() {
   const { robot, heard } = state;
   const since = heard === null ? Infinity : performance.now() - heard;
   if (!robot) return { kind: "unknown", word: "…", meaning: "", old: 0, next: null };
   if (!state.connected || since > OLD) return lost(Math.round(since / 1000));
+  const quiet = 1000 * robot.quiet + since;
+  if (1000 * robot.quiet >= OLD && robot.state !== "offline") return hanging(Math.round(quiet / 1000));
   const job = moves();
   const found = { kind: robot.state, word: robot.state, meaning: MEANS[robot.state] ?? `The arm is ${robot.state}.`, old: 0, next: null,
-                  frozen: robot.state === "fault" && (performance.now() - state.ticked > OLD || (robot.axes.length > 0 && robot.axes.every(silent))) };
+                  frozen: robot.state === "fault" && (performance.now() - state.ticked > OLD || (robot.axes.length > 0 && robot.axes.every((axis) => axis.silent))) };
   if (robot.state === "fault") {
     const cause = closed(robot.fault?.sentence ?? MEANS.fault), holder = robot.lease.holder;
     const way = mayCommand(client) ? "Remove its cause, then press Reset."
@@ -53,13 +56,16 @@ function judged() {
 
 const lost = (seconds) => {
   const age = Number.isFinite(seconds) ? `${seconds} s` : "a while";
-  return { kind: "lost", word: "no connection", old: seconds,
+  return { kind: "lost", word: "no connection", old: seconds, silent: "the daemon does not answer",
            meaning: `The daemon does not answer. What is shown here is ${age} old; what the arm does now is not known. ${EMERGENCY}`,
            next: { text: `The daemon does not answer, so nothing here is known to be true now. See that it still runs on the arm's machine; this page comes back by itself. ${EMERGENCY}` } };
 };
-/** An axis of which nothing was heard for half a second of the loop. */
-export const silent = (axis) => axis.age > 0.5 * state.robot.rate;
-
+/** The daemon answers, but nobody holds the arm: the control process hangs or is stopped. */
+const hanging = (seconds) => {
+  const meaning = `The control process does not answer. What is shown here is ${seconds} s old; what the arm does now is not known. ${EMERGENCY}`;
+  return { kind: "lost", word: "no answer", old: seconds, silent: "the control process does not answer", meaning,
+           next: { text: `${meaning} The daemon waits for it, and starts it anew if it stays silent.` } };
+};
 /** The first of several lines, and how many more there are. */
 const inShort = (text) => {
   const [first, ...more] = text.split("\n");
@@ -79,6 +85,18 @@ export function keepCondition() {
   watch(["robot", "connected", "jobs", "heard"], look);
   setInterval(look, LOOK);
 }
+
+/** States from which an experiment may begin, and those without power. */
+export const MAY_MOVE = ["inactive", "holding"], UNPOWERED = ["inactive", "offline", "fault"];
+/** Why the arm is not ours to command now; "" where it is, in one of these states (null: in any). */
+export const whyNot = (states = MAY_MOVE) => {
+  const { robot, condition } = state;
+  if (!robot || condition.silent) return condition.silent ?? "nothing is known of the arm yet";
+  if (!mayCommand(client)) return `${robot.lease.holder} commands the arm`;
+  if (moves()) return "an experiment is under way";
+  if (!states || states.includes(robot.state)) return "";
+  return { fault: "the arm is in fault: reset it first", holding: "the arm is powered: disable it first" }[robot.state] ?? `the arm is ${robot.state}`;
+};
 
 export const mayCommand = (me) => {
   const holder = state.robot?.lease.holder;

@@ -1,7 +1,7 @@
 // A virtual arm that hides something: a night passes by a button, and at the end it tells its secret.
 import { el, fill } from "../base/dom.js";
-import { client, get, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { get, post } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { ask } from "./dialog.js";
@@ -21,7 +21,7 @@ export function storyPanel() {
       if (await ask("Reveal what the arm hides?", "There is no way back to not knowing. The investigation's report stays as it is.", "Reveal")) show(await post("story/reveal"));
     }) }, "Reveal what it hides");
     const allow = () => {
-      const why = !mayCommand(client) ? "somebody else commands the arm" : moves() ? "an experiment is under way" : state.robot?.state !== "inactive" ? "the arm is powered: disable it first" : "";
+      const why = whyNot(["inactive"]);
       night.disabled = Boolean(why);
       night.title = why;
     };

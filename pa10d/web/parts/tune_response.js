@@ -1,7 +1,7 @@
 // What a change did: a small step or sines of one joint, recorded, and several runs beside each other.
 import { el, fill } from "../base/dom.js";
-import { client, get, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { get, post } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { number, titled } from "../base/units.js";
@@ -92,9 +92,7 @@ export function tunedResponse() {
   });
   watch(["runs"], refresh);
   watch(["robot", "jobs", "condition"], () => {
-    const robot = state.robot;
-    const why = !robot ? "…" : state.condition.kind === "lost" ? "the daemon does not answer" : !mayCommand(client) ? `${robot.lease.holder} commands the arm`
-      : moves() ? "an experiment is under way" : !["inactive", "holding"].includes(robot.state) ? `the arm is ${robot.state}` : "";
+    const why = whyNot();
     start.disabled = Boolean(why);
     start.title = why;
   });

@@ -1,7 +1,7 @@
 // What of the profile is tuned, as tables; edits are kept until their difference was seen and written.
 import { el, fill, say } from "../base/dom.js";
-import { client, patch, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { patch, post } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { number, titled } from "../base/units.js";
@@ -140,9 +140,8 @@ export function tunedValues(changed) {
       await changed();
     }) }, undoing ? `Undo: back to version ${found.version}` : `Write version ${found.version}`);
     const allow = () => {
-      const powered = found.restart && state.robot && !["inactive", "offline"].includes(state.robot.state);
-      const cause = moves() ? "An experiment is under way." : powered ? `The arm is ${state.robot.state}: disable it first.` : !mayCommand(client) ? `${state.robot?.lease.holder} commands the arm.` : "";
-      say(why, cause);
+      const cause = whyNot(found.restart ? ["inactive", "offline"] : null);
+      say(why, cause ? `Not now: ${cause}.` : "");
       why.hidden = !cause;
       go.disabled = Boolean(cause) || (found.confirm.length > 0 && !read.checked);
     };

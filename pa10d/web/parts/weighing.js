@@ -1,7 +1,7 @@
 // Known weights set the scale of the torques: what to hang, when to record, and what came of it.
 import { el, fill } from "../base/dom.js";
-import { client, get, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { get, post } from "../base/api.js";
+import { MAY_MOVE, UNPOWERED, whyNot } from "../base/condition.js";
 import { state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { seconds } from "../base/units.js";
@@ -115,12 +115,8 @@ async function recorded(found, weight) {
 
 /** Buttons that move the arm, or need it at rest, say why they cannot. */
 function allow() {
-  const robot = state.robot;
-  const common = !robot ? "…" : state.condition.kind === "lost" ? "the daemon does not answer" : !mayCommand(client) ? `${robot.lease.holder} commands the arm`
-    : moves() ? "an experiment is under way" : "";
   for (const button of detail.querySelectorAll("button[data-moves], button[data-rests]")) {
-    const states = button.dataset.moves ? ["inactive", "holding"] : ["inactive", "offline", "fault"];
-    const why = common || (states.includes(robot.state) ? "" : `the arm is ${robot.state}`);
+    const why = whyNot(button.dataset.moves ? MAY_MOVE : UNPOWERED);
     button.disabled = Boolean(why);
     button.title = why;
   }

@@ -1,7 +1,7 @@
 // Which effect is missing? Findings as cards, with what to do about them.
 import { el, fill } from "../base/dom.js";
-import { client, get, post } from "../base/api.js";
-import { mayCommand, moves, running } from "../base/condition.js";
+import { get, post } from "../base/api.js";
+import { running, whyNot } from "../base/condition.js";
 import { current, loadModels, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { nextModelName, when } from "../base/units.js";
@@ -149,8 +149,9 @@ function actions(diagnosis, k) {
     add.hidden = Boolean(version) || diagnosis.result.frozen;
     add.disabled = running("add").length > 0;
     settle.hidden = !finding.next_experiment;
-    settle.disabled = !mayCommand(client) || Boolean(moves()) || !["inactive", "holding"].includes(state.robot?.state);
-    settle.title = settle.disabled ? "the arm cannot be moved now" : finding.next_experiment?.kind ?? "";
+    const why = whyNot();
+    settle.disabled = Boolean(why);
+    settle.title = why || (finding.next_experiment?.kind ?? "");
   }, box);
   fill(box, add, done, settle);
   return box;

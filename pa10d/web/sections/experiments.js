@@ -1,7 +1,7 @@
 // Motions that teach something: the starting set, every kind with its form, and what came out.
 import { el, fill } from "../base/dom.js";
-import { client, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { post } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
 import { failed, guarded, notice } from "../base/notices.js";
 import { seconds, titled } from "../base/units.js";
@@ -52,9 +52,7 @@ function startingSet(outcome) {
 
 /** Buttons that move the arm say why they cannot. */
 function allow(button) {
-  const robot = state.robot;
-  const why = !robot ? "…" : state.condition.kind === "lost" ? "the daemon does not answer" : !mayCommand(client) ? `${robot.lease.holder} commands the arm`
-    : moves() ? "an experiment is under way" : !["inactive", "holding"].includes(robot.state) ? `the arm is ${robot.state}` : "";
+  const why = whyNot();
   button.disabled = Boolean(why);
   button.title = why;
 }

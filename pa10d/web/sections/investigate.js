@@ -1,7 +1,7 @@
 // All of it by one button: from the arm, or recordings, to a model, what it lacks, and a report.
 import { el, fill, renew } from "../base/dom.js";
-import { client, get, post } from "../base/api.js";
-import { mayCommand, moves } from "../base/condition.js";
+import { get, post } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { number, seconds, when } from "../base/units.js";
@@ -135,8 +135,7 @@ function buttons(found) {
   }
   if (found.status === "done") return el("a", { class: "button primary", href: `api/v1/investigations/${found.id}/report`, target: "_blank" }, "Open the report");
   const start = el("button", { type: "button", class: "primary", onclick: guarded("It could not be started.", () => begin(found)) }, found.status === "waiting" ? "Start" : "Go on");
-  const why = !found.moves ? "" : !mayCommand(client) ? `${state.robot?.lease.holder ?? "somebody"} commands the arm` : moves() ? "an experiment is under way"
-    : !["inactive", "holding"].includes(state.robot?.state) ? `the arm is ${state.robot?.state}` : "";
+  const why = found.moves ? whyNot() : "";
   start.disabled = Boolean(why);
   start.title = why;
   return el("div", { class: "row" }, why ? el("small", {}, why) : null, start);

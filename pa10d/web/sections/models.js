@@ -1,7 +1,7 @@
 // Torque models: fit the first one, see the error fall from version to version, use them.
 import { el, fill } from "../base/dom.js";
-import { client, download, get, put, remove } from "../base/api.js";
-import { mayCommand } from "../base/condition.js";
+import { download, get, put, remove } from "../base/api.js";
+import { whyNot } from "../base/condition.js";
 import { current, loadModels, loadRobot, state, watch } from "../base/store.js";
 import { ask } from "../parts/dialog.js";
 import { guarded, notice } from "../base/notices.js";
@@ -94,9 +94,10 @@ function details(model) {
     await loadRobot();
     notice("Loaded.", { detail: `The arm is now moved by computed torque with ${model.name}.`, action: { href: "#/robot", label: "Robot" } });
   }) }, "Load into the controller");
-  watch(["robot", "condition"], () => {
+  watch(["robot", "jobs", "condition"], () => {
     const loaded = state.robot?.model === model.name;
-    load.disabled = loaded || !mayCommand(client) || !["inactive", "holding"].includes(state.robot?.state);
+    load.title = loaded ? "" : whyNot();
+    load.disabled = loaded || Boolean(load.title);
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
   }, load);
   parts.exports = el("div", { class: "row" });

@@ -1,7 +1,7 @@
 // The arm: state, commands, axes, live plots.
 import { el, fill, say } from "../base/dom.js";
 import { client, post, put } from "../base/api.js";
-import { mayCommand, silent } from "../base/condition.js";
+import { mayCommand } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
@@ -75,12 +75,12 @@ function buttons() {
   return {
     box: el("div", { class: "row" }, all.map((one) => one.button)),
     refresh() {
-      const lost = state.condition.kind === "lost", allowed = mayCommand(client);
+      const nobody = state.condition.silent, allowed = mayCommand(client);
       for (const { button, states } of all) {
         const fits = states.includes(state.robot.state);
         button.disabled = !allowed || !fits;
         button.classList.toggle("primary", allowed && fits && state.robot.state === "fault");
-        button.title = lost ? "the daemon does not answer" : !allowed ? `${state.robot.lease.holder} commands the arm` : fits ? "" : `needs: ${states.join(" or ")}`;
+        button.title = nobody ? nobody : !allowed ? `${state.robot.lease.holder} commands the arm` : fits ? "" : `needs: ${states.join(" or ")}`;
       }
     },
   };
@@ -128,8 +128,8 @@ function showAxes(body, axes) {
   axes.forEach((axis, k) => {
     const texts = [`${axis.joint} ${axis.name}`, fixed(axis.position, 4), fixed(axis.target, 4), fixed(axis.velocity, 3),
                    fixed(axis.torque, 2), axis.temperature === null ? "–" : fixed(axis.temperature, 1),
-                   silent(axis) ? `no answer for ${fixed(axis.age / state.robot.rate, 1)} s` : axis.drive_state ?? "no answer"];
-    body.children[k].classList.toggle("silent", silent(axis));
+                   axis.silent ? `no answer for ${fixed(axis.age / state.robot.rate, 1)} s` : axis.drive_state ?? "no answer"];
+    body.children[k].classList.toggle("silent", axis.silent);
     texts.forEach((text, c) => say(body.children[k].children[c], text));
   });
 }
