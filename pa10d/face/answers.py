@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison as Compared
@@ -13,7 +14,12 @@ from pa10d.compare import document
 from pa10d.diagnose.outcome.diagnosis import Diagnosis as FoundOut
 from pa10d.face.model import Model, Parameter
 from pa10d.face.run import Run
-from pa10d.face.values import Array, ByContent, frozen, listed, settled
+from pa10d.face.told import confusion, next_experiment, remaining, unexplained
+from pa10d.face.values import Array, ByContent, Fixed, Said, frozen, listed, settled
+
+if TYPE_CHECKING:
+    from pa10d.figures.held_out import HeldOut
+    from pa10d.report.finding_section import Asked
 
 
 class Answer(ByContent):
@@ -23,23 +29,15 @@ class Answer(ByContent):
 
     def document(self) -> JsonObject:
         """As ``--json`` prints it."""
-        return dict(self._document)
+        return deepcopy(self._document)
 
     @property
     def content(self) -> Hashable:
         return settled(self._document)
 
-    def _repr_html_(self) -> str:
-        from pa10d.face.html import framed
 
-        return framed(self._page())
-
-    def _page(self) -> str:
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
-class Where:
+@dataclass(frozen=True, repr=False)
+class Where(Said):
     """A region that carries much of a joint's (from 1) squared error."""
 
     joint: int
@@ -95,11 +93,11 @@ class Comparison(Answer):
 class Finding(ByContent):
     """A missing effect. joints from 1; rms_before, rms_after: (n,) N·m on held-out data."""
 
-    def __init__(self, document: JsonObject) -> None:
-        self._document = document
+    def __init__(self, document: JsonObject, of: Diagnosis, number: int) -> None:
+        self._document, self._of, self._number = document, of, number
         self.effect: str = document["effect"]
         self.joints = tuple(document["joints"])
-        self.parameters = MappingProxyType(
+        self.parameters = Fixed(
             {
                 name: Parameter(name, v["value"], v["std_error"], v["unit"], v["determined"])
                 for name, v in document["parameters"].items()
@@ -108,13 +106,18 @@ class Finding(ByContent):
         self.rms_before: Array = frozen(document["rms_before"])
         self.rms_after: Array = frozen(document["rms_after"])
         self.p_value: float = document["p_value"]
-        self.confounded_with = tuple(document["confounded_with"])
-        self.next_experiment: JsonObject | None = document["next_experiment"]
+        self.confounded_with = tuple(map(confusion, document["confounded_with"]))
+        self.next_experiment = next_experiment(document["next_experiment"])
         self.sentence: str = document["sentence"]
 
     @property
     def content(self) -> Hashable:
         return settled(self._document)
+
+    def _page(self) -> str:
+        from pa10d.report.notebook import finding_page
+
+        return finding_page(self._of.inner, self._number, *self._of.shown)
 
     def __repr__(self) -> str:
         return f"<Finding: {self.sentence}>"
@@ -130,27 +133,34 @@ class Diagnosis(Answer):
         self.verdict: str = inner.verdict
         self.rms, self.noise_floor = frozen(inner.rms), frozen(inner.noise_floor)
         self.cutoff_hz = float(inner.cutoff)
-        self.findings = tuple(Finding(entry) for entry in self._document["findings"])
-        self.unexplained = tuple(self._document["unexplained"])
-        self.remaining = tuple(self._document["remaining"])
+        entries = enumerate(self._document["findings"])
+        self.findings = tuple(Finding(entry, self, k) for k, entry in entries)
+        self.unexplained = tuple(map(unexplained, self._document["unexplained"]))
+        self.remaining = tuple(map(remaining, self._document["remaining"]))
 
     @property
     def model(self) -> Model:
         """The given model with all findings fitted in."""
         return Model(self.inner.versions[-1])
 
-    def _page(self) -> str:
+    @cached_property
+    def shown(self) -> tuple[HeldOut, Asked]:
+        """The held-out side as every version sees it, and what was asked, for pages."""
         from pa10d.figures.held_out import held_out
-        from pa10d.report.diagnosis_page import diagnosis_page
         from pa10d.report.finding_section import Asked
 
         fit, validate = (tuple(r.name for r in runs) for runs in (self._fit, self._validate))
         asked = Asked(self.inner.versions[0].name, fit, validate, "ROBOT")
-        return diagnosis_page(self.inner, held_out(self.inner), asked)
+        return held_out(self.inner), asked
+
+    def _page(self) -> str:
+        from pa10d.report.diagnosis_page import diagnosis_page
+
+        return diagnosis_page(self.inner, *self.shown)
 
     def __repr__(self) -> str:
         lines = [f.sentence for f in self.findings] or [f"verdict: {self.verdict}"]
-        lines += [entry["sentence"] for entry in self.remaining]
+        lines += [entry.sentence for entry in self.remaining]
         return "<Diagnosis\n  " + "\n  ".join(lines) + ">"
 
 
@@ -172,6 +182,13 @@ class Improvement(ByContent):
     @property
     def content(self) -> Hashable:
         return self.versions, self.diagnosis
+
+    def _page(self) -> str:
+        from pa10d.report.notebook import improvement_page
+
+        names = [version.name for version in self.versions]
+        inner = self.diagnosis.inner
+        return improvement_page(inner, names, self.promised, *self.diagnosis.shown)
 
     def __repr__(self) -> str:
         return (

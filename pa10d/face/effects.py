@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pa10d.effects import all_effects
+from pa10d.face.values import Said
 
 
-@dataclass(frozen=True)
-class KnownEffect:
+@dataclass(frozen=True, repr=False)
+class KnownEffect(Said):
     """An effect that a diagnosis can name. question: "missing" or "changed"."""
 
     id: str

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from pa10d.export.endings import Format
 from pa10d.export.formats import export as exported
-from pa10d.face.values import Array, ByContent, bits, frozen, listed, settled
+from pa10d.face.values import Array, ByContent, Said, bits, frozen, listed, settled
 from pa10d.model import Parameters, TorqueModel
 from pa10d.services.models import write_export, write_file
 from pa10d.store.model_parse import read_model
@@ -21,8 +21,8 @@ from pa10d.store.model_text import model_text
 from pa10d.store.models import new_info
 
 
-@dataclass(frozen=True)
-class Parameter:
+@dataclass(frozen=True, repr=False)
+class Parameter(Said):
     """A fitted number and its standard error, in ``unit``. determined: False where the data leave
     it open: then the value says nothing."""
 
@@ -38,8 +38,8 @@ class Parameter:
         return f"{self.name} = {self.value:.4g} ± {self.std_error:.2g} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True)
-class Effect:
+@dataclass(frozen=True, repr=False)
+class Effect(Said):
     """One effect of a model. joints: numbered from 1, empty for one of the whole robot."""
 
     effect: str
@@ -137,6 +137,11 @@ class Model(ByContent):
         )
         arrays = (inner.h, inner.covariance, inner.noise, inner.loads, inner.standard)
         return inner.name, inner.robot.urdf, terms, tuple(map(bits, arrays)), inner.cutoff
+
+    def _page(self) -> str:
+        from pa10d.report.notebook import model_sheet
+
+        return model_sheet(self.inner)
 
     def __repr__(self) -> str:
         added = [

@@ -34,6 +34,11 @@ class Robot(ByContent):
         told = self.profile.model_dump(mode="json", exclude={"path", "urdf"})
         return settled(told), self.tree.urdf
 
+    def _page(self) -> str:
+        from pa10d.report.notebook import robot_page
+
+        return robot_page(self.tree)
+
     def __repr__(self) -> str:
         return f"<Robot {self.name}: {len(self.joints)} joints ({', '.join(self.joints)})>"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Hashable, Mapping
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 from pa10d.checks import Known, check_recording
 from pa10d.common.errors import UserError
 from pa10d.face.robot import Robot
-from pa10d.face.values import Array, ByContent, bits, frozen
+from pa10d.face.values import Array, ByContent, Fixed, bits, frozen
 from pa10d.measurement.recording import Recording
 from pa10d.readers import Part, read_recording
 from pa10d.services.runs import stated_in
@@ -59,7 +58,7 @@ class Run(ByContent):
         self.dq = None if even.dq is None else frozen(even.dq)
         self.temperature = None if even.temperature is None else frozen(even.temperature)
         self.remarks: tuple[str, ...] = ()
-        self.extra = MappingProxyType({k: frozen(v) for k, v in even.extra.items()})
+        self.extra = Fixed({k: frozen(v) for k, v in even.extra.items()})
 
     @property
     def recording(self) -> Recording:
@@ -82,6 +81,11 @@ class Run(ByContent):
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def _page(self) -> str:
+        from pa10d.report.notebook import run_page
+
+        return run_page(self.recording, self.remarks)
 
     def __repr__(self) -> str:
         seconds = float(self.time[-1] - self.time[0])
@@ -112,13 +116,13 @@ def load_run(
         found.timing.grid, samples.q, samples.tau, samples.dq, samples.temperature,
         name or _stem(file), samples.extra,
     )  # fmt: skip
-    run._unmeasured = found.timing.unmeasured
+    vars(run)["_unmeasured"] = found.timing.unmeasured  # before anybody else has it
     known = Known(found.wraps, stated_in(found, robot.tree.n))
     findings = check_recording(run.recording, found.timing, robot.tree, delay=False, known=known)
     errors = [finding for finding in findings if finding.severity == "error"]
     if errors and not force:
         raise unsound(str(file), errors)
-    run.remarks = (
+    vars(run)["remarks"] = (
         *found.header_warnings,
         *found.timing_warnings,
         *(str(finding) for finding in findings),

@@ -33,9 +33,11 @@ def least_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | N
 
 
 def staircase(steps: Sequence[Stair], joints: Sequence[str], floor: Array | None = None) -> Figure:
-    """One line per joint from version to version; with a noise floor (n,) N·m as multiples of
-    it, so that all joints share one scale whose bottom is 1."""
+    """One line per joint from version to version; with a noise floor (n,) N·m of every joint as
+    multiples of it, so that all share one scale whose bottom is 1. Where the data hide the floor
+    of one, the scale is N·m, or that joint could not be drawn."""
     floor = least_floor(steps, floor)
+    floor = floor if floor is not None and np.all(np.isfinite(floor)) else None
     names = [step.name for step in steps]
     rms = np.array([step.rms for step in steps])
     shown = rms if floor is None else rms / np.maximum(floor, 1e-300)

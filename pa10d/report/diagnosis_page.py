@@ -90,7 +90,7 @@ def _remaining(found: Diagnosis) -> Section:
 
 
 def _staircase(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
-    known = bool(np.any(np.isfinite(found.noise_floor)))
+    known = bool(np.all(np.isfinite(found.noise_floor)))
     plot = Plot("Error of every joint, step by step", drawn["staircase"], STAIRCASE.told(known))
     return Section("How far it brings you", [plot])
 

@@ -15,7 +15,7 @@ from pa10d.figures.staircase import Stair
 from pa10d.identify import summary
 from pa10d.judgement import MASK
 from pa10d.model import TorqueModel
-from pa10d.model.parameters import ParameterLine
+from pa10d.model.parameters import ParameterLine, parameter_list
 from pa10d.report.blocks import Block, Lines, Section, Table, Text
 from pa10d.report.compare_page import figures_sections, joint_sections, summary_sections
 from pa10d.report.facts import Facts
@@ -72,9 +72,9 @@ def dossier_sections(dossier: Dossier) -> list[Section]:
     """The parts, for this report and for others that hold it."""
     model = dossier.model
     return [
-        _robot(model.robot),
+        robot_section(model.robot),
         _runs(dossier),
-        _identification(dossier),
+        _identification(model),
         _parameters(dossier.parameters),
         *_bodies(model),
         *_validation(dossier),
@@ -82,7 +82,14 @@ def dossier_sections(dossier: Dossier) -> list[Section]:
     ]
 
 
-def _robot(robot: Robot) -> Section:
+def model_sections(model: TorqueModel) -> list[Section]:
+    """What the model says of itself, wherever its runs are."""
+    parts = [_identification(model), _parameters(parameter_list(model)), *_bodies(model)]
+    return [*parts, robot_section(model.robot)]
+
+
+def robot_section(robot: Robot) -> Section:
+    """Its joints and their limits."""
     head = ["joint", "least", "most", "speed", "torque", "unit of angle", "unit of torque"]
     rows = [
         [f"{j + 1} {name}", _figure(robot.lower[j]), _figure(robot.upper[j]),
@@ -120,8 +127,8 @@ def _runs(dossier: Dossier) -> Section:
     return Section("The runs and their motion", [*blocks, Text(note, muted=True)])
 
 
-def _identification(dossier: Dossier) -> Section:
-    model, found = dossier.model, summary(dossier.model)
+def _identification(model: TorqueModel) -> Section:
+    found = summary(model)
     condition = found.condition_number
     shift = f"{1e3 * model.shift:.3g} ms, found and taken out" if model.shift else "none found"
     effects = listed(_grouped(model))

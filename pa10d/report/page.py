@@ -9,6 +9,9 @@ from importlib.resources import files
 
 from pa10d.report.blocks import Block, Numbers
 
+DRAWN = 'data-figure="'
+"""Where a plot stands; a page without one does not carry what draws it."""
+
 TEMPLATE = """<!doctype html>
 <html lang="en">
 <head>
@@ -34,13 +37,14 @@ TEMPLATE = """<!doctype html>
 def page(title: str, subtitle: str, blocks: Sequence[Block], footer: str) -> str:
     """The HTML text."""
     number = Numbers()
+    body = "\n".join(block.render(number) for block in blocks)
     return TEMPLATE.format(
         title=html.escape(title),
         subtitle=html.escape(subtitle),
         footer=html.escape(footer),
-        body="\n".join(block.render(number) for block in blocks),
+        body=body,
         style=_asset("pa10d.report", "style.css"),
-        plotly=plotly_js(),
+        plotly=plotly_js() if DRAWN in body else "",
         plots=_asset("pa10d.figures", "plots.js"),
         behaviour=_asset("pa10d.report", "page.js"),
     )

@@ -88,6 +88,9 @@ def test_staircase_in_units_of_the_noise():
     assert figure["data"][0]["customdata"][1] == [0.5, "+ x"]
     plain = strict(figures.staircase(steps, ["a", "b"]))
     assert plain["data"][0]["y"] == [2.0, 0.5]
+    one_unknown = strict(figures.staircase(steps, ["a", "b"], np.array([0.5, np.nan])))
+    assert [trace["y"] for trace in one_unknown["data"]] == [[2.0, 0.5], [1.0, 1.0]]
+    assert "N·m" in one_unknown["layout"]["yaxis"]["title"]["text"]
 
 
 def test_staircase_measures_with_the_least_noise_that_any_version_sees():
