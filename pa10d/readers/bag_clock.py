@@ -29,7 +29,7 @@ def clock_of(blocks: Sequence[BagRows]) -> tuple[bool, str]:
     zero = int((own <= 0).sum())
     if zero == len(own):
         return True, ""
-    if zero:
+    if zero > FEW:  # a few stand before the others, see begin_of, or simulated time begins there
         return True, f"{zero} of {len(own)} headers have no stamp: times of reception are taken"
     for block in blocks:
         said = _of_one(block)
@@ -52,11 +52,13 @@ def _apart(blocks: Sequence[BagRows]) -> float:
 
 
 def _of_one(block: BagRows) -> str:
-    own = block.times(received=False)
+    own, came_at = block.times(received=False), block.times(received=True)
+    stamped = own > 0
+    own, came_at = own[stamped], came_at[stamped]
     if len(own) < 3:
         return ""
     steps = np.diff(own) * 1e-9
-    came = int((np.diff(block.times(received=True)) > 0).sum())
+    came = int((np.diff(came_at) > 0).sum())
     if came > 2 * int((steps > 0).sum()):
         return (
             "stamps of the headers stand still, or have whole seconds only: times of reception "
@@ -94,10 +96,11 @@ def refuse_two_courses(t: Array, q: Array) -> None:
 
 def begin_of(stamps: Stamps) -> int:
     """Index of the first sample: behind a few that are of long ago, such as one that was kept for
-    whoever would listen."""
+    whoever would listen, or that had no stamp before the clock was known."""
     steps = np.diff(stamps[: FEW + 1]) * 1e-9
     if len(stamps) < 3 * FEW:
         return 0
     usual = float(np.median(np.diff(stamps))) * 1e-9
-    pauses = np.flatnonzero((steps > LONG) & (steps > 100 * usual))
+    nothing = stamps[: len(steps)] <= 0
+    pauses = np.flatnonzero((steps > np.where(nothing, 0.0, LONG)) & (steps > 100 * usual))
     return int(pauses[-1]) + 1 if len(pauses) else 0

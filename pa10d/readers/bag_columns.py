@@ -21,6 +21,8 @@ FIELDS = {"position": "q", "velocity": "dq", "effort": "tau"}
 NEEDED = (".position", ".effort")
 HOLE = 5.0  # usual steps: what is longer was not measured
 SLOW = 3.0  # times the usual step of the others: most of its samples are made up
+SELDOM = 1.5  # usual steps between what comes more seldom; less is lost messages
+FEWEST = 100  # samples of a recording
 SECOND = 1_000_000_000  # ns
 
 
@@ -57,7 +59,7 @@ class _Joined:
             needed = [name for name in largest.names if name in series]
         if not needed:
             raise UserError(f"{self._name}: no number in its messages; expected a recorded motion")
-        lead = max((series[name][0] for name in needed), key=len)
+        lead = self._lead({name: series[name][0] for name in needed})
         keep = self._kept(lead, {name: series[name] for name in needed})
         stamps = lead if keep.all() else lead[keep]
         if not len(stamps):
@@ -72,6 +74,19 @@ class _Joined:
                 refuse_two_courses(t, out[column])
         self._leave_out_speeds(out)
         return ForeignTable(out, self._remarks)
+
+    def _lead(self, stamps: dict[str, Stamps]) -> Stamps:
+        """The stamps that the others are taken at: the most; or those of what comes more seldom,
+        where everything else was measured at each of them as well and nothing is made up."""
+        most, least = (pick(stamps.values(), key=len) for pick in (max, min))
+        seldom = len(least) >= FEWEST and _step(least) > SELDOM * _step(most)
+        if not seldom or not all(np.isin(least, other).all() for other in stamps.values()):
+            return most
+        name = next(name for name, one in stamps.items() if one is least)
+        self._remarks.append(
+            f"{name} comes with {len(least)} of {len(most)} messages: these are taken"
+        )
+        return least
 
     def _fields(self, joints: Sequence[str]) -> dict[str, str]:
         """Name of a column -> its field, for the robot's joints."""
@@ -131,7 +146,7 @@ class _Joined:
         usual = _step(lead)
         between: list[str] = []
         for name, (stamps, _) in needed.items():
-            if stamps is lead or np.array_equal(stamps, lead):
+            if stamps is lead or np.isin(lead, stamps).all():
                 continue
             between.append(name)
             own = max(_step(stamps), usual)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pa10d.common.errors import UserError
 from pa10d.readers.bag_columns import FIELDS, columns_of
 from pa10d.readers.bag_rows import BagTopic, Found
+from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
+from pa10d.readers.signatures import MCAP, ROS1, SQLITE
 from pa10d.readers.table import ForeignTable
 from pa10d.store.column_guess import was_asked_for
 
 Progress = Callable[[float], None]
 EVERY = 100_000  # messages between two words of progress
+KINDS = {".mcap": MCAP, ".db3": SQLITE, ".bag": ROS1}
 STATES = "sensor_msgs/msg/JointState"
 TRAJECTORY = "control_msgs/msg/JointTrajectoryControllerState"
 DYNAMIC = "control_msgs/msg/DynamicJointState"
@@ -41,7 +46,10 @@ def read_bag(
     seen: dict[str, BagTopic] = {}
     try:
         store = get_typestore(Stores.ROS2_HUMBLE)
-        with AnyReader(_opened(path), default_typestore=store) as reader:
+        with (
+            _as_called(path) as named,
+            AnyReader(_opened(named), default_typestore=store) as reader,
+        ):
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
             if not wanted:
                 found = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
@@ -75,6 +83,8 @@ def read_bag(
     kept = {name: seen[name] for name in taken}
     seen.clear()
     remarks = []
+    if unlisted := _unlisted(path):
+        remarks.append(f"{', '.join(unlisted)}: not in metadata.yaml, left out")
     if len(taken) > 1:
         each = (f"{_listed(kept[name].joints(joints), joints)} from {name}" for name in taken)
         remarks.append(f"joined: {'; '.join(each)}")
@@ -153,6 +163,31 @@ def _opened(path: Path) -> list[Path]:
             f"{' of several kinds' if there else ''}; expected a bag's folder"
         )
     return there[0]
+
+
+@contextmanager
+def _as_called(path: Path) -> Iterator[Path]:
+    """rosbags tells files by their names: one that is called otherwise gets a name that says what
+    is in it, for as long as it is read."""
+    head = b"" if path.is_dir() else first_bytes(path, 16)
+    kind = next((kind for kind, begin in KINDS.items() if head.startswith(begin)), path.suffix)
+    if path.is_dir() or path.suffix == kind:
+        yield path
+        return
+    with TemporaryDirectory(prefix="pa10d-bag-") as folder:
+        link = Path(folder) / f"bag{kind}"
+        link.symlink_to(path.absolute())
+        yield link
+
+
+def _unlisted(path: Path) -> list[str]:
+    """Files of a bag that lie beside the others, and its metadata do not know."""
+    meta = path / "metadata.yaml"
+    if not meta.is_file():
+        return []
+    text = meta.read_text(errors="replace")
+    files = sorted(one.name for kind in ("*.db3", "*.mcap") for one in path.glob(kind))
+    return [name for name in files if name not in text]
 
 
 def _keep(topic: BagTopic, message: Any, msgtype: str, received: int) -> None:

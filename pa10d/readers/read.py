@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -30,6 +31,8 @@ Progress = Callable[[float], None]
 CAN_LOGS = (".blf", ".asc", ".trc", ".mf4")
 BY_NAME = (".mcap", ".db3", ".db", ".bag", ".mat", ".npz", ".npy", ".log", *CAN_LOGS)
 PLAIN = (".csv", ".gz", "")
+WITHIN = re.compile(r'"[^"\n]*,[^"\n]*"')
+"""A comma between quotes."""
 LOOK = 1 << 16  # bytes that are looked at to tell plain CSV from other text
 
 
@@ -161,10 +164,10 @@ def _with_stamps(table: ForeignTable) -> ForeignTable:
     if not pairs:
         return table
     columns = dict(table.columns)
-    for sec, nano in pairs:
+    for sec, fine, unit in pairs:
         if "time" not in columns:
             whole = columns.pop(sec)
-            columns = {"time": whole - whole[0] + columns.pop(nano) * 1e-9, **columns}
+            columns = {"time": whole - whole[0] + columns.pop(fine) * unit, **columns}
     return ForeignTable(columns, table.remarks, table.parts)
 
 
@@ -195,6 +198,8 @@ def _is_plain_csv(path: Path) -> bool:
     below = rest.partition(b"\n")[0].decode("utf-8", "replace")
     if text.numbers(names[:2]):
         return False  # a row, not names
+    if WITHIN.search(rest.decode("utf-8", "replace")):
+        return False  # numbers with commas
     cells = below.split(",")
     if len(cells) != len(names) and below.strip() and not text.numbers(cells):
         return False  # lines above the names

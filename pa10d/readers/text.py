@@ -3,6 +3,7 @@ other encodings. Plain CSV has a reader of its own, which names the cell that is
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.readers import decimals, echoed
 from pa10d.readers.moments import seconds_since_first
 from pa10d.readers.packed import DAMAGED, unpacked
 from pa10d.readers.table import ForeignTable
@@ -20,8 +22,11 @@ from pa10d.store.csv_locate import most_unpacked
 
 DELIMITERS = (";", "\t", "|", ",")
 COMMENT = ("#", "%", "//")
-NAMES = ("frame_id", "name.")  # columns of words that rows of ROS messages have
-NANOSECONDS = ("nanosec", "nsec", "nsecs", "nanosecs")
+FINE = {
+    "nanosec": 1e-9, "nsec": 1e-9, "nsecs": 1e-9, "nanosecs": 1e-9, "usec": 1e-6, "usecs": 1e-6,
+    "microsec": 1e-6,
+}  # fmt: skip
+"""What stands beside whole seconds, in a column of its own."""
 LOOK = 1 << 16  # bytes that are looked at to tell the dialect
 ABOVE = 60  # lines within which the first row of numbers is looked for
 FEWEST = 3  # columns of a recording: a stamp, a position, a torque
@@ -34,13 +39,14 @@ SPELT = {
 }  # fmt: skip
 """How a row of units may write what a mapping knows by another word."""
 _EXCEL = re.compile(r"sep=(.)", re.I)
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 
 
 def read_text(path: Path) -> ForeignTable:
     """Every column that holds numbers, and what stands for them."""
     text = _decoded(path)
     lines = text.splitlines()
+    by_rostopic = bool(lines) and echoed.by_rostopic(lines[0])
+    lines[:1] = [echoed.bare_header(line) for line in lines[:1]]
     comments = 0
     while comments < len(lines) and _is_comment(lines[comments]):
         comments += 1
@@ -55,29 +61,30 @@ def read_text(path: Path) -> ForeignTable:
     above = 0 if named_by_excel else _lines_above(body)
     body = body[above:]
     delimiter = named_by_excel[1] if named_by_excel else _delimiter(body[0])
-    comma = delimiter != "," and bool(_DECIMAL_COMMA.search(" ".join(body[:20])))
     first = _cells(body[0], delimiter)
-    echoed = _echoed(body, delimiter)
-    bare = bool(echoed) or all(_number(cell, comma) is not None for cell in first)
+    names = echoed.by_ros2_topic([_cells(line, delimiter) for line in body[:2]])
+    from_ros2 = bool(names)
+    bare = from_ros2 or all(map(decimals.is_number, first))
     units: list[str] = []
-    if echoed:
-        names = echoed
-    elif bare:
-        names = _names_above(lines[:comments], delimiter, len(first))
-    else:
+    if bare and not from_ros2:
+        names, units = _names_above(lines[:comments], delimiter, len(first))
+    elif not bare:
         names, body = first, body[1:]
-        units = _units(body[0], delimiter, len(names), comma) if body else []
+        units = _units(body[0], delimiter, len(names)) if body else []
         body = body[1:] if units else body
     named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
     _refuse_twice(path, named, len(lines) - len(body))
     below = len(lines) - len(body) + 1
-    remarks = [f"no header: columns are called {names[0]} … {names[-1]}"] if bare else []
-    if echoed:
+    nameless = bare and names[:1] == ["c1"]
+    remarks = [f"no header: columns are called c1 … {names[-1]}"] if nameless else []
+    if from_ros2:
         remarks = ["rows of ros2 topic echo --csv, of sensor_msgs/JointState by their shape"]
     if above:
         remarks.append(f"{above} {'line' if above == 1 else 'lines'} above the header left out")
-    found = _numbers(path, body, named, delimiter, comma, below)
-    left = [name for name in named if name not in found and not (echoed and name.startswith(NAMES))]
+    found, words = _columns(path, body, named, delimiter, below)
+    if by_rostopic:
+        found, words = echoed.of_rostopic(path, found, words)
+    left = [name for name in words if not (from_ros2 and name.startswith(echoed.WORDS))]
     if left:
         remarks.append(f"no numbers in {', '.join(left)}: left out")
     return ForeignTable(found, remarks)
@@ -114,23 +121,23 @@ def _lines_above(body: list[str]) -> int:
 
 
 def _mostly_numbers(cells: list[str]) -> bool:
-    found = [_number(cell, comma=True) is not None for cell in cells if cell]
+    found = [decimals.is_number(cell) for cell in cells if cell]
     return 2 * sum(found) > len(found)
 
 
 def numbers(cells: list[str]) -> bool:
     """Whether this is a row of samples, not of names."""
-    return all(_number(cell, comma=False) is not None for cell in cells)
+    return all(decimals.Style().number(cell) is not None for cell in cells)
 
 
-def stamps_in_two(names: list[str]) -> list[tuple[str, str]]:
-    """Columns of seconds, each with the one that has its nanoseconds."""
+def stamps_in_two(names: list[str]) -> list[tuple[str, str, float]]:
+    """Columns of seconds, each with the one that has the rest, and what one of that is in s."""
     out = []
     for sec in names:
         end = sec.rpartition(".")[2]
         if end.lower() in ("sec", "secs"):
-            fine = (sec[: len(sec) - len(end)] + word for word in NANOSECONDS)
-            out += [(sec, name) for name in fine if name in names][:1]
+            fine = ((sec[: len(sec) - len(end)] + word, unit) for word, unit in FINE.items())
+            out += [(sec, name, unit) for name, unit in fine if name in names][:1]
     return out
 
 
@@ -138,7 +145,7 @@ def units_or_moments(line: str) -> bool:
     """Whether the row below the names holds their units, or stamps that are no numbers."""
     cells = _cells(line, ",")
     moments = any(":" in cell and seconds_since_first([cell]) is not None for cell in cells)
-    return moments or bool(_units(line, ",", len(cells), comma=False))
+    return moments or bool(_units(line, ",", len(cells)))
 
 
 def _decoded(path: Path) -> str:
@@ -150,8 +157,8 @@ def _decoded(path: Path) -> str:
         raise UserError(f"{path}: the packed data are damaged; expected a whole file") from error
     if len(raw) > most:
         raise UserError(f"{path}: becomes more than {most} bytes of text; expected a recording")
-    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return raw.decode("utf-16", "replace")
+    if (form := _wide(raw)) is not None:
+        return raw.decode(form, "replace").removeprefix("\ufeff")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -161,6 +168,20 @@ def _decoded(path: Path) -> str:
                 "(.db3, .mcap), Parquet, MAT, .npz or a CAN log"
             ) from None
         return raw.decode("latin-1")
+
+
+def _wide(raw: bytes) -> str | None:
+    """The encoding of text whose letters have several bytes, said by its mark or by its zeros."""
+    if raw.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        return "utf-32"
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    head = raw[:200]
+    if len(head) >= 20 and not head[0] and not any(head[::2]):
+        return "utf-16-be"
+    if len(head) >= 20 and head[0] and not any(head[1::2]):
+        return "utf-16-le"
+    return None
 
 
 def _is_comment(line: str) -> bool:
@@ -185,54 +206,30 @@ def _cells(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in found]
 
 
-def _number(cell: str, comma: bool) -> float | None:
-    try:
-        return float(cell.replace(",", ".") if comma else cell)
-    except ValueError:
-        return None
-
-
-def _names_above(comments: list[str], delimiter: str, count: int) -> list[str]:
-    """The last comment that names as many columns; else c1 … for ``--map``."""
+def _names_above(comments: list[str], delimiter: str, count: int) -> tuple[list[str], list[str]]:
+    """The last comment that names as many columns, and their units where the one below it has
+    those; else c1 … for ``--map``."""
+    units: list[str] = []
     for line in reversed(comments):
         bare = line.lstrip().lstrip("#%/").strip()
         for sign in (delimiter, ",", " "):
             cells = [c for c in _cells(bare, sign) if c] if bare else []
-            if len(cells) == count:
-                return cells
-    return [f"c{k + 1}" for k in range(count)]
+            if len(cells) != count:
+                continue
+            if units or not (found := _units(bare, sign, count)):
+                return cells, units
+            units = found
+            break
+    return [f"c{k + 1}" for k in range(count)], []
 
 
-def _units(line: str, delimiter: str, count: int, comma: bool) -> list[str]:
+def _units(line: str, delimiter: str, count: int) -> list[str]:
     cells = [cell.strip("[]() ") for cell in _cells(line, delimiter)]
     cells = [cell if cell in UNITS else SPELT.get(cell, SPELT.get(cell.lower(), cell))
              for cell in cells]  # fmt: skip
     known = [cell in UNITS or not cell or cell == "-" for cell in cells]
-    numbers = any(_number(cell, comma) is not None for cell in cells)
-    return cells if len(cells) == count and all(known) and not numbers else []
-
-
-def _echoed(body: list[str], delimiter: str) -> list[str]:
-    """Names for the rows of ``ros2 topic echo --csv`` of joint states: seconds, nanoseconds, a
-    frame, the joints' names, their positions, speeds and efforts."""
-    rows = [_cells(line, delimiter) for line in body[:2]]
-    if len(rows) < 2 or len(rows[0]) < 6 or not all(row[0].isdigit() for row in rows):
-        return []
-    words = [k for k, cell in enumerate(rows[0]) if _number(cell, comma=False) is None]
-    joints = [rows[0][k] for k in words if k > 2]
-    numbers = len(rows[0]) - 3 - len(joints)
-    kinds = ("position", "velocity", "effort")
-    told = (
-        joints
-        and words[-len(joints) :] == list(range(3, 3 + len(joints)))
-        and rows[0][1].isdigit()
-        and numbers == len(kinds) * len(joints)  # of two it is not said which two
-        and rows[0][2 : 3 + len(joints)] == rows[1][2 : 3 + len(joints)]
-    )
-    if not told:
-        return []
-    blocks = [f"{joint}.{kind}" for kind in kinds for joint in joints]
-    return ["sec", "nanosec", "frame_id", *(f"name.{joint}" for joint in joints), *blocks]
+    numbers = any(map(decimals.is_number, cells))
+    return cells if len(cells) == count and all(known) and any(cells) and not numbers else []
 
 
 def _paired(names: list[str], units: list[str]) -> list[tuple[str, str]]:
@@ -243,9 +240,10 @@ def _paired(names: list[str], units: list[str]) -> list[tuple[str, str]]:
     ]
 
 
-def _numbers(
-    path: Path, body: list[str], names: list[str], delimiter: str, comma: bool, below: int
-) -> dict[str, Array]:
+def _columns(
+    path: Path, body: list[str], names: list[str], delimiter: str, below: int
+) -> tuple[dict[str, Array], dict[str, list[str]]]:
+    """Numbers, and the cells of the columns that hold none."""
     rows = [
         (below + k, _cells(line, delimiter))
         for k, line in enumerate(body)
@@ -256,18 +254,29 @@ def _numbers(
             last = "; was the file cut off?" if line == rows[-1][0] else ""
             found = f"{path}:{line}: found {len(cells)} columns, expected {len(names)}{last}"
             raise UserError(found)
+    columns = [[cells[k] for _, cells in rows] for k in range(len(names))]
+    tidy = [decimals.tidy(column) for column in columns]
+    try:
+        styles = decimals.styles_of(tidy)
+    except decimals.Ambiguous as error:
+        raise UserError(
+            f"{path}: column {error.column + 1} ({names[error.column]}): {error.cell!r} may be "
+            "thousands or have decimals; expected one sign before decimals in all columns"
+        ) from error
     out: dict[str, Array] = {}
+    words: dict[str, list[str]] = {}
     for k, name in enumerate(names):
-        column = [cells[k] for _, cells in rows]
-        values = [_number(cell, comma) if cell else np.nan for cell in column]
+        values = decimals.values_of(tidy[k], styles[k])
         if all(value is not None for value in values):
             out[name] = np.array(values, dtype=np.float64)
-        elif (stamps := seconds_since_first(column)) is not None:
+        elif (stamps := seconds_since_first(columns[k])) is not None:
             out[name] = stamps
         elif sum(value is not None for value in values) > len(values) / 2:
             row = next(i for i, value in enumerate(values) if value is None)
             raise UserError(
-                f"{path}:{rows[row][0]}: column {k + 1} ({name}): found {column[row]!r}, "
+                f"{path}:{rows[row][0]}: column {k + 1} ({name}): found {columns[k][row]!r}, "
                 "expected a finite number"
             )
-    return out
+        else:
+            words[name] = columns[k]
+    return out, words

@@ -17,14 +17,20 @@ WORDS = {
 }
 VAGUE = {"q": r"joint|\bstate"}  # where no name says more
 DEMANDED = re.compile(
-    r"desired|target|command|\bcmd|\bref|setpoint|goal|error|\bdes|\baction", re.I
+    r"desired|demand|target|command|\bcmd|\bref|set ?point|goal|error|\bdes|\baction|planned|wanted"
+    r"|\bsoll|\bd\d*\b",
+    re.I,
 )
+"""A lone d, too: q_d and tau_J_d are what Franka's arms are asked for."""
+NOT_ALL = re.compile(r"\bext|external|gravity|coriolis|residual|contact|feed ?forward|\bff\b", re.I)
+"""Words of torques that are not, or not all, that the motor gave."""
 TIMES = {
     "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
     "zeit",
 }  # fmt: skip
+_A_TIME = re.compile(r"time|stamp|zeit|\bdate\b|\bclock\b|elapsed", re.I)
 _NUMBER = re.compile(r"\d+")
-_UNIT = re.compile(r"_(deg|rad|ms|us|ns|Nm|mNm|rpm)(_s|_?ps)?$")
+_UNIT = re.compile(r"_(deg|mrad|rad|ms|us|ns|Nm|mNm|cNm|rpm)(_s|_?ps)?\d*$")
 
 
 def guess(names: Sequence[str], n: int) -> list[str]:
@@ -40,11 +46,12 @@ def guessed(
     out = []
     if not demanded:
         times = [name for name in names if _bare(name) in TIMES]
+        times = times or [name for name in names if _A_TIME.search(_plain(name))]
         out = [Choice(name, "time", unit_in(name)) for name in sorted(times, key=_not_time)[:1]]
     taken = {choice.column for choice in out}
     open_to = [
         name for name in names
-        if name not in taken and was_asked_for(name) == demanded
+        if name not in taken and was_asked_for(name) == demanded and not _is_a_part(name)
     ]  # fmt: skip
     for field in PER_JOINT:
         for words in (WORDS[field], VAGUE.get(field)):
@@ -60,6 +67,12 @@ def guessed(
 def was_asked_for(name: str) -> bool:
     """Whether a column is called like something that a controller wants, not a measurement."""
     return bool(DEMANDED.search(_plain(name)))
+
+
+def _is_a_part(name: str) -> bool:
+    """Whether a torque is called like one that is not all that the motor gave."""
+    plain = _plain(name)
+    return bool(NOT_ALL.search(plain) and re.search(WORDS["tau"], plain, re.I))
 
 
 def unit_in(name: str) -> str:

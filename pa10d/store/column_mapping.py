@@ -23,7 +23,8 @@ UNITS = {
     "m": 1.0, "mm": 1e-3,
     "rad/s": 1.0, "deg/s": math.pi / 180, "°/s": math.pi / 180, "rpm": math.pi / 30,
     "rev/s": 2 * math.pi, "m/s": 1.0, "mm/s": 1e-3,
-    "Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "N*m": 1.0, "mNm": 1e-3, "Nmm": 1e-3, "kNm": 1e3, "N": 1.0,
+    "Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "N*m": 1.0, "mNm": 1e-3, "Nmm": 1e-3, "kNm": 1e3,
+    "cNm": 1e-2, "Ncm": 1e-2, "N": 1.0,
     "A": 1.0, "mA": 1e-3, "°C": 1.0, "degC": 1.0, "C": 1.0,
 }  # fmt: skip
 """Unit -> what one of it is in SI."""

@@ -107,6 +107,25 @@ def test_joints_are_known_by_the_robot_s_names(robot):
     assert guess(["t_ms", "joint0", "joint1", "x1"], 2) == ["t_ms[ms]=time", "joint{n-1}=q"]
 
 
+def test_what_was_asked_for_and_parts_of_a_torque_are_not_taken_for_measurements():
+    """As Franka's arms are logged: q_d and tau_J_d are wanted, tau_ext is a part."""
+    kinds = ("q_d", "q", "dq", "tau_J_d", "tau_ext_hat_filtered", "tau_J")
+    names = ["t", *(f"{kind}[{j}]" for kind in kinds for j in range(2))]
+    rules = ["t=time", "q[{n-1}]=q", "dq[{n-1}]=dq", "tau_J[{n-1}]=tau"]
+    assert guess(names, 2) == rules
+    names = ["Zeit", *(f"{kind}_{j}" for kind in ("SollWinkel", "Winkel") for j in (1, 2))]
+    assert guess(names, 2) == ["Zeit=time", "Winkel_{n}=q"]
+
+
+def test_a_clock_and_units_are_known_by_more_than_one_word():
+    assert guess(["sampleTime_ms", "pos_deg1", "pos_deg2"], 2) == [
+        "sampleTime_ms[ms]=time", "pos_deg{n}[deg]=q",
+    ]  # fmt: skip
+    assert guess(["k", "time, s", "q1_mrad", "q2_mrad", "tau1_cNm", "tau2_cNm"], 2) == [
+        "time, s=time", "q{n}_mrad[mrad]=q", "tau{n}_cNm[cNm]=tau",
+    ]  # fmt: skip
+
+
 def test_columns_without_names_are_told_by_their_values(tmp_path, motion, robot):
     t, q, dq, tau = motion
     blocks = {"time": t[:, None], "q": q, "wanted": q + 0.001, "dq": dq, "tau": tau}

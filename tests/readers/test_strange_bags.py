@@ -90,6 +90,10 @@ def one_header_missing(bag, k):
     bag.add(k, at=0 if k == 0 else NS[k] - BEGIN + 5 * 10**9, came=NS[k])
 
 
+def simulated(bag, k):
+    bag.add(k, at=NS[k] - BEGIN, came=NS[k] + int(4e6 * np.random.default_rng(k).uniform()))
+
+
 def header_stands(bag, k):
     bag.add(k, at=BEGIN, came=NS[k])
 
@@ -132,7 +136,7 @@ WHOLE = {
     "no speed at first": (no_speed_at_first, "velocity has 6 values that are none: left out"),
     "received late": (received_late, ""),
     "no header": (no_header, ""),
-    "one header missing": (one_header_missing, "1 of 600 headers have no stamp"),
+    "simulated time begins at nothing": (simulated, ""),
     "a header that stands still": (header_stands, "times of reception are taken"),
     "whole seconds": (whole_seconds, "times of reception are taken"),
     "a clock set back": (set_back, "go back by 0.295 s after 1.495 s (a clock was set)"),
@@ -151,6 +155,36 @@ def test_the_right_arrays(tmp_path, robot, kind):
     np.testing.assert_array_equal(found.samples.tau, TAU)
     assert told in " ".join(found.header_warnings)
     assert bool(told) is bool(found.header_warnings)
+
+
+def test_a_header_without_a_stamp_costs_its_message_not_the_clock(tmp_path, robot):
+    found = read_recording(made(tmp_path, one_header_missing), *robot)
+    np.testing.assert_array_equal(found.samples.tau, TAU[1:])
+    assert "1 messages of 5 s before: left out" in found.header_warnings[0]
+
+
+def test_torques_with_every_other_message_are_not_made_up_between(tmp_path, robot):
+    path = made(tmp_path, lambda bag, k: bag.add(k, effort=NONE if k % 2 else TAU[k]))
+    found = read_recording(path, *robot)
+    assert found.timing.rate == pytest.approx(100)
+    np.testing.assert_array_equal(found.samples.tau, TAU[::2])
+    np.testing.assert_array_equal(found.samples.q, Q[::2])
+    (said,) = found.header_warnings
+    assert "shoulder.effort comes with 300 of 600 messages: these are taken" in said
+
+
+@pytest.mark.parametrize("name", ["bag.sqlite3", "recording", "bag.bag"])
+def test_a_file_is_what_is_in_it_whatever_it_is_called(tmp_path, robot, name):
+    (file,) = made(tmp_path, Bag.add).glob("*.db3")
+    np.testing.assert_array_equal(read_recording(file.rename(tmp_path / name), *robot).samples.q, Q)
+
+
+def test_a_file_that_the_metadata_do_not_know_is_told(tmp_path, robot):
+    path = made(tmp_path, Bag.add)
+    (file,) = path.glob("*.db3")
+    (path / "bag_1.db3").write_bytes(file.read_bytes())
+    (said,) = read_recording(path, *robot).header_warnings
+    assert "bag_1.db3: not in metadata.yaml, left out" in said
 
 
 def two_senders(until=N, pause=(0, 0), every=1):
