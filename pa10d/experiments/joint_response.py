@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pa10d.control.gains import BUS_DELAY
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.servo_design import Case
+from pa10d.experiments.sliding import Friction, Sway
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -25,25 +26,16 @@ Complex = NDArray[np.complex128]
 SMOOTH = 10.0  # Hz below which friction is looked for
 SLIDES = 0.01  # rad/s: slower is stuck
 FEWEST = 30  # samples that slide
-PATH = 3  # degree of the path through a window of steady sliding
 DRIFT = 2  # degree of what a window has beside the lines
 ALIKE = 0.05  # of a response: what no model of ours explains
 PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF says
 STEEPEST = 5.0  # times the URDF's slope, of either sign
 SLOPE = 1.0  # by which gravity's slope may differ from the URDF's, of it: masses are rough, too
 LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
+SEEN = 0.1  # how far, as a logarithm, a sway may be from where it was seen
+FELT = 0.15  # … its stiffness, rotor and link
 SPRINGY = 5.0  # by which a spring has to lower the misfit, times ln of the number of points
 DOUBT = (1.25, 3.0)  # least and most
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Of one joint, N·m and N·m·s/rad; moved: rad that it went; effort: N·m, half the range."""
-
-    coulomb: float
-    viscous: float
-    moved: float
-    effort: float
 
 
 def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Friction:
@@ -66,33 +58,6 @@ def friction_of(q: Array, torque: Array, rate: float, inertia: float) -> Frictio
     lower = np.array([0.0, 0.0, -np.inf, -np.inf])
     found = scipy.optimize.lsq_linear(columns / scale, wanted, bounds=(lower, np.inf)).x / scale
     return Friction(float(found[0]), float(found[1]), moved, reach)
-
-
-def stroke_friction(strokes: Sequence[tuple[Array, Array]], rate: float) -> Friction | None:
-    """From windows of steady sliding, each angle and sent torque (N,), to and fro over one way at
-    two speeds; None where the joint did not slide both ways.
-
-    torque = C·sgn(dq) + B·dq + J·ddq + g0 + g1·q, by least squares, with a smooth path through each
-    window: to and fro are not seen in quite the same places, and what gravity gains from one to the
-    other is no friction. What shakes or rings in a window has no share in it.
-    """
-    columns, efforts, speeds = [], [], []
-    for q, torque in strokes:
-        t = np.arange(len(q)) / rate
-        path = np.polynomial.Polynomial.fit(t, q, PATH)
-        dq, ddq = path.deriv()(t), path.deriv(2)(t)
-        speeds.append(float(dq.mean()))
-        columns.append(np.stack([np.sign(speeds[-1]) + 0 * t, dq, ddq, 0 * t + 1, path(t)], axis=1))
-        efforts.append(torque)
-    if min(max(speeds, default=0.0), -min(speeds, default=0.0)) < SLIDES:
-        return None
-    seen, wanted = np.concatenate(columns), np.concatenate(efforts)
-    scale = np.maximum(np.linalg.norm(seen, axis=0), 1e-6)
-    lower = np.array([0.0, 0.0, 0.0, -np.inf, -np.inf])
-    found = scipy.optimize.lsq_linear(seen / scale, wanted, bounds=(lower, np.inf)).x / scale
-    coulomb, viscous = float(found[0]), float(found[1])
-    moved = max(float(np.ptp(q)) for q, _ in strokes)
-    return Friction(coulomb, viscous, moved, coulomb + viscous * max(map(abs, speeds)))
 
 
 @dataclass(frozen=True)
@@ -160,12 +125,20 @@ class Fitted:
     misfit: float
 
 
-def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate: float) -> Fitted:
+def fitted_response(
+    seen: Sequence[Response],
+    rotor: float,
+    viscous: float,
+    rate: float,
+    sway: Sway | None = None,
+) -> Fitted:
     """One joint in one or more poses: rotor + link × the URDF's inertia, rigid or with a spring.
 
     rotor, viscous: what is thought; with one pose alone the two inertias cannot be told apart, and
     stay in the ratio that is thought. A spring is believed where it lowers the misfit much.
     Gravity's slope is fitted along: a link that hangs swings at a line as behind a soft spring.
+    sway: of the first of these poses, where a link was seen to sway behind a spring: slower than
+    the lines, it is in none of them, and without it they show a light rigid joint.
     """
     start = np.log([max(rotor, 1e-9), 1.0])
     friction = np.log(max(viscous, 1e-2 * rotor))
@@ -175,17 +148,23 @@ def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate
         for one in seen:
             off = np.log(one.value / _model(x, one, rate)) / one.error
             parts += [off.real, off.imag]
+        if sway is not None:
+            parts.append(_off_sway(x, seen[0], sway))
         return np.concatenate(parts)
 
     low = [*(start - 4.0), friction - 3.0, -0.5 / rate, -STEEPEST]
     high = [*(start + 4.0), friction + 3.0, LONGEST, STEEPEST]
     first = np.array([*start, friction, 1e-4, 1.0])
-    best = scipy.optimize.least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
     points = 2 * sum(len(one.lines) for one in seen)
-    chosen, cost = best.x, best.cost - 0.5 * SPRINGY * np.log(points)
     swings = 2.0 * np.log(2 * np.pi * np.geomspace(seen[0].lines[0], 0.7 * seen[0].lines[-1], 4))
     # where the rotor swings on the spring, or the link does and keeps the rotor still
-    for stiffness in [*(swings + start[0]), *(swings + np.log(max(seen[0].inertia, rotor)))]:
+    springs = [*(swings + start[0]), *(swings + np.log(max(seen[0].inertia, rotor)))]
+    if sway is None:
+        best = scipy.optimize.least_squares(misfit, first, bounds=(low, high), loss="soft_l1")
+        chosen, cost = best.x, best.cost - 0.5 * SPRINGY * np.log(points)
+    else:
+        chosen, cost, springs = first, np.inf, [float(np.log(sway.stiffness))]
+    for stiffness in springs:
         ends = [*low, stiffness - 3.0], [*high, stiffness + 3.0]
         tried = scipy.optimize.least_squares(
             misfit, [*first, stiffness], bounds=ends, loss="soft_l1"
@@ -196,6 +175,17 @@ def fitted_response(seen: Sequence[Response], rotor: float, viscous: float, rate
     stiffness = float(np.exp(chosen[5])) if len(chosen) > 5 else np.inf
     left = float(np.sqrt(2 * max(cost, 0.0) / points))
     return Fitted(inertia, link, damping, float(chosen[3]), stiffness, left)
+
+
+def _off_sway(x: Array, one: Response, sway: Sway) -> Array:
+    """What was seen of a sway against what this joint would do, in units of its errors."""
+    rotor, stiffness = (float(np.exp(v)) for v in (x[0], x[5]))
+    link, left = float(np.exp(x[1])) * one.inertia, stiffness - float(x[4]) * one.gravity
+    swings = np.log(max(left, 1e-3 * stiffness) / link) - 2.0 * np.log(2.0 * np.pi * sway.hertz)
+    felt = np.log(
+        [stiffness / sway.stiffness, rotor / max(sway.rotor, 1e-3 * rotor), link / sway.link]
+    )
+    return np.array([0.5 * swings / SEEN, *(felt / FELT)])
 
 
 def _model(x: Array, one: Response, rate: float) -> Complex:

@@ -16,17 +16,16 @@ from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.felt_bodies import felt_bodies
 from pa10d.experiments.joint_response import (
     Fitted,
-    Friction,
     Response,
     fitted_response,
     friction_of,
     response_of,
-    stroke_friction,
     with_friction,
     with_response,
 )
 from pa10d.experiments.seen import Seen, Stroke
 from pa10d.experiments.shaking import lines_of
+from pa10d.experiments.sliding import Friction, Sway, own_sways, slid_friction
 from pa10d.trajectory.kinds.first_motion import NUDGE
 
 Array = NDArray[np.float64]
@@ -34,6 +33,7 @@ Array = NDArray[np.float64]
 AROUND = 0.2  # s before and after a stroke that belong to it
 FEW = 0.7  # of a viscous friction that was seen in a few moments of sliding
 HALF_KNOWN = 2.0  # doubt of inertias where friction is known to damp
+SOFTEST = 0.25  # of the torque limit, per rad: a gear that gave way by more would be none
 BLOCKED = 0.25  # of the way that a joint should have gone to either side
 
 
@@ -56,10 +56,14 @@ def measured_figures(
         half = with_friction(presumed.but(doubt=HALF_KNOWN * np.ones(robot.n)), surer)
         about = presumed.about if before is None else before.about
         return half.but(bodies=felt_bodies(robot, half, seen), about=about)
-    friction |= {j: _stroke_friction(parts, robot, j) for j in range(robot.n)}
+    slid = {j: _slid(parts, robot, j, friction[j].coulomb) for j in range(robot.n)}
+    friction |= {j: found for j, (found, _) in slid.items()}
+    sways = own_sways({j: sway for j, (_, sway) in slid.items() if sway is not None})
     responses = {j: found for j in range(robot.n) if (found := _responses(robot, parts, step, j))}
     fits: dict[int, Fitted] = {
-        j: fitted_response(found, float(presumed.rotor[j]), friction[j].viscous, nudged.rate)
+        j: fitted_response(
+            found, float(presumed.rotor[j]), friction[j].viscous, nudged.rate, sways.get(j)
+        )
         for j, found in responses.items()
     }
     whole = with_response(with_friction(presumed, friction), fits)
@@ -126,16 +130,19 @@ def _here(parts: Mapping[str, Seen]) -> dict[str, Seen]:
     return {name: seen for name, seen in parts.items() if name != "poses"}
 
 
-def _stroke_friction(parts: Mapping[str, Seen], robot: Robot, j: int) -> Friction:
-    """From strokes to and fro; where it stuck in one of them, from whatever slid."""
-    windows = [(one.q[:, j], one.torque) for one in _strokes(_here(parts), j, "shaken", "quick")]
+def _slid(
+    parts: Mapping[str, Seen], robot: Robot, j: int, dry: float
+) -> tuple[Friction, Sway | None]:
+    """From all strokes about the first pose; where they stuck to one side, from whatever slid."""
     seen = parts["response"]
-    if (found := stroke_friction(windows, seen.rate)) is not None:
-        return found
     spans = [span for span in seen.plan.spans if span.label.startswith(f"joint {j + 1} ")]
     cut = seen.between(spans[0].begin - AROUND, spans[-1].end + AROUND)
+    q, torque = seen.q[cut, j], seen.torque[cut, j]
+    softest = SOFTEST * robot.effort[j] if np.isfinite(robot.effort[j]) else 0.0
+    if (found := slid_friction(q, torque, seen.rate, softest, dry)) is not None:
+        return found
     own = presumed_figures(robot).rotor[j] + mass_matrices(robot, seen.q[cut][:1])[0, j, j]
-    return friction_of(seen.q[cut, j], seen.torque[cut, j], seen.rate, float(own))
+    return friction_of(q, torque, seen.rate, float(own)), None
 
 
 def _responses(robot: Robot, parts: Mapping[str, Seen], step: Array, j: int) -> list[Response]:

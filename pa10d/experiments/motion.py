@@ -99,8 +99,7 @@ def measured_torque(
 ) -> Array:
     """(N, n) N·m that measured friction and inertia ask for along the motion, and the small torques
     of a first motion on top; no more than a joint can give, be it on top of what holds it."""
-    _, q, dq, ddq = whole.samples
-    ahead = torque_ahead(robot, figures, q, dq, ddq)
+    ahead = torque_ahead(robot, figures, whole.samples)
     t = np.arange(1.0, whole.last - whole.first + 1.0) / rate
     ahead[whole.first : whole.last] += small_torques(plan, robot, figures, t, rate)
     return np.clip(ahead, -robot.effort, robot.effort)

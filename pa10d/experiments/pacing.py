@@ -7,7 +7,7 @@ less far: it keeps the error that it may have as its margin.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ UNKNOWN = (
 )
 LOOK = 100.0  # Hz
 LEAST = 0.5  # of its way that a joint turns at least
+SMALLER = 0.9  # of what a joint may be off, that is aimed at where it turns less far for that
 STILL = 1e-6  # rad: a joint that does not leave its middle
 REMEDY = "use computed torque with a model, a smaller motion, or raise control.rate"
 
@@ -47,11 +48,13 @@ class Joints:
 @dataclass(frozen=True)
 class Adjusted:
     """How a motion differs from what was asked for. pace: how many times slower, 1 for not at all,
-    and ``why``; less_far: joint, from 1 -> share of its way that it leaves out."""
+    and ``why``; joint, from 1 -> share of its way that it leaves out: less_far, for its position
+    limits, smaller, because it could not be followed at any pace."""
 
     pace: float
     why: str
     less_far: Mapping[int, float]
+    smaller: Mapping[int, float] = field(default_factory=dict)
 
     @property
     def phrases(self) -> list[str]:
@@ -59,9 +62,12 @@ class Adjusted:
         said = []
         if self.pace > 1.0:
             said.append(f"{self.why}: run at 1/{self.pace:g} of the speed")
-        if self.less_far:
-            each = ", ".join(f"joint {j}: {100 * x:.2g} %" for j, x in self.less_far.items())
-            said.append(f"turned less far, to keep clear of position limits ({each})")
+        for left_out, why in (
+            (self.less_far, "to keep clear of position limits"),
+            (self.smaller, "to keep to their paths"),
+        ):
+            each = ", ".join(f"joint {j}: {100 * x:.2g} %" for j, x in left_out.items())
+            said += [f"turned less far, {why} ({each})"] if each else []
         return said
 
     def document(self) -> JsonObject | None:
@@ -71,7 +77,8 @@ class Adjusted:
         return {
             "pace": self.pace,
             "why": self.why,
-            "less_far": [{"joint": j, "share": share} for j, share in self.less_far.items()],
+            "less_far": _listed(self.less_far),
+            "smaller": _listed(self.smaller),
             "sentence": f"Not quite as asked for: {'; '.join(self.phrases)}.",
         }
 
@@ -90,33 +97,61 @@ def paced(
     plan: Plan, start: Array, robot: Robot, limits: ArmLimits, rate: float, joints: Joints
 ) -> Paced:
     """The plan itself where it can be followed, else at the first pace at which it can; joints that
-    would come close to their position limits turn less far."""
+    would come close to their position limits turn less far, and so do those that could be followed
+    at no pace: what gravity may be off by does not get less by slowness alone."""
+
+    def as_felt(whole: Whole) -> Whole:
+        return _without_torque(whole) if len(joints.figures.bodies) else whole
+
+    def looked_at(tried: Plan, pace: float) -> tuple[Whole, Predicted]:
+        whole = as_felt(whole_motion(tried, start, robot, rate, pace))
+        return whole, _predicted(tried, whole, robot, limits, rate, joints)
+
+    def followed(tried: Plan, whole: Whole, found: Predicted, done: Adjusted) -> Paced | str:
+        if problem := found.problem(limits):
+            return problem
+        share, about = _room(whole, limits, found)
+        tight = share < 1.0
+        if not tight.any():
+            return Paced(tried, whole, _said(done, found), done)
+        narrow = tried.narrowed(share, about)
+        narrowed = as_felt(whole_motion(narrow, start, robot, rate, done.pace))
+        if (share >= LEAST).all() and not narrowed.violations:
+            done = replace(done, less_far=_left_out(share))
+            return Paced(narrow, narrowed, _said(done, found), done)
+        j = int(np.argmin(share))
+        return (
+            f"joint {j + 1} comes close to its position limit and may be "
+            f"{DOUBT * found.error[j]:.2g} rad from its path"
+        )
+
     first = ""
     for pace in PACES:
         slower = plan if pace == 1.0 else plan.slowed(pace)
-        whole = whole_motion(slower, start, robot, rate, pace)
-        found = _predicted(slower, whole, robot, limits, rate, joints)
-        problem = found.problem(limits)
-        if not problem:
-            share, about = _room(whole, limits, found)
-            tight = share < 1.0
-            if not tight.any():
-                done = Adjusted(pace, first, {})
-                return Paced(slower, whole, _said(done, found), done)
-            j = int(np.argmin(share))
-            narrow = slower.narrowed(share, about)
-            narrowed = whole_motion(narrow, start, robot, rate, pace)
-            if (share >= LEAST).all() and not narrowed.violations:
-                done = Adjusted(pace, first, _left_out(share))
-                return Paced(narrow, narrowed, _said(done, found), done)
-            problem = (
-                f"joint {j + 1} comes close to its position limit and may be "
-                f"{DOUBT * found.error[j]:.2g} rad from its path"
-            )
-        first = first or problem
+        whole, found = looked_at(slower, pace)
+        answer = followed(slower, whole, found, Adjusted(pace, first, {}))
+        if isinstance(answer, Paced):
+            return answer
+        first = first or answer
+    share = np.ones(robot.n)
+    while (share := share * SMALLER / np.maximum(found.over(limits), SMALLER)).min() >= LEAST:
+        small = slower.narrowed(share, start)  # where what holds the arm is known
+        whole, found = looked_at(small, pace)
+        done = Adjusted(pace, first, {}, _left_out(share))
+        tried = followed(small, whole, found, done)
+        if isinstance(tried, Paced) and not tried.whole.violations:
+            return tried
+        if not (found.over(limits) > 1.0).any():
+            break
     whole = whole_motion(plan, start, robot, rate)
-    text = f"{first}, and at a quarter of the speed {problem}; {REMEDY}"
+    text = f"{first}, and at a quarter of the speed {answer}; {REMEDY}"
     return Paced(plan, whole, Check("error", "tracking", text))
+
+
+def _without_torque(whole: Whole) -> Whole:
+    """Without what a rough URDF says of torque, where the prediction has it by the bodies as they
+    were felt and all that they may be, with friction."""
+    return replace(whole, violations=tuple(v for v in whole.violations if v.kind != "torque"))
 
 
 def _room(whole: Whole, limits: ArmLimits, found: Predicted) -> tuple[Array, Array]:
@@ -134,6 +169,10 @@ def _room(whole: Whole, limits: ArmLimits, found: Predicted) -> tuple[Array, Arr
     reach = np.maximum(0.5 * (upper - lower)[tight] - left[tight], STILL)
     share[tight] = 1.0 - lacking[tight] / reach
     return share, about
+
+
+def _listed(left_out: Mapping[int, float]) -> list[dict[str, float]]:
+    return [{"joint": j, "share": share} for j, share in left_out.items()]
 
 
 def _left_out(share: Array) -> dict[int, float]:

@@ -10,26 +10,23 @@ margins (``servo_design``) allow for it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
-from pa10d.control.gains import PidGains, gravity_slope
+from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures, inertias
 from pa10d.control.limits import ArmLimits
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.shaking import torque_ahead
+from pa10d.experiments.wound_springs import LOSS, behind_spring, filtered, links_along
 from pa10d.trajectory.motions import MotionSamples
 
 Array = NDArray[np.float64]
 
 DOUBT = 2.0  # times the predicted error: as large it was seen, on arms their URDF describes badly
 FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
-SPRING_LOSS = 0.02  # of critical damping, of a spring
-POSES = 20  # along a motion, in which a link's inertia is looked at
 LOOKED_AT = ("error", "speed", "torque", "beyond")
 PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
 
@@ -46,16 +43,23 @@ class Predicted:
 
     def problem(self, limits: ArmLimits) -> str:
         """What would end the motion, in words; empty where nothing does."""
-        for values, most, words in (
-            (self.error, limits.following_error / DOUBT, "would be {:.2g} rad from its path"),
-            (self.speed, FAST * limits.velocity, "would overshoot to {:.2g} rad/s"),
-            (self.torque, STRONG * limits.torque, "would need {:.3g} N·m with its friction"),
-        ):
+        for values, most, words in self._looks(limits):
             over = values / most
             if (over > 1.0).any():
                 j = int(np.argmax(over))
                 return f"joint {j + 1} {words.format(values[j])}"
         return ""
+
+    def over(self, limits: ArmLimits) -> Array:
+        """(n,) of what each joint may: more than 1 would end the motion."""
+        return np.max([values / most for values, most, _ in self._looks(limits)], axis=0)
+
+    def _looks(self, limits: ArmLimits) -> tuple[tuple[Array, Array, str], ...]:
+        return (
+            (self.error, limits.following_error / DOUBT, "would be {:.2g} rad from its path"),
+            (self.speed, FAST * limits.velocity, "would overshoot to {:.2g} rad/s"),
+            (self.torque, STRONG * limits.torque, "would need {:.3g} N·m with its friction"),
+        )
 
 
 def predicted(
@@ -72,18 +76,6 @@ def predicted(
     return Predicted(*(np.max([getattr(one, k) for one in found], axis=0) for k in LOOKED_AT))
 
 
-def _spring(link: float, stiffness: float, pull: float) -> tuple[Array, Array]:
-    """A link on its spring: how late it is, and what it asks of the motor, as polynomials in s;
-    pull: N·m/rad of gravity."""
-    loss = 2.0 * SPRING_LOSS * np.sqrt(stiffness * link)
-    return np.array([link, loss, stiffness - pull]), np.array([loss, stiffness])
-
-
-def _filtered(above: Any, below: Any, rate: float, x: Array) -> Array:
-    """above(s)/below(s) of a signal (N,) that is 0 before."""
-    return np.asarray(scipy.signal.lfilter(*scipy.signal.bilinear(above, below, rate), x))
-
-
 def _of_one(
     robot: Robot,
     limits: ArmLimits,
@@ -97,30 +89,24 @@ def _of_one(
     t, q, dq, ddq = motion
     bodies = figures.bodies[as_felt] if len(figures.bodies) else robot.parameters
     held = inverse_dynamics(robot, bodies, q[:1], np.zeros_like(q[:1]), np.zeros_like(q[:1]))
-    needed = torque_ahead(robot, figures, q, dq, ddq, as_felt)
+    needed = torque_ahead(robot, figures, motion, as_felt, LOSS)
     if not len(figures.bodies):
         own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2) * ddq
         needed = needed + inverse_dynamics(robot, bodies, q, dq, ddq) - own - held
     inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
-    along = q[:: max(1, len(q) // POSES)]
-    pull = np.maximum(gravity_slope(robot, bodies, along).mean(axis=0), 0.0)
-    own = np.diagonal(mass_matrices(robot, along), axis1=1, axis2=2)
-    link = figures.link * own.mean(axis=0)
+    link, pull = links_along(robot, figures, bodies, q)
     error, slip = np.zeros_like(q), np.zeros_like(q)
     for j in range(robot.n):
         above, below = np.array([1.0]), np.array([inertia[j], figures.viscous[j], -pull[j]])
         if np.isfinite(figures.stiffness[j]):
-            late, spring = _spring(float(link[j]), float(figures.stiffness[j]), float(pull[j]))
-            motor = figures.motor[j] * ddq[:, j] + figures.viscous[j] * dq[:, j]
-            rest = needed[:, j] - motor
-            needed[:, j] = motor + _filtered(spring, late, rate, rest)
+            late, spring = behind_spring(link[j], float(figures.stiffness[j]), pull[j], LOSS)
             moved = np.polymul([figures.motor[j], figures.viscous[j], 0.0], late)
             above, below = late, np.polyadd(moved, np.polymul([link[j], 0.0, -pull[j]], spring))
         servo = [gains.kd[j], gains.kp[j], gains.ki[j]]
         closed = np.polyadd(np.polymul(below, [1.0, 0.0]), np.polymul(above, servo))
         push = needed[:, j] - ahead[:, j]
         for out, order in ((error, [1.0, 0.0]), (slip, [1.0, 0.0, 0.0])):
-            out[:, j] = _filtered(np.polymul(above, order), closed, rate, push - push[0])
+            out[:, j] = filtered(np.polymul(above, order), closed, rate, push - push[0])
     return Predicted(
         np.abs(error).max(axis=0),
         np.abs(dq - slip).max(axis=0),

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from pa10d.control.joint_figures import JointFigures
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
+from pa10d.experiments.wound_springs import FORGETS, links_of
 from pa10d.trajectory.kinds.first_motion import PERIOD, shaken_joint
+from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
@@ -40,17 +42,25 @@ def lines_of(rate: float) -> Array:
 
 
 def torque_ahead(
-    robot: Robot, figures: JointFigures, q: Array, dq: Array, ddq: Array, as_felt: int = 0
+    robot: Robot,
+    figures: JointFigures,
+    motion: MotionSamples,
+    as_felt: int = 0,
+    loss: float = FORGETS,
 ) -> Array:
     """(N, n) N·m of what was measured, along a desired motion (N, n) that begins at rest: friction,
     own inertia, gravity and coupling of the bodies as they were felt (``as_felt``: which of them);
-    gravity without what holds the arm at the beginning."""
-    friction = figures.coulomb * np.tanh(dq / SHARP) + figures.viscous * dq
+    gravity without what holds the arm at the beginning. loss: of critical damping, of springs."""
+    bodies = figures.bodies[as_felt] if len(figures.bodies) else robot.parameters
+    friction = figures.coulomb * np.tanh(motion.dq / SHARP) + figures.viscous * motion.dq
+    _, q, dq, ddq = links_of(robot, figures, bodies, motion, loss)
     if len(figures.bodies):
-        felt = inverse_dynamics(robot, figures.bodies[as_felt], q, dq, ddq)
-        return np.asarray(friction + figures.rotor * ddq + felt - felt[0])
-    own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
-    return np.asarray(friction + (figures.rotor + figures.link * own) * ddq)
+        felt = inverse_dynamics(robot, bodies, q, dq, ddq)
+        links = felt - felt[0]
+    else:
+        own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
+        links = figures.link * own * ddq
+    return np.asarray(friction + figures.rotor * motion.ddq + links)
 
 
 def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rate: float) -> Array:
@@ -63,8 +73,10 @@ def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rat
         middle = np.array([0.5 * (span.begin + span.end)])
         q, dq, _ = plan.at(middle)
         link = figures.link[j] * mass_matrices(robot, q)[0, j, j]
-        lines = lines_of(rate)
-        inertia = figures.rotor[j] + link / (1.0 + (lines / min(SOFT * rate, SOFT_MOST)) ** 2)
+        lines, soft = lines_of(rate), min(SOFT * rate, SOFT_MOST)
+        if np.isfinite(figures.stiffness[j]):  # above its swing the link stays where it is
+            soft = min(soft, float(np.sqrt(figures.stiffness[j] / link)) / (2.0 * np.pi))
+        inertia = figures.rotor[j] + link / (1.0 + (lines / soft) ** 2)
         inside = (t >= span.begin) & (t <= span.end)
         shape = multisine(t[inside], lines, inertia / figures.doubt[j])
         out[inside, j] = SWING * abs(dq[0, j]) * shape

@@ -233,3 +233,13 @@ def test_a_step_that_makes_nothing_firmer_is_followed_by_another(tmp_path):
 @pytest.mark.parametrize("seed", range(60))
 def test_the_starting_set_runs_on_arms_that_nobody_has_seen(seed):
     through_the_starting_set(built(**drawn(seed)))
+
+
+def test_a_series_that_leaves_no_acceleration_to_enter_it_with_gets_smaller(tmp_path):
+    """Of the fourth motion of an arm that was drawn: no lead was long enough for it."""
+    arm = foreign(403, tmp_path)
+    entry = STARTING_SET[-1]
+    asked = {"kind": entry.kind, "parameters": entry.parameters}
+    plan = read_request(asked).build(arm.around)
+    rise = np.abs(plan.sample(200.0).ddq).max(axis=0) / arm.around.limits.acceleration
+    assert 0.9 < rise.max() <= 1.0 + 1e-9

@@ -8,9 +8,11 @@ import pytest
 
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.limits import arm_limits
-from pa10d.dynamics import robot_from_profile
+from pa10d.dynamics import inverse_dynamics, robot_from_profile
 from pa10d.experiments.measured_joints import lowered
+from pa10d.experiments.motion import whole_motion
 from pa10d.experiments.pacing import Joints, paced
+from pa10d.experiments.prediction import PACES
 from pa10d.profile import load_profile
 from pa10d.services.joints import learnt
 from pa10d.trajectory.plan import Plan, Segment, move
@@ -100,6 +102,47 @@ def test_a_motion_that_is_too_fast_is_slowed_and_says_how_much(arm):
     assert told["why"] in told["sentence"]
     seconds = [p.sample(RATE).q.shape[0] / RATE for p in (plan, chosen.plan)]
     assert seconds[1] == pytest.approx(told["pace"] * seconds[0], rel=0.02)
+
+
+def test_a_joint_that_is_followed_at_no_pace_turns_less_far(arm):
+    """What gravity may be off by stays, however slow the motion is."""
+    profile, robot, limits, _ = arm
+    there = np.zeros(robot.n)
+    there[JOINT] = 0.5
+    around = Surroundings.of(robot)
+    plan = Plan("point_to_point", (JOINT + 1,), (Segment(move(0.0 * there, there, around.limits)),))
+    joints = measured(profile, robot, HEAVIER)
+    soft = replace(joints.gains, ki=0.0 * joints.gains.ki)  # nothing makes up for it in time
+    for share in np.geomspace(1.0, 0.01, 24):
+        tight = replace(limits, following_error=share * limits.following_error)
+        chosen = paced(plan, plan.start, robot, tight, RATE, replace(joints, gains=soft))
+        told = chosen.adjusted and chosen.adjusted.document()
+        if chosen.check.level == "error" or (told and told["smaller"]):
+            break
+    assert chosen.check.level == "warning", chosen.check.sentence
+    assert told["pace"] == PACES[-1]
+    assert "turned less far, to keep to their paths" in told["sentence"]
+    assert JOINT + 1 in [one["joint"] for one in told["smaller"]]
+    assert all(0.0 < one["share"] <= 0.5 for one in told["smaller"])
+
+
+def test_torque_is_judged_by_the_bodies_as_they_were_felt(arm):
+    """A URDF that is too heavy by half refused what the arm can carry, and moved it no less far."""
+    profile, robot, limits, plan = arm
+    known = measured(profile, robot)
+    light = replace(known, figures=known.figures.but(bodies=0.4 * robot.parameters[None]))
+    _, *way = whole_motion(plan, plan.start, robot, RATE).samples
+    asked = np.abs(inverse_dynamics(robot, robot.parameters, *way)).max(axis=0)
+    weak = replace(robot, effort=np.where(asked > 1.0, 0.8 * asked, robot.effort))
+    carried = paced(plan, plan.start, weak, replace(limits, torque=weak.effort), RATE, light)
+    urdf = whole_motion(plan, plan.start, weak, RATE).violations
+    assert [v.kind for v in urdf] == ["torque"] * len(urdf)
+    assert len(urdf) > 0
+    assert carried.check.level != "error"
+    assert carried.whole.violations == ()
+    lead = replace(known, figures=known.figures.but(bodies=4.0 * robot.parameters[None]))
+    refused = paced(plan, plan.start, weak, replace(limits, torque=weak.effort), RATE, lead)
+    assert refused.check.level == "error"
 
 
 def test_a_servo_that_is_slower_than_asked_for_is_said_to_be():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -11,11 +12,13 @@ from pa10d.common.errors import UserError
 from pa10d.trajectory.excitation.polish import QUICK, polish
 from pa10d.trajectory.excitation.problem import ExcitationProblem
 from pa10d.trajectory.kinds.base import Angle, Array, Count, Kind, Positive
+from pa10d.trajectory.limits import MotionLimits
 from pa10d.trajectory.motions import Fourier
 from pa10d.trajectory.plan import Plan, Segment, joined
 from pa10d.trajectory.poses import Surroundings
 
 DRAWS = 20  # random series, the best of which is improved
+SMALLER = (1.0, 0.98, 0.95)  # of its size, for one that leaves no acceleration to enter it with
 
 
 class Excitation(Kind):
@@ -43,9 +46,12 @@ class Excitation(Kind):
         given = (self.centre, self.a, self.b)
         if any(part is None for part in given) and any(part is not None for part in given):
             raise UserError("excitation: centre, a and b belong together; expected all or none")
-        series = self._random(around, joints) if self.centre is None else self._given(around)
+        if self.centre is None:
+            series = _entered(self._random(around, joints), limits)
+        else:
+            series = self._given(around).gentle(limits)
         label = f"{self.cycles} periods of {series.period:g} s"
-        return joined(self.kind, joints, [Segment(series.gentle(limits), label)], around)
+        return joined(self.kind, joints, [Segment(series, label)], around)
 
     @classmethod
     def of(cls, problem: ExcitationProblem, x: Array, cycles: int) -> Excitation:
@@ -95,3 +101,14 @@ class Excitation(Kind):
         best = min((polish((problem, x, QUICK)) for x in drawn[:2]), key=lambda c: c.score)
         found = Excitation.of(problem, best.x, self.cycles)
         return self._series(np.array(found.centre), np.array(found.a), np.array(found.b))
+
+
+def _entered(series: Fourier, limits: MotionLimits) -> Fourier:
+    """A series that nobody has asked for as it is, a little smaller where it must be."""
+    *first, least = SMALLER
+    for share in first:
+        try:
+            return replace(series, a=share * series.a, b=share * series.b).gentle(limits)
+        except UserError:
+            continue
+    return replace(series, a=least * series.a, b=least * series.b).gentle(limits)

@@ -1,0 +1,91 @@
+"""What is given ahead of a servo goes by where the links are, not by where rigid ones would be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.control.joint_figures import presumed_figures
+from pa10d.dynamics import robot_from_profile
+from pa10d.dynamics.mass import mass_matrices
+from pa10d.experiments.shaking import small_torques, torque_ahead
+from pa10d.experiments.wound_springs import LOSS, links_of
+from pa10d.profile import load_profile
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.motions import MotionSamples
+from pa10d.trajectory.poses import Surroundings
+
+RATE, JOINT, SWING = 200.0, 0, 1.0  # Hz; the first axis is upright: gravity has no share
+DAMPED = 0.3  # of critical damping, so that what begins ends
+BENT = np.array([0.0, 1.2, 0.0, 0.6, 0.0, 0.0, 0.0])  # rad: much behind the first joint
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return robot_from_profile(load_profile("pa10-sim"))
+
+
+def sprung(robot, joint=JOINT):
+    """Figures of a joint behind a spring on which its link swings at ``SWING``."""
+    link = mass_matrices(robot, BENT[None])[0, joint, joint]
+    stiffness = np.full(robot.n, np.inf)
+    stiffness[joint] = link * (2.0 * np.pi * SWING) ** 2
+    known = presumed_figures(robot)
+    return known.but(stiffness=stiffness, motor=known.rotor)
+
+
+def swept(robot, hertz: float) -> MotionSamples:
+    """Joint 1 to and fro by 0.2 rad, begun gently, for 8 s."""
+    t = np.arange(round(8.0 * RATE)) / RATE
+    w, grows = 2.0 * np.pi * hertz, np.clip(t / 4.0, 0.0, 1.0) ** 2
+    way = np.zeros((3, len(t), robot.n))
+    way[0] += BENT
+    way[0, :, JOINT] = 0.2 * grows * np.sin(w * t)
+    way[1] = np.gradient(way[0], 1.0 / RATE, axis=0)
+    way[2] = np.gradient(way[1], 1.0 / RATE, axis=0)
+    return MotionSamples(t, *way)
+
+
+@pytest.mark.parametrize("hertz", [0.1, 0.5, 1.0, 5.0])
+def test_a_link_follows_below_its_swing_and_stays_where_it_is_above(robot, hertz):
+    motion, figures = swept(robot, hertz), sprung(robot)
+    links = links_of(robot, figures, robot.parameters, motion, DAMPED)
+    ratio = 1j * hertz / SWING
+    share = abs((1.0 + 2.0 * DAMPED * ratio) / (1.0 + 2.0 * DAMPED * ratio + ratio**2))
+    late = slice(round(5.0 * RATE), None)
+    for values, own in zip(links[1:], motion[1:], strict=True):
+        reached = np.abs(values[late, JOINT]).max() / np.abs(own[late, JOINT]).max()
+        assert reached == pytest.approx(share, rel=0.15)
+        assert np.array_equal(values[:, 1:], own[:, 1:])
+
+
+def test_rigid_joints_are_where_their_motors_are(robot):
+    motion = swept(robot, 0.5)
+    assert links_of(robot, presumed_figures(robot), robot.parameters, motion, LOSS) is motion
+
+
+def test_above_the_swing_the_motor_winds_its_spring_and_no_link(robot):
+    motion, figures = swept(robot, 5.0), sprung(robot)
+    asked = torque_ahead(robot, figures, motion, loss=DAMPED)[:, JOINT]
+    rigid = torque_ahead(robot, presumed_figures(robot), motion)[:, JOINT]
+    links = links_of(robot, figures, robot.parameters, motion, DAMPED)
+    turned, own = motion.q - links.q, figures.rotor[JOINT] * motion.ddq[:, JOINT]
+    loss = 2.0 * DAMPED * figures.stiffness[JOINT] / (2.0 * np.pi * SWING)
+    wound = figures.stiffness[JOINT] * turned + loss * (motion.dq - links.dq)
+    late = slice(round(5.0 * RATE), None)
+    off = np.abs(asked - own - wound[:, JOINT])[late].max()
+    assert off < 0.05 * np.abs(wound[late, JOINT]).max()
+    assert np.abs(rigid - own)[late].max() > 5.0 * np.abs(asked - own)[late].max()
+
+
+def test_small_torques_shake_no_more_than_moves(robot):
+    """Sized for a rigid arm they would throw the rotor about."""
+    around, heavy = Surroundings.of(robot), 1
+    ask = {"kind": "first_motion", "parameters": {"part": "response", "joints": [heavy + 1]}}
+    plan = read_request(ask).build(around)
+    t = np.arange(1.0, round(plan.spans[0].end * RATE)) / RATE
+    stiff, soft = (
+        np.abs(small_torques(plan, robot, known, t, RATE)[:, heavy]).max()
+        for known in (presumed_figures(robot), sprung(robot, heavy))
+    )
+    assert 0.0 < soft < 0.7 * stiff
