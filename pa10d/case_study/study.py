@@ -12,6 +12,7 @@ from pa10d.case_study.laboratory import Laboratory
 from pa10d.case_study.measured import followed, steady
 from pa10d.case_study.other import other_motion
 from pa10d.case_study.scope import Scope
+from pa10d.identify import FitOptions
 from pa10d.identify.summary import summary
 from pa10d.paper.results import (
     MODEL,
@@ -85,7 +86,8 @@ def case_study(
             steady(library, EXCITING), steady(library, OTHER), design.request, robot, limits.limit
         )
         made = identify_runs(
-            library, [EXCITING], profile.path, name="set-a", faster_than=limits.limit.tolist(),
+            library, [EXCITING], profile.path, name="set-a",
+            options=FitOptions(faster_than=tuple(limits.limit.tolist())),
             replace=True, progress=progress,
         )  # fmt: skip
     for name in SETS:

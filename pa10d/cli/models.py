@@ -82,13 +82,15 @@ def add_commands(commands: Subcommands) -> None:
 
 def identify(options: argparse.Namespace) -> Answer:
     """``identify``."""
+    from pa10d.identify import FitOptions
     from pa10d.services.models import identify_runs
 
+    asked = {"cutoff": options.cutoff, "with_effects": options.effects, "robust": options.robust,
+             "faster_than": options.faster_than, **_known(options.prior)}  # fmt: skip
     made = identify_runs(
         _library(options), options.runs, options.profile, name=options.name,
-        cutoff=options.cutoff, with_effects=options.effects,
-        robust=options.robust, faster_than=options.faster_than, **_known(options.prior),
-        left_out=_stretches(options.left_out), replace=options.replace, force=options.force,
+        options=FitOptions.read(asked), left_out=_stretches(options.left_out),
+        replace=options.replace, force=options.force,
         progress=progress_line(),
     )  # fmt: skip
     found = made.summary

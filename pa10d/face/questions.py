@@ -10,6 +10,7 @@ from pa10d.face.answers import Comparison, Diagnosis
 from pa10d.face.model import Model
 from pa10d.face.robot import Robot
 from pa10d.face.run import Run
+from pa10d.identify import FitOptions
 from pa10d.measurement.recording import Recording
 from pa10d.services.models import identified
 
@@ -36,11 +37,11 @@ def identify(
     that you know, as value and standard error (SI): ``{"Fc3": (12.0, 2.0)}``. progress(share done,
     what is being done); cancel: asked now and then, True raises ``Cancelled``.
     """
+    stated = tuple((one, *known) for one, known in (given or {}).items())
+    options = FitOptions(cutoff_hz, tuple(extra), prior=prior, given=stated)
     made, _ = identified(
-        recordings(runs), robot.tree, name=name, cutoff=cutoff_hz, with_effects=tuple(extra),
-        prior=prior, given=[(one, *known) for one, known in (given or {}).items()],
-        progress=progress, cancel=cancel,
-    )  # fmt: skip
+        recordings(runs), robot.tree, name=name, options=options, progress=progress, cancel=cancel
+    )
     return Model(made)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.fit import trust, weighted_fit
 from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
+from pa10d.identify.options import FitOptions
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.prior import Prior
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
@@ -47,28 +49,19 @@ def identify(
     robot: Robot,
     *,
     name: str,
-    cutoff: float | None = None,
-    with_effects: Sequence[str] = (),
-    robust: bool = False,
-    faster_than: Sequence[float] | None = None,
-    prior: float | None = None,
-    given: Sequence[tuple[str, float, float]] = (),
+    options: FitOptions | None = None,
     progress: Callable[[float, str], None] | None = None,
     cancel: Callable[[], bool] | None = None,
+    **asked: Any,
 ) -> TorqueModel:
     """The textbook model (rigid bodies, rotor inertia, Coulomb and viscous friction) of a robot.
 
-    cutoff: Hz of the zero-phase low-pass on both sides of the equation; default from the data
-    with_effects: ids of further effects, on every joint
-    robust: let samples far off the model count less (knocks, collisions, glitches)
-    faster_than: rad/s per joint; only samples in which the joint is faster are fitted, because
-    friction is linear there (set A of Vuong & Ang 2009)
-    prior: %, how near the bodies are to the URDF's, of what is usual for a link (one standard
-    deviation); default: nothing is known of them
-    given: name, value and standard error (SI) of single parameters that somebody knows
+    options, or single ones by name: see ``FitOptions``
     progress: called with (share done, what is being done)
     cancel: asked now and then; True raises ``Cancelled``
     """
+    options = replace(options or FitOptions(), **asked)
+    cutoff, with_effects = options.cutoff, options.with_effects
 
     def say(share: float, what: str) -> None:
         if progress is not None:
@@ -79,10 +72,11 @@ def identify(
             raise Cancelled("identification was cancelled")
 
     check(recordings, robot)
-    speeds = None if faster_than is None else check_speeds(faster_than, robot)
+    slowest = options.faster_than
+    speeds = None if slowest is None else check_speeds(slowest, robot)
     say(0.0, "base parameters")
     layout = textbook(robot, with_effects)
-    known = Prior.of(layout, prior, given)
+    known = Prior.of(layout, options.prior, options.given)
     why: Cutoff | None = None
     if cutoff is None:
         say(0.05, "cut-off")
@@ -110,7 +104,7 @@ def identify(
         shift = shift.later(rest)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
-    fitted = robust_fit if robust else weighted_fit
+    fitted = robust_fit if options.robust else weighted_fit
     problem = LinearProblem(layout, sigma=trust(pieces, layout))
     pieces.without_stands()
     fit = fitted(pieces, problem, smoothing)
@@ -132,7 +126,7 @@ def identify(
         correlation_s=tuple(map(float, fit.uncertainty.correlation)),
         rank=int(fit.solution.rank),
         open=tuple(names_of(layout.names(), fit.open)),
-        robust=robust,
+        robust=options.robust,
         faster_than=None if speeds is None else tuple(map(float, speeds)),
         prior=None if known is None else known.note(),
     )

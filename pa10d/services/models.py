@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from pa10d.store.runs import in_order
 if TYPE_CHECKING:
     from pa10d.export.endings import Format
     from pa10d.export.formats import Exported
+    from pa10d.identify import FitOptions
 
 JUDGED_BY = 2  # runs, for what an export loses
 Progress = Callable[[float, str], None]
@@ -78,12 +79,7 @@ def identify_runs(
     profile: str | os.PathLike[str],
     *,
     name: str,
-    cutoff: float | None = None,
-    with_effects: Sequence[str] = (),
-    robust: bool = False,
-    faster_than: Sequence[float] | None = None,
-    prior: float | None = None,
-    given: Sequence[str] = (),
+    options: FitOptions | None = None,
     left_out: Sequence[Stretch] = (),
     replace: bool = False,
     force: bool = False,
@@ -92,14 +88,9 @@ def identify_runs(
 ) -> Identified:
     """Fit the textbook model to stored runs and store it; nothing is stored where that fails.
 
-    prior: % of what is usual for a link, by which bodies may differ from the URDF's; given:
-    single parameters that somebody knows, such as ``Fc3=12±2``; left_out: what this fit does not
-    use, beside what the runs themselves leave out; force: also to runs that the checks have an
-    error against."""
+    left_out: what this fit does not use, beside what the runs themselves leave out; force: also to
+    runs that the checks have an error against."""
     from pa10d.identify import summary
-    from pa10d.identify.given import read_given
-
-    stated = [read_given(text) for text in given]
 
     if not replace:
         library.models.refuse_taken(name)
@@ -108,17 +99,7 @@ def identify_runs(
     for run, stretches in stretches_of(library, infos, left_out).items():
         recordings[run] = recordings[run].without(stretches)
     model, found = identified(
-        recordings,
-        robot,
-        name=name,
-        cutoff=cutoff,
-        with_effects=tuple(with_effects),
-        robust=robust,
-        faster_than=faster_than,
-        prior=prior,
-        given=stated,
-        progress=progress,
-        cancel=cancel,
+        recordings, robot, name=name, options=options, progress=progress, cancel=cancel
     )
     if left_out:
         without = tuple(
@@ -149,13 +130,21 @@ def stretches_of(
 
 
 def identified(
-    recordings: Sequence[Recording], robot: Robot, **how: Any
+    recordings: Sequence[Recording],
+    robot: Robot,
+    *,
+    name: str,
+    options: FitOptions | None = None,
+    progress: Progress | None = None,
+    cancel: Callable[[], bool] | None = None,
 ) -> tuple[TorqueModel, Judgement]:
     """The textbook model, see ``pa10d.identify.procedure``, and how it is judged on its own runs:
     that is what it says of itself."""
     from pa10d.identify import identify
 
-    model = identify(recordings, robot, **how)
+    model = identify(
+        recordings, robot, name=name, options=options, progress=progress, cancel=cancel
+    )
     found = judge(model, recordings, model.cutoff)
     return with_noise_floor(dataclasses.replace(model, noise=found.rms), found), found
 

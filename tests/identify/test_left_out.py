@@ -10,7 +10,7 @@ import pytest
 from backends.virtual.datasets import make_runs
 from pa10d.cli import main
 from pa10d.common.errors import UserError
-from pa10d.identify import identify
+from pa10d.identify import FitOptions, identify
 from pa10d.judgement import judge
 from pa10d.measurement.recording import Recording
 from pa10d.model.notes import LeftOutNote
@@ -86,9 +86,9 @@ def stored(tmp_path, clean):
 
 def test_one_fit_leaves_out_what_others_use(stored):
     library, profile = stored
-    bad = identify_runs(library, ["one"], profile, name="bad", cutoff=10.0)
+    bad = identify_runs(library, ["one"], profile, name="bad", options=FitOptions(10.0))
     good = identify_runs(
-        library, ["one"], profile, name="good", cutoff=10.0, left_out=[("one", *WRONG)]
+        library, ["one"], profile, name="good", options=FitOptions(10.0), left_out=[("one", *WRONG)]
     )
     assert max(good.info.rms) < 0.2 * max(bad.info.rms)
     assert good.model.notes.left_out == (LeftOutNote("one", 6.0, 8.0),)

@@ -13,6 +13,7 @@ from subprocess import run as start
 import numpy as np
 import pytest
 
+from pa10d.identify import FitOptions
 from pa10d.judgement.judge import no_more_than
 from pa10d.measurement.recording import Recording
 from pa10d.services import models
@@ -79,7 +80,9 @@ def test_a_model_of_runs_on_disk_is_the_same(tmp_path, monkeypatch):
         monkeypatch.setattr(models, "LARGE", largest)
         name = f"m{len(found)}"
         found.append(
-            models.identify_runs(library, ["a", "b"], str(profile.path), name=name, cutoff=8.0)
+            models.identify_runs(
+                library, ["a", "b"], str(profile.path), name=name, options=FitOptions(8.0)
+            )
         )
     assert len(opened) == 2
     one, other = (f.model for f in found)

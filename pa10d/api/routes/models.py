@@ -26,6 +26,7 @@ from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.export.endings import ENDINGS, FOLDERS, Format
+from pa10d.identify import FitOptions
 from pa10d.store.entries import SetAside
 from pa10d.store.models import ModelInfo
 
@@ -75,11 +76,7 @@ async def identify(
     await _check(daemon, request.runs, request)
     for effect_id in request.with_effects:
         refuse_wrong_effect(effect_id)
-    if request.given:
-        from pa10d.identify.given import read_given
-
-        for text in request.given:
-            read_given(text)
+    FitOptions.read(request.model_dump())  # what is wrong with it is said before a worker is asked
     job = daemon.compute(
         "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
     )

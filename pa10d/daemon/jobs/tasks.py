@@ -108,24 +108,19 @@ def identify(
     runs: list[str],
     profile: str,
     name: str,
-    cutoff: float | None,
-    with_effects: list[str],
-    robust: bool,
-    faster_than: list[float] | None,
-    replace: bool,
     progress: Progress,
+    replace: bool = False,
     force: bool = False,
-    prior: float | None = None,
-    given: Sequence[str] = (),
     left_out: Sequence[Mapping[str, Any]] = (),
+    **how: Any,
 ) -> JsonObject:
-    """The textbook model → what ``pa10d identify --json`` says."""
+    """The textbook model → what ``pa10d identify --json`` says. how: see ``FitOptions.read``."""
+    from pa10d.identify import FitOptions
     from pa10d.services.library import open_library
     from pa10d.services.models import identify_runs
 
     return identify_runs(
-        open_library(data), runs, profile, name=name, cutoff=cutoff, with_effects=with_effects,
-        robust=robust, faster_than=faster_than, prior=prior, given=given,
+        open_library(data), runs, profile, name=name, options=FitOptions.read(how),
         replace=replace, force=force,
         left_out=[(one["run"], one["begin"], one["end"]) for one in left_out],
         progress=progress,
