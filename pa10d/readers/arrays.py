@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import struct
 import zipfile
 import zlib
 from collections import Counter
@@ -16,32 +18,41 @@ from pa10d.common.errors import UserError
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.signatures import STREAM
 from pa10d.readers.table import ForeignTable
+from pa10d.readers.weights import (
+    NUMBER,
+    refuse_growth,
+    size_of_arrow,
+    size_of_mat,
+    size_of_parquet,
+)
 from pa10d.store.channels import Array
-from pa10d.store.csv_locate import most_unpacked
 
 SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 """What our own files, and most others', call a block of columns."""
 SECOND = 1_000_000_000  # ns
-NUMBER = 8  # bytes
 NOT_NUMPY = (OSError, ValueError, zipfile.BadZipFile, zlib.error, KeyError, EOFError, MemoryError)
 FEW = 20  # rows: fewer are names, gains and the like
 CLOCKS = ("time", "t", "timestamp", "stamp")
 PREFIXES = {"extra": "", "command": "cmd_"}
 """Structs of our own files whose fields are called by more, or less, than their own names."""
 Place = tuple[str, ...]
+_JOINTS = re.compile(r"joint|name|motor|axis|axes|actuator", re.I)
+"""What a list of joints' names is called."""
 
 
-def read_npz(path: Path) -> ForeignTable:
-    """Arrays by name, also one array of records; objects are not unpacked."""
+def read_npz(path: Path, joints: Sequence[str] = ()) -> ForeignTable:
+    """Arrays by name, also one array of records; objects are not unpacked. joints: the robot's, by
+    which columns are ordered where names of joints lie beside the arrays; likewise below."""
     try:
-        _refuse_growth(path, _size_of_npz(path))
+        refuse_growth(path, _size_of_npz(path))
         with path.open("rb") as raw:
             found = np.load(raw, allow_pickle=False)
             if isinstance(found, np.ndarray):
                 return ForeignTable(spread(_of_one(found)))
             with found as file:
                 said: list[str] = []
-                return ForeignTable(spread({name: file[name] for name in file.files}, said), said)
+                content = {name: file[name] for name in file.files}
+                return ForeignTable(spread(content, said, joints), said)
     except NOT_NUMPY as error:
         raise damaged(path, "a NumPy .npz of plain arrays", error) from error
 
@@ -54,15 +65,6 @@ def _size_of_npz(path: Path) -> int:
         return sum(part.file_size for part in archive.infolist())
 
 
-def _refuse_growth(path: Path, size: int) -> None:
-    """UserError, before anything is unpacked, where a file becomes more than a recording does."""
-    if size > (most := max(most_unpacked(path), path.stat().st_size)):
-        raise UserError(
-            f"{path}: {path.stat().st_size} bytes become {size:.3g} bytes of numbers; expected a "
-            f"recording, at most {most:.3g}"
-        )
-
-
 def _of_one(found: Array) -> Mapping[str, Any]:
     """A .npy file: records by their fields, a table by columns without names."""
     if found.dtype.names:
@@ -71,15 +73,15 @@ def _of_one(found: Array) -> Mapping[str, Any]:
     return {f"c{k + 1}": column for k, column in enumerate(table.T)}
 
 
-def read_mat(path: Path) -> ForeignTable:
+def read_mat(path: Path, joints: Sequence[str] = ()) -> ForeignTable:
     """MATLAB up to v7 by SciPy, v7.3 by h5py: arrays, or a struct of them."""
     from scipy.io import loadmat, whosmat
 
     if is_hdf5(path):
-        return _read_hdf5(path)
+        return _read_hdf5(path, joints)
     try:
-        told = whosmat(path)
-        _refuse_growth(path, sum(NUMBER * math.prod(shape) for _, shape, _ in told))
+        told = sum(NUMBER * math.prod(shape) for _, shape, _ in whosmat(path))
+        refuse_growth(path, max(told, size_of_mat(path)))
         content = loadmat(path, simplify_cells=True)
     except UserError:
         raise
@@ -93,7 +95,7 @@ def read_mat(path: Path) -> ForeignTable:
         )
     odd = [place for place, kind in _odd(named) if kind]
     said = [f"no plain numbers in {', '.join(odd)}: left out"] if odd else []
-    return ForeignTable(spread(named, said), said)
+    return ForeignTable(spread(named, said, joints), said)
 
 
 def _odd(content: Mapping[str, Any]) -> Iterator[tuple[str, bool]]:
@@ -114,16 +116,17 @@ def read_arrow(path: Path) -> ForeignTable:
 
     try:
         is_parquet = first_bytes(path, 4) == b"PAR1"
+        if not is_parquet:
+            refuse_growth(path, size_of_arrow(path))
         if is_parquet:
-            about = parquet.read_metadata(path)
-            _refuse_growth(path, NUMBER * about.num_rows * about.num_columns)
+            refuse_growth(path, size_of_parquet(parquet.read_metadata(path)))
             found = parquet.read_table(path)
         elif first_bytes(path, 4) == STREAM:
             with pa.OSFile(str(path)) as source, pa.ipc.open_stream(source) as stream:
                 found = stream.read_all()
         else:
             found = feather.read_table(path)
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, struct.error, ValueError, IndexError) as error:
         raise damaged(path, "a Parquet or Arrow file", error) from error
     columns = spread_arrow(path, found)
     moments = [name for name in found.column_names if _is_moment(found[name].type)]
@@ -204,12 +207,16 @@ def _without_numbers(found: Any) -> list[str]:
     return [f"no numbers in {', '.join(left)[:120]}: left out"] if left else []
 
 
-def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[str, Array]:
+def spread(
+    content: Mapping[str, Any], said: list[str] | None = None, joints: Sequence[str] = ()
+) -> dict[str, Array]:
     """Everything that is numbers, flat: ``q`` (N, n) -> q1 … qn, structs by their fields.
 
     Fields that are called alike in two structs keep the structs' names: ``measured.q1``. said: is
-    told what is left out because it is not as long as the others.
+    told what is left out because it is not as long as the others, and what names decided. joints:
+    the robot's.
     """
+    order = _order(_named_joints(content), joints, said)
     leaves = _of_one_clock(list(_leaves(content)))
     length = _samples_in(leaves)
     if said is not None:
@@ -217,7 +224,7 @@ def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[st
             f"{'.'.join(place)} has {' x '.join(map(str, v.shape))} numbers for {length} samples: "
             "left out"
             for place, v in leaves
-            if v.ndim in (1, 2) and len(v) > FEW and _rows(v, length) is None
+            if v.ndim and max(v.shape) > FEW and _rows(v, length) is None
         ]
     blocks = [(place, found) for place, v in leaves if (found := _rows(v, length)) is not None]
     alike = Counter(_called(place) for place, _ in blocks)
@@ -230,8 +237,46 @@ def spread(content: Mapping[str, Any], said: list[str] | None = None) -> dict[st
             lone = called in ("q", "tau", "dq", "temp", "i")
             out[f"{called}1" if lone else called] = np.ascontiguousarray(block[:, 0])
         else:
-            out |= {f"{called}{j + 1}": column for j, column in enumerate(block.T)}
+            places = order if len(order) == block.shape[1] else range(1, block.shape[1] + 1)
+            named = sorted(zip(places, range(block.shape[1]), strict=True))
+            out |= {f"{called}{place}": block[:, j] for place, j in named}
     return out
+
+
+def _named_joints(content: Mapping[str, Any]) -> list[str]:
+    """The only list of different words in it that is called like names of joints."""
+    lists = [
+        [str(word) for word in np.ravel(values)]
+        for name, values in _words(content)
+        if _JOINTS.search(name)
+    ]
+    whole = [words for words in lists if len({*words}) == len(words) > 1]
+    return whole[0] if len(whole) == 1 else []
+
+
+def _words(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            yield from _words(value)
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "UO" and value.size:
+            words = [one for one in np.ravel(value) if isinstance(one, str)]
+            if len(words) == value.size:
+                yield name, value
+
+
+def _order(names: Sequence[str], joints: Sequence[str], said: list[str] | None) -> list[int]:
+    """Each name's joint from 1, where they are the robot's; else nothing, and it is said."""
+    known = [name.strip() for name in names]
+    if not joints or len(known) != len(joints):
+        return []
+    if {*known} != {*joints}:
+        if said is not None:
+            said.append(f"joints are called {', '.join(known)}: taken in this order")
+        return []
+    order = [joints.index(name) + 1 for name in known]
+    if said is not None and order != sorted(order):
+        said.append(f"joints stand in the order {', '.join(known)}: dealt out by their names")
+    return order
 
 
 def _of_one_clock(leaves: Sequence[tuple[Place, Array]]) -> list[tuple[Place, Array]]:
@@ -360,7 +405,7 @@ def is_hdf5(path: Path) -> bool:
     return b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:520])
 
 
-def _read_hdf5(path: Path) -> ForeignTable:
+def _read_hdf5(path: Path, joints: Sequence[str]) -> ForeignTable:
     try:
         import h5py
     except ImportError as error:
@@ -381,8 +426,10 @@ def _read_hdf5(path: Path) -> ForeignTable:
                 "them itself"
             )
         size += item.dtype.itemsize * item.size
-        _refuse_growth(path, size)
-        if item.dtype.names:
+        refuse_growth(path, size)
+        if h5py.check_string_dtype(item.dtype) and item.ndim == 1:
+            found[name.rpartition("/")[2]] = item.asstr()[()].astype(str)
+        elif item.dtype.names:
             rows = np.asarray(item[()])
             found.update({field: rows[field] for field in item.dtype.names})
         elif item.dtype.kind in "fiub" and item.attrs.get("MATLAB_class") != b"char":
@@ -398,7 +445,7 @@ def _read_hdf5(path: Path) -> ForeignTable:
     except (OSError, MemoryError) as error:
         raise damaged(path, "a MAT or HDF5 file", error) from error
     said: list[str] = []
-    return ForeignTable(spread(found, said), said)
+    return ForeignTable(spread(found, said, joints), said)
 
 
 def damaged(path: Path, expected: str, error: Exception) -> UserError:

@@ -64,6 +64,8 @@ def _of_one(block: BagRows) -> str:
             "stamps of the headers stand still, or have whole seconds only: times of reception "
             "are taken"
         )
+    if not (steps > 0).any():
+        return ""  # all at one moment, which is refused as that
     usual = float(np.median(steps[steps > 0]))
     k = int(steps.argmin())
     if -steps[k] <= max(LATE * usual, LATEST):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,9 @@ from pa10d.readers.arrays import damaged, spread_arrow
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
 from pa10d.readers.table import ForeignTable
+from pa10d.readers.weights import refuse_growth, size_of_parquet
 from pa10d.store.channels import Array
+from pa10d.store.column_guess import WORDS
 
 INFO = Path("meta") / "info.json"
 EPISODE, FRAME, STAMP = "episode_index", "frame_index", "timestamp"
@@ -121,6 +124,7 @@ def _where(files: Sequence[Path]) -> dict[int, dict[Path, int]]:
         try:
             if EPISODE not in parquet.read_schema(file).names:
                 raise UserError(f"{file}: no column {EPISODE}; expected a LeRobot data set")
+            refuse_growth(file, size_of_parquet(parquet.read_metadata(file)))
             found = parquet.read_table(file, columns=[EPISODE])[EPISODE]
             if found.null_count or not pa.types.is_integer(found.type):
                 raise UserError(f"{file}: column {EPISODE}: expected whole numbers, none missing")
@@ -178,7 +182,12 @@ def _time(columns: Mapping[str, Array], fps: float) -> tuple[Array, list[str]]:
 
 
 def _shares(columns: Mapping[str, Array]) -> list[str]:
-    state = [values for name, values in columns.items() if name.startswith(STATE)]
+    others = "|".join(words for field, words in WORDS.items() if field != "q")
+    state = [
+        values
+        for name, values in columns.items()
+        if name.startswith(STATE) and not re.search(others, name.replace(".", " "), re.I)
+    ]
     largest = max((float(np.abs(values).max()) for values in state), default=0.0)
     if 2 * np.pi < largest <= SHARES * (1 + 1e-6):
         return [

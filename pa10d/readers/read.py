@@ -126,18 +126,25 @@ def _table_of(
         mcap = run.is_file() and (kind == ".mcap" or packed.first_bytes(run, 5) == MCAP)
         own = _own(run) if mcap and part.topic is None else None
         return own or bags.read_bag(path, robot.joint_names, progress, part.topic)
-    frames = is_can_csv(head) or kind in CAN_LOGS or (kind == ".log" and head.startswith(b"("))
-    part.only(path, topic=frames)
+    form = ".csv" if is_can_csv(head) else "candump" if _is_candump(path) else ""
+    frames = form or kind in CAN_LOGS
+    part.only(path, topic=bool(frames))
     if frames:
-        form = ".csv" if is_can_csv(head) else ""
         return can_logs.read_can_log(path, profile, form, part.topic)
     if head.startswith((b"PAR1", b"ARROW1", STREAM)):
         return arrays.read_arrow(path)
     if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
-        return arrays.read_mat(path)
+        return arrays.read_mat(path, robot.joint_names)
     if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
-        return arrays.read_npz(path)
+        return arrays.read_npz(path, robot.joint_names)
     return text.read_text(path)
+
+
+def _is_candump(path: Path) -> bool:
+    from pa10d.readers.candump import is_candump
+
+    head = packed.first_bytes(path, 1024)
+    return not head.startswith(BINARY) and is_candump(head)
 
 
 def _own(path: Path) -> ForeignTable | None:

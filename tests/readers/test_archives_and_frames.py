@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import sqlite3
+import struct
 import tarfile
 import zipfile
 
@@ -196,8 +197,16 @@ def test_an_archive_that_is_refused_in_one_line(tmp_path, robot, make, name, say
     assert not (tmp_path.parent / "out.csv").exists()
 
 
-def bus(folder, *, t=T, skip=lambda k, j: False, channels=("can0",), counts=0, sync=True):
-    """A log of two drives; skip: answers that are not there; counts: where encoders begin."""
+def answer(number, torque=0):
+    """As this program maps it: position, torque, statusword."""
+    return struct.pack("<ihH", number, torque, 0x0627)
+
+
+def bus(
+    folder, *, t=T, skip=lambda k, j: False, channels=("can0",), counts=0, sync=True, mapped=answer
+):
+    """A log of two drives; skip: answers that are not there; counts: where encoders begin; mapped:
+    what is in an answer."""
     path = folder / "bus.log"
     q = np.stack([0.4 * np.sin(3 * T), 0.3 * np.cos(2 * T)], axis=1)
     with can.Logger(path) as log:
@@ -212,7 +221,7 @@ def bus(folder, *, t=T, skip=lambda k, j: False, channels=("can0",), counts=0, s
                         continue
                     number = round((q[k, j] + c) * 819200 / (2 * np.pi)) + counts
                     number = (number + 2**31) % 2**32 - 2**31
-                    data = number.to_bytes(4, "little", signed=True) + b"\0\0\x27\x06"
+                    data = mapped(number, k % 7 - 3)
                     own = at + 1e-4 * (j + 1)
                     log(can.Message(timestamp=own, arbitration_id=0x181 + j, data=data, **frame))
     return path, q
@@ -256,6 +265,82 @@ def test_counts_run_over(tmp_path, robot):
     found = read_recording(path, *robot)
     assert not found.wraps
     np.testing.assert_allclose(np.diff(found.samples.q, axis=0), np.diff(q, axis=0), atol=2e-5)
+
+
+MAPPED = {
+    "statusword, position, torque": lambda p, tau: struct.pack("<Hih", 0x1237, p, tau),
+    "torque, position, statusword": lambda p, tau: struct.pack("<hiH", tau, p, 0x1237),
+    "statusword, torque, position": lambda p, tau: struct.pack("<Hhi", 0x1237, tau, p),
+}
+
+
+@pytest.mark.parametrize("order", MAPPED)
+def test_another_mapping_is_told_by_what_is_in_it(tmp_path, robot, order):
+    path, q = bus(tmp_path, mapped=MAPPED[order])
+    found = read_recording(path, *robot)
+    np.testing.assert_allclose(found.samples.q, q, atol=1e-5)
+    np.testing.assert_allclose(found.samples.tau[:, 0] / 0.1, np.arange(len(q)) % 7 - 3, atol=1e-9)
+    assert f"TPDO 1 holds {order} in this order" in found.header_warnings[0]
+
+
+NO_STATE = {
+    "a speed behind the position": lambda p, tau: struct.pack("<ii", p, 70_000 * tau),
+    "big-endian": lambda p, tau: struct.pack(">ihH", p, tau, 0x1237),
+    "a temperature": lambda p, tau: struct.pack("<ihh", p, tau, 350),
+}
+
+
+@pytest.mark.parametrize("kind", NO_STATE)
+def test_answers_without_a_statusword_are_not_taken_for_torques(tmp_path, robot, kind):
+    path, _ = bus(tmp_path, mapped=NO_STATE[kind])
+    with pytest.raises(UserError, match=r"no statusword of CiA 402; expected TPDO 1 with 0x6064"):
+        read_recording(path, *robot)
+
+
+def shown(folder, form):
+    """The log as candump prints it. form: stamp in s, stamp of the frame before -> words."""
+    path, q = bus(folder)
+    out, before = [], None
+    for line in path.read_text().splitlines():
+        stamp, _, frame = line.split()[:3]
+        number, data = frame.split("#")
+        now = float(stamp[1:-1])
+        said = form(now, now if before is None else before)
+        pairs = " ".join(data[k : k + 2] for k in range(0, len(data), 2))
+        out.append(f" {said}  can0  {number}   [{len(data) // 2}]  {pairs}")
+        before = now
+    path = folder / "shown.txt"
+    path.write_text("\n".join(["# candump any", *out, " (1002.0"]))
+    return path, q
+
+
+STAMPED = {
+    "-ta": lambda now, before: f"({now:.6f})",
+    "-tz": lambda now, before: f"({now - 1000:010.6f})",
+    "-td": lambda now, before: f"({now - before:010.6f})",
+    "-tA": lambda now, before: f"(2026-03-01 12:00:{now - 1000:09.6f})",
+}
+
+
+@pytest.mark.parametrize("option", STAMPED)
+def test_what_candump_prints_is_read(tmp_path, robot, option):
+    path, q = shown(tmp_path, STAMPED[option])
+    found = read_recording(path, *robot)
+    assert found.timing.rate == pytest.approx(200, rel=1e-3)
+    np.testing.assert_allclose(found.samples.q, q, atol=1e-5)
+
+
+def test_frames_without_stamps_are_refused(tmp_path, robot):
+    path, _ = shown(tmp_path, lambda now, before: "")
+    with pytest.raises(UserError, match=r"frames without stamps; expected candump -l, -ta or -tz"):
+        read_recording(path, *robot)
+
+
+def test_a_line_that_is_no_frame_is_named(tmp_path, robot):
+    path, _ = bus(tmp_path)
+    path.write_text(path.read_text().replace("\n", "\nkernel: overrun\n", 1))
+    with pytest.raises(UserError, match=r"bus.log: line 2: expected a frame of candump"):
+        read_recording(path, *robot)
 
 
 def test_two_buses_are_not_one(tmp_path, robot):

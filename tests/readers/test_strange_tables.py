@@ -175,3 +175,45 @@ def test_joints_from_0_by_a_mapping(tmp_path, robot):
     write = numpy(time=T, q0=Q[:, 0], q1=Q[:, 1], q2=Q[:, 0], tau1=TAU[:, 0], tau2=TAU[:, 1])
     found = read_recording(write(tmp_path), *robot, ["q{n-1}=q"])
     np.testing.assert_array_equal(found.samples.q, Q)
+
+
+def numpy_file(folder, content):
+    np.savez(folder / "run.npz", **content)
+    return folder / "run.npz"
+
+
+def matlab_file(folder, content):
+    savemat(folder / "run.mat", {**content, "joint_names": content["joint_names"].astype(object)})
+    return folder / "run.mat"
+
+
+def hdf5_file(folder, content):
+    h5py = pytest.importorskip("h5py", reason="no h5py for HDF5")
+    with h5py.File(folder / "run.h5", "w") as file:
+        for name, values in content.items():
+            file[name] = values.astype(object) if values.dtype.kind == "U" else values
+    return folder / "run.h5"
+
+
+@pytest.mark.parametrize("write", [numpy_file, matlab_file, hdf5_file])
+def test_names_of_joints_beside_the_arrays_order_their_columns(tmp_path, robot, write):
+    content = {"time": T, "q": Q[:, ::-1], "tau": TAU[:, ::-1]}
+    path = write(tmp_path, {**content, "joint_names": np.array(["elbow", "shoulder"])})
+    found = read_recording(path, *robot)
+    np.testing.assert_array_equal(found.samples.q, Q)
+    np.testing.assert_array_equal(found.samples.tau, TAU)
+    assert "in the order elbow, shoulder: dealt out by their names" in found.header_warnings[0]
+
+
+def test_names_of_others_beside_the_arrays_are_told(tmp_path, robot):
+    path = numpy_file(tmp_path, {"time": T, "q": Q, "tau": TAU, "names": np.array(["j2", "j1"])})
+    found = read_recording(path, *robot)
+    np.testing.assert_array_equal(found.samples.q, Q)
+    assert "joints are called j2, j1: taken in this order" in found.header_warnings[0]
+
+
+def test_arrays_of_three_dimensions_are_told(tmp_path, robot):
+    path = tmp_path / "run.npz"
+    np.savez(path, time=T, q=Q[None] * np.ones((3, 1, 1)), tau=TAU)
+    with pytest.raises(UserError, match=r"q has 3 x 600 x 2 numbers for 600 samples: left out"):
+        read_recording(path, *robot)
