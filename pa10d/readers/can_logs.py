@@ -44,7 +44,7 @@ READERS = {".csv": can.CSVReader, ".db": can.SqliteReader, "candump": CandumpRea
 """Told by what is in them."""
 
 
-class Answers:
+class DriveFrames:
     """One drive's: stamps in s, and 8 bytes each."""
 
     def __init__(self) -> None:
@@ -67,7 +67,7 @@ class Frames:
 
     def __init__(self, joints: int) -> None:
         self.syncs = array("d")
-        self.answers = [Answers() for _ in range(joints)]
+        self.answers = [DriveFrames() for _ in range(joints)]
 
     @property
     def whole(self) -> bool:
