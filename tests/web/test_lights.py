@@ -64,7 +64,7 @@ def test_a_control_process_that_stands_still_is_not_said_to_move_the_arm(bench, 
     page.locator("#arm-state").get_by_text("no answer").wait_for(state="detached")
     assert page.locator(".old .axes").count() == 0
     client.cancel(job["id"])
-    page.locator("#jobs", has_text="cancelled").wait_for()
+    page.locator("#jobs", has_text="Last: Experiment").wait_for()
     if client.robot()["state"] == "holding":
         client.disable()
     client.let_others_command()

@@ -12,9 +12,9 @@ PIECES = """async () => {
   const first = box.firstChild;
   first.focus();
   renew(box, button("Pause"), el("p", {}, "1 s"));
-  const same = box.firstChild === first;
+  const kept = box.firstChild === first;
   renew(box, button("Pause"), el("p", {}, "2 s"));
-  const renewed = { same, text: box.textContent, focus: document.activeElement.textContent };
+  const renewed = { same: kept, text: box.textContent, focus: document.activeElement.textContent };
   box.remove();
 
   const words = [], nothing = () => {};
@@ -27,7 +27,12 @@ PIECES = """async () => {
   const area = { x: (t) => 5 * t, oldest: 0, right: 300, bottom: 200 };
   Scope.prototype.marks.call({}, pen, area, marks);
   const zeros = [fixed(-0.00001, 4), fixed(-0.5, 1), fixed(-0, 3)];
-  return { renewed, words, zeros };
+  const { formOf } = await import("/assets/any/parts/form.js");
+  const form = formOf({ properties: { amplitude: { type: "number", default: Math.PI / 6 } } });
+  const field = form.box.querySelector("input"), shown = field.value, same = form.read();
+  field.value = "0.5";
+  const asked = { shown, same, changed: form.read() };
+  return { renewed, words, zeros, asked };
 }"""
 
 
@@ -37,6 +42,7 @@ def test_a_button_stays_under_the_pointer_and_words_lie_on_no_other(archive, vis
     found = visitor.page.evaluate(PIECES)
     assert found["renewed"] == {"same": True, "text": "Pause2 s", "focus": "Pause"}
     assert found["zeros"] == ["0.0000", "-0.5", "0.000"]
+    assert found["asked"] == {"shown": "0.523599", "same": {}, "changed": {"amplitude": 0.5}}
     words = found["words"]
     assert words[0]["word"] == "the arm has stopped", "what is bad has its place first"
     assert len(words) >= 4

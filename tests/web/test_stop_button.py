@@ -66,6 +66,9 @@ def test_nothing_covers_stop(archive, visit, width):
     visitor = visit(url, viewport={"width": width, "height": 700})
     page = visitor.page
     visitor.open("runs")
+    inside = """[...document.querySelectorAll("nav a")].every((link) =>
+      link.getBoundingClientRect().left >= 0 && link.getBoundingClientRect().right <= innerWidth)"""
+    assert page.evaluate(inside), "every section's name is to be seen, on a phone too"
     page.evaluate(NINE)
     assert page.locator(".notice:visible").count() == 3
     assert page.evaluate(ON_TOP)
@@ -102,6 +105,10 @@ def test_stop_grows_with_the_text_and_covers_nothing(archive, visit):
         right = """() => { const box = document.getElementById("stop").getBoundingClientRect();
           return box.left >= 0 && box.right <= innerWidth; }"""
         assert page.evaluate(right)
+        page.evaluate(NINE)
+        below = """() => document.getElementById("notices").getBoundingClientRect().top
+          >= document.getElementById("header").getBoundingClientRect().bottom"""
+        until(page, f"({below})()")
 
 
 def test_stop_by_keyboard_also_while_typing(archive, visit):

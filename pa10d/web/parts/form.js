@@ -38,6 +38,7 @@ function fieldOf(name, part) {
     name, rare: kind.type === "array" && name !== "joints" && optional,
     box: el("div", { class: "field" }, label, input, hint),
     read: () => {
+      if (typeof part.default === "number" && input.value === inShort(part.default)) return undefined; // a third of pi stays one
       const value = valueOf(input, kind, name);
       return JSON.stringify(value) === JSON.stringify(part.default ?? undefined) ? undefined : value;
     },
@@ -53,7 +54,7 @@ function inputOf(kind, part, id, optional) {
   if (kind.enum) return el("select", { id }, kind.enum.map((one) => el("option", {}, one)));
   if (kind.type === "number" || kind.type === "integer") {
     const input = el("input", { id, type: "number", step: kind.type === "integer" ? 1 : "any",
-                                inputMode: "decimal", required: !optional, value: part.default ?? "" });
+                                inputMode: "decimal", required: !optional, value: typeof part.default === "number" ? inShort(part.default) : "" });
     if (kind.minimum !== undefined) input.min = kind.minimum;
     if (kind.maximum !== undefined) input.max = kind.maximum;
     return input;
@@ -64,6 +65,8 @@ function inputOf(kind, part, id, optional) {
     placeholder: nested ? "a row per line" : optional ? "all" : "",
   });
 }
+
+const inShort = (value) => String(Number(value.toPrecision(6)));
 
 const asText = (value) => Array.isArray(value[0])
   ? value.map((row) => row.join(", ")).join("\n") : value.join(", ");

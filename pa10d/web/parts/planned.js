@@ -19,8 +19,8 @@ export function planned({ margins, preview }) {
     const place = Math.min(seconds / dt, last), below = Math.floor(place), share = place - below, above = Math.min(below + 1, last);
     slider.value = seconds;
     slider.setAttribute("aria-valuetext", `${seconds.toFixed(1)} s`);
-    const part = seconds < begins ? "on the way to the start" : seconds > ends ? "at the end" : `${(seconds - begins).toFixed(1)} s of the plan, recorded`;
-    view.show({ q: state.pose ?? poses[0], ghost: poses[below].map((value, j) => value + share * (poses[above][j] - value)), words: `Ghost at ${seconds.toFixed(1)} s: ${part}.` });
+    const part = seconds < begins ? "on its way to where the recording begins" : seconds > ends ? "after the recording" : `${(seconds - begins).toFixed(1)} s after the recording began`;
+    view.show({ q: state.pose ?? poses[0], ghost: poses[below].map((value, j) => value + share * (poses[above][j] - value)), words: `The ghost at ${seconds.toFixed(1)} s, ${part}.` });
   };
   const halt = () => { clearInterval(timer); timer = null; play.textContent = "▶ Play the plan"; };
   play.addEventListener("click", () => {
@@ -47,7 +47,7 @@ function bodies({ self, floor }, jump) {
 }
 
 const table = ({ joints }, jump) => el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "what is left to the limits" }, el("table", {},
-  el("thead", {}, el("tr", {}, ["joint", "to the nearer position limit", "speed used", "acceleration used", "torque used"].map((head) => el("th", { scope: "col" }, head)))),
+  el("thead", {}, el("tr", {}, ["joint", "to its nearer limit", "speed used", "acceleration used", "torque used"].map((head) => el("th", { scope: "col" }, head)))),
   el("tbody", {}, joints.map((one) => el("tr", {}, el("th", { scope: "row" }, `${one.joint} ${state.robot?.axes[one.joint - 1]?.name ?? ""}`),
     el("td", { class: one.position < TIGHT ? "warn" : "" }, jump(one.at, `${fixed(one.position, 3)} ${unitOf(one.joint - 1)}`)),
     ["velocity", "acceleration", "torque"].map((what) => el("td", { class: one[what] > FULL ? "warn" : "" }, one[what] === null ? "no limit" : `${Math.round(100 * one[what])} %`)))))));

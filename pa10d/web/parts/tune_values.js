@@ -26,7 +26,12 @@ export function tunedValues(changed) {
   const tabs = tabsByKeys(el("div", { class: "row tabs", role: "tablist", "aria-label": "what is tuned" }));
   const outcome = el("div", { "aria-live": "polite" }), history = el("details", { class: "notes" }, el("summary", {}, "Versions"), el("ol", {}));
   const compare = el("button", { type: "button", class: "primary", onclick: guarded("There is no difference to show.", async () => {
-    difference(await post("profile/check", { changes: Object.fromEntries(edits) }), false);
+    try {
+      difference(await post("profile/check", { changes: Object.fromEntries(edits) }), false);
+    } catch (error) {
+      if (!error.status) throw error;
+      fill(outcome, el("p", { class: "bad", role: "alert" }, inTheirWords(error.message)));
+    }
   }) }, "Show the difference");
   const discard = el("button", { type: "button", onclick: () => { edits.clear(); fill(outcome); draw(); } }, "Discard");
   const back = el("button", { type: "button", onclick: guarded("It cannot be undone.", async () => difference(await post("profile/undo/check"), true)) }, "Undo the last change");
@@ -38,6 +43,10 @@ export function tunedValues(changed) {
       for (const tab of tabs.children) tab.setAttribute("aria-selected", String(tab.dataset.group === id));
       draw();
     } }, label)));
+
+  /** What is wrong with a value, by the names of the table: a file's line and its keys are not on this page. */
+  const inTheirWords = (message) => tuning.values.reduce((text, one) => text.replaceAll(new RegExp(`\\b${one.key.replaceAll(".", "\\.")}(?:\\.(\\d+))?(?=:)`, "g"),
+    (_, joint) => titled(one.title) + (joint ? ` of joint ${joint}` : "")), message.replaceAll(/^\S*\.ya?ml(:\d+)?: /gm, ""));
 
   const keep = (key, value) => {
     if (value === undefined) edits.delete(key);
