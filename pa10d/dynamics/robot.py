@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.urdf_joints import movable_joints, tell_apart
 from pa10d.dynamics.environment import EMPTY, Box, Environment
 from pa10d.dynamics.urdf_check import check_urdf
 
@@ -123,15 +124,11 @@ def robot_from_urdf(
     """Read a URDF (a path or the XML itself); meshes are never needed.
 
     joints: names of the movable joints in the wanted order; all others are locked at zero.
-    Default: all revolute, continuous and prismatic ones, in the order of the file.
+    Default: all that move by themselves, in the order of the file, or from base to tip.
     """
     text, where = _read(urdf)
     root = _parse(text, where)
-    movable = [
-        j.get("name", "")
-        for j in root.iter("joint")
-        if j.get("type") in ("revolute", "continuous", "prismatic") and j.find("mimic") is None
-    ]
+    movable = movable_joints(root)
     chosen = list(joints) if joints is not None else movable
     for joint in chosen:
         if joint not in movable:
@@ -247,6 +244,7 @@ def _parse(text: str, where: str) -> ET.Element:
 def _without_meshes(root: ET.Element) -> str:
     """Drop what dynamics does not need, and turn continuous joints into revolute ones, for
     which Pinocchio keeps one coordinate instead of a cosine and a sine."""
+    tell_apart(root)
     for link in root.iter("link"):
         for tag in ("visual", "collision"):
             for element in link.findall(tag):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import pinocchio as pin
 
 from backends.virtual.plant.records import Array, Ints
 from pa10d.common.errors import UserError
+from pa10d.common.urdf_joints import movable_joints, tell_apart
 from pa10d.profile import Profile
 
 
@@ -35,11 +37,13 @@ class Arm(NamedTuple):
 def reduced_model(urdf: Path, joints: list[str] | None) -> pin.Model:
     """Pinocchio's model of the profile's joints, all others locked at zero."""
     try:
-        full = pin.buildModelFromUrdf(str(urdf))
-    except ValueError as error:
+        root = ET.parse(urdf).getroot()
+        wanted = movable_joints(root) if joints is None else joints
+        tell_apart(root)
+        full = pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
+    except (ValueError, ET.ParseError) as error:
         raise UserError(f"{urdf}: cannot be read as a URDF: {error}") from error
     movable = list(full.names)[1:]
-    wanted = movable if joints is None else joints
     if missing := [name for name in wanted if name not in movable]:
         raise UserError(f"{urdf}: no joint {missing[0]!r}; expected some of {', '.join(movable)}")
     locked = [full.getJointId(name) for name in movable if name not in wanted]
