@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from backends.virtual.datasets import Figures, figures_of, random_effect
-from backends.virtual.plant.catalogue import ALL, LISTED
+from backends.virtual.plant.catalogue import LISTED
+from backends.virtual.plant.laws import catalogue
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.effects import all_effects
@@ -87,8 +88,14 @@ def hide(asked: str | None, seed: int, profile: Profile) -> Hidden:
     rng = np.random.default_rng([seed, 4])
     shown = [name for name in LISTED if not all_effects()[name].escapes_demo]
     name, _, joint = (asked or str(rng.choice(shown))).partition(":")
-    if name not in ALL:
-        raise UserError(f"--hide {asked}: no such effect, expected none or one of {', '.join(ALL)}")
+    known = catalogue()
+    if name not in known:
+        why = (
+            "no such effect"
+            if name not in all_effects()
+            else ("its package has no law for the simulated arm (entry point pa10d.hidden)")
+        )
+        raise UserError(f"--hide {asked}: {why}, expected none or one of {', '.join(known)}")
     return Hidden((_placed(rng, name, joint, asked or name, figures_of(profile)),))
 
 
@@ -115,7 +122,7 @@ def _placed(
 ) -> JsonObject:
     if not joint:
         return random_effect(rng, name, figures)
-    if ALL[name].where == "robot":
+    if catalogue()[name].where == "robot":
         raise UserError(f"--hide {asked}: {name} is of the whole arm, expected no joint")
     if not joint.isdecimal() or not 1 <= int(joint) <= figures.n:
         raise UserError(f"--hide {asked}: joint {joint!r}, expected a number from 1 to {figures.n}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from backends.virtual.datasets import KINDS, figures_of, make_runs, random_effect
-from backends.virtual.plant.catalogue import ALL
+from backends.virtual.plant.laws import catalogue
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import Robot
 from pa10d.effects import Effect
@@ -26,7 +26,7 @@ def found_again(kind: Effect, robot: Robot, rng: np.random.Generator, count: int
     seed = int(rng.integers(1000))
     changed = kind.question == "changed"
     kinds = (*KINDS, *(REF * changed))
-    if kind.id in ALL:
+    if kind.id in catalogue():
         hidden = random_effect(rng, kind.id, figures_of("pa10-sim"))
         runs, _ = make_runs(seed, [hidden], kinds=kinds)
         joints = tuple(hidden.get("joints", [hidden["joint"]] if "joint" in hidden else []))

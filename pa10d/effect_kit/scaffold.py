@@ -46,6 +46,32 @@ class {name}(Effect):
         return [{{"w": w}} for w in (0.05, 0.2, 0.8)]
 '''
 
+HIDDEN = '''"""{title} as the simulated arm hides it: from the physics, apart from the formula."""
+
+import math
+
+
+class {name}Law:
+    """As it stands: the joint is pulled back to zero, softly near it."""
+
+    where = "joint"
+    parameters = {{"A": None, "w": 0.3}}  # with None an entry has to state it
+
+    @staticmethod
+    def draw(rng, arm):
+        """A joint (from 1) and sizes that show, by the arm's own friction and reach."""
+        j = int(rng.integers(arm.n))
+        A = rng.uniform(0.6, 1.2) * arm.book.coulomb[j]
+        return {{"joint": j + 1, "A": A, "w": rng.uniform(0.15, 0.4) * arm.reach.half[j]}}
+
+    def __init__(self, A, w):
+        self.A, self.w = A, w
+
+    def torque(self, dt, q, dq):
+        """N·m against the motion over the next dt s, from rad and rad/s of its own joints."""
+        return [self.A * (1.0 - 2.0 / (1.0 + math.exp(2.0 * angle / self.w))) for angle in q]
+'''
+
 TEST = '''"""{title}: the conformance kit, and the formula written a second time."""
 
 import math
@@ -81,17 +107,20 @@ dependencies = ["pa10d"]
 [project.entry-points."pa10d.effects"]
 {id} = "{id}:{name}"
 
+[project.entry-points."pa10d.hidden"]
+{id} = "{id}_hidden:{name}Law"
+
 [build-system]
 requires = ["hatchling"]
 build-backend = "hatchling.build"
 
 [tool.hatch.build.targets.wheel]
-include = ["{id}.py"]
+include = ["{id}.py", "{id}_hidden.py"]
 """
 
 
 def scaffold(name: str, folder: Path) -> list[Path]:
-    """Write package, test and page for the effect ``name`` into a new folder; the files."""
+    """Write package, law, test and page for the effect ``name`` into a new folder; the files."""
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or keyword.iskeyword(name):
         raise UserError(f"{name!r}: expected small letters, digits and underscores")
     if name in all_effects():
@@ -108,6 +137,7 @@ def scaffold(name: str, folder: Path) -> list[Path]:
     }
     texts = {
         f"{name}.py": MODULE.format(**told),
+        f"{name}_hidden.py": HIDDEN.format(**told),
         f"tests/test_{name}.py": TEST.format(**told),
         "pyproject.toml": PROJECT.format(**told),
     }

@@ -131,13 +131,15 @@ def test_a_new_package_conforms_as_it_stands(tmp_path, monkeypatch):
     folder = tmp_path / "soft_detent"
     files = scaffold("soft_detent", folder)
     assert {f.relative_to(folder).as_posix() for f in files} == {
-        "soft_detent.py", "soft_detent.md", "pyproject.toml", "tests/test_soft_detent.py",
+        "soft_detent.py", "soft_detent_hidden.py", "soft_detent.md", "pyproject.toml",
+        "tests/test_soft_detent.py",
     }  # fmt: skip
     info = folder / "soft_detent-0.1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: soft-detent\nVersion: 0.1.0\n")
     (info / "entry_points.txt").write_text(
         "[pa10d.effects]\nsoft_detent = soft_detent:SoftDetent\n"
+        "[pa10d.hidden]\nsoft_detent = soft_detent_hidden:SoftDetentLaw\n"
     )
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"],

@@ -21,7 +21,7 @@ from pa10d.model import Term
 ROOT = Path(__file__).resolve().parents[2]
 GUIDE = (ROOT / "docs" / "add-an-effect.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w*)\n(.*?)```", GUIDE, re.DOTALL)
-CLASS, CHECK = (text for kind, text in BLOCKS if kind == "python")
+CLASS, CHECK, LAW = (text for kind, text in BLOCKS if kind == "python")
 PYPROJECT = next(tomllib.loads(text) for kind, text in BLOCKS if kind == "toml")
 (MODULE,) = re.findall(r"^`(\w+)\.py`:", GUIDE, re.MULTILINE)
 

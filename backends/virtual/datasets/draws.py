@@ -10,6 +10,7 @@ from backends.virtual.datasets.draw_mechanics import MECHANICS
 from backends.virtual.datasets.draw_rubbing import RUBBING
 from backends.virtual.datasets.draw_senses import SENSES
 from backends.virtual.datasets.figures import Draw, Figures, Rng
+from backends.virtual.plant.laws import laws
 from pa10d.common.jsonable import JsonObject
 
 DRAWS: dict[str, Draw] = {**RUBBING, **MECHANICS, **SENSES}
@@ -17,7 +18,8 @@ DRAWS: dict[str, Draw] = {**RUBBING, **MECHANICS, **SENSES}
 
 def random_effect(rng: Rng, effect: str, robot: Figures) -> JsonObject:
     """One entry for the ``effects`` option: joint and parameters of a size that can be seen."""
-    drawn = {k: _plain(v) for k, v in DRAWS[effect](rng, robot).items()}
+    draw = DRAWS[effect] if effect in DRAWS else laws()[effect].draw
+    drawn = {k: _plain(v) for k, v in draw(rng, robot).items()}
     return {"effect": effect, **drawn}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from backends.virtual.plant.catalogue import ABOVE_ZERO, ALL, REQUIRED, Where
+from backends.virtual.plant.catalogue import ABOVE_ZERO, ALL, REQUIRED, Spec, Where
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 
@@ -28,19 +28,19 @@ class Hidden:
         return float(self.values[name])
 
 
-def hidden_effects(options: Any, n: int) -> list[Hidden]:
-    """Check the option for an arm of n joints."""
+def hidden_effects(options: Any, n: int, known: Mapping[str, Spec] = ALL) -> list[Hidden]:
+    """Check the option for an arm of n joints; known: what it can hide."""
     if not isinstance(options, list | tuple) or not all(isinstance(e, Mapping) for e in options):
         raise UserError("simulation.options.effects: expected a list of {effect: .., ...}")
-    return [_parse(number, dict(one), n) for number, one in enumerate(options, 1)]
+    return [_parse(number, dict(one), n, known) for number, one in enumerate(options, 1)]
 
 
-def _parse(number: int, asked: JsonObject, n: int) -> Hidden:
+def _parse(number: int, asked: JsonObject, n: int, known: Mapping[str, Spec]) -> Hidden:
     where = f"simulation.options.effects, entry {number}"
     name = asked.pop("effect", None)
-    if not isinstance(name, str) or name not in ALL:
-        raise UserError(f"{where}: effect: found {name!r}, expected one of {', '.join(ALL)}")
-    spec = ALL[name]
+    if not isinstance(name, str) or name not in known:
+        raise UserError(f"{where}: effect: found {name!r}, expected one of {', '.join(known)}")
+    spec = known[name]
     joints = _joints(where, name, spec.where, asked, n)
     if unknown := set(asked) - set(spec.parameters):
         expected = ", ".join(spec.parameters)
@@ -51,7 +51,7 @@ def _parse(number: int, asked: JsonObject, n: int) -> Hidden:
             raise UserError(f"{where}: {name} needs a value for {key}")
         if type(spec.parameters[key]) is not str and not _is_number(value, spec.parameters[key]):
             raise UserError(f"{where}: {name}.{key}: found {value!r}, expected a number")
-        if key in ABOVE_ZERO and value <= 0:
+        if name in ALL and key in ABOVE_ZERO and value <= 0:
             raise UserError(f"{where}: {name}.{key}: found {value!r}, expected more than 0")
     return Hidden(name, joints, values)
 

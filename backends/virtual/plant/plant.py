@@ -10,6 +10,7 @@ import numpy as np
 
 from backends.virtual.plant.assemble import arm_model, physics_of, true_arm
 from backends.virtual.plant.hidden import Hidden, hidden_effects
+from backends.virtual.plant.laws import AtWork, catalogue
 from backends.virtual.plant.noise import Noise, white_level
 from backends.virtual.plant.records import Array
 from backends.virtual.plant.run import Log, Servo, advance, follow, look, new_log
@@ -37,7 +38,7 @@ def build(
 ) -> Plant:
     """The plant factory that profiles name.
 
-    effects   what is hidden, see catalogue.py
+    effects   what is hidden, see catalogue.py, and laws.py for those of other packages
     noise     none, white, strong or coloured, or {kind, white, slow, corner_hz}; the numbers are
               multiples of 0.5 N·m at a 232 N·m joint, less at smaller ones
     seed      of the noise and, unless dynamics has its own, of the arm; default: the profile's
@@ -62,7 +63,7 @@ def build(
     rng = np.random.default_rng([int(given.get("seed", seed)), 7])
     arm = true_arm(profile, model, spread, rng)
     book = textbook_of(peak_torques(model, profile), given, rng)
-    hidden = hidden_effects(effects, len(book.effort))
+    hidden = hidden_effects(effects, len(book.effort), catalogue())
     physics = physics_of(arm, book, hidden)
     n = len(book.effort)
     steps = encoder_steps(profile, resolution, book)
@@ -121,6 +122,7 @@ class Plant:
         if q0.shape != (self.n,):
             raise ValueError(f"q0 has shape {q0.shape}, expected ({self.n},)")
         self.state = new_state(self.physics, q0)
+        self._laws = AtWork(self.effects, self.n)
         self._reading = new_reading(self.n)
         self._noise.restart()
         look(self._figures, self.state, self._reading, self._draw(1)[0])
@@ -128,6 +130,7 @@ class Plant:
     def step(self, torque: Array, dt: float) -> None:
         """Hold motor torque (n,), N·m at the joint side, for dt seconds."""
         self._expect(dt)
+        self._resist(dt)
         advance(
             self._figures, self.state, self._scratch, self._reading,
             np.ascontiguousarray(torque, float), dt, self._substeps(dt), self._draw(1)[0],
@@ -147,13 +150,24 @@ class Plant:
         q, dq, forward (steps, n): reference rad, rad/s and feed-forward torque N·m per sample.
         """
         self._expect(dt)
-        log = new_log(*q.shape)
-        follow(
-            self._figures, self.state, self._scratch, self._reading, servo,
-            np.ascontiguousarray(q), np.ascontiguousarray(dq), np.ascontiguousarray(forward),
-            dt, self._substeps(dt), self._draw(len(q)), log,
-        )  # fmt: skip
+        log, noise = new_log(*q.shape), self._draw(len(q))
+        wanted = [np.ascontiguousarray(x) for x in (q, dq, forward)]
+        at_once = 1 if self._laws else len(q)
+        for k in range(0, len(q), at_once):
+            part = slice(k, k + at_once)
+            self._resist(dt)
+            follow(
+                self._figures, self.state, self._scratch, self._reading, servo,
+                *(x[part] for x in wanted), dt, self._substeps(dt), noise[part],
+                Log(*(x[part] for x in log)),
+            )  # fmt: skip
         return log
+
+    def _resist(self, dt: float) -> None:
+        """What laws of other packages do over the next sample."""
+        if self._laws:
+            n = self.n
+            self.state.outside[:] = self._laws.torque(dt, self.state.q[:n], self.state.v[:n])
 
     def _substeps(self, dt: float) -> int:
         return max(1, math.ceil(dt / self.substep - 1e-9))

@@ -58,7 +58,8 @@ class PlantState(NamedTuple):
     """q, v, acc (N,): coordinates and their rates; impulse (n + m,) N·m·s of dry friction;
 
     bent (n, ELEMENTS) bristles; warm (n,); stretch (m,) rad of forgetting springs; load, rubbing
-    (n,): N·m transmitted to the links and lost to friction.
+    (n,): N·m transmitted to the links and lost to friction; outside (n,) N·m against the links'
+    motion, by laws of other packages.
     """
 
     q: Array
@@ -70,6 +71,7 @@ class PlantState(NamedTuple):
     stretch: Array
     load: Array
     rubbing: Array
+    outside: Array
 
 
 class Scratch(NamedTuple):
@@ -108,8 +110,9 @@ def new_state(physics: Physics, q0: Array) -> PlantState:
     still, bent = np.zeros(size), np.zeros((n, ELEMENTS))
     warm, impulse = physics.warmth.start.copy(), np.zeros(n + m)
     return PlantState(
-        q, still, still.copy(), impulse, bent, warm, np.zeros(m), np.zeros(n), np.zeros(n)
-    )
+        q, still, still.copy(), impulse, bent, warm, np.zeros(m), np.zeros(n), np.zeros(n),
+        np.zeros(n),
+    )  # fmt: skip
 
 
 def new_scratch(physics: Physics) -> Scratch:

@@ -92,7 +92,7 @@ def _rotors(arm: Figures, state: PlantState, work: Scratch, motor: Array, h: flo
 def _links(arm: Figures, state: PlantState, work: Scratch) -> None:
     """Transmissions, gravity and velocity torques, and what acts on the links."""
     for j in range(arm.joints.shape[0]):
-        work.force[j] -= work.bias[j]
+        work.force[j] -= work.bias[j] + state.outside[j]
         d = arm.joints[j].rotor
         if d != j:
             rate = work.v[d] - work.v[j]
