@@ -20,23 +20,25 @@ from pa10d.control.limits import ArmLimits
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.shaking import torque_ahead
-from pa10d.experiments.wound_springs import LOSS, behind_spring, filtered, links_along
+from pa10d.experiments.wound_springs import LOSS, behind_spring, filtered, links_along, links_of
 from pa10d.trajectory.motions import MotionSamples
 
 Array = NDArray[np.float64]
 
 DOUBT = 2.0  # times the predicted error: as large it was seen, on arms their URDF describes badly
 FAST, STRONG = 1.12, 0.95  # of the limits of speed and torque
-LOOKED_AT = ("error", "speed", "torque", "beyond")
+LOOKED_AT = ("error", "swing", "speed", "torque", "beyond")
 PACES = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)  # times as long, tried in turn
 
 
 @dataclass(frozen=True)
 class Predicted:
-    """(n,) each: largest tracking error rad, speed rad/s, torque N·m; how far beyond a position
-    limit a joint would stop, rad, with ``DOUBT`` times the error: negative where it is clear."""
+    """(n,) each: largest tracking error rad, speed rad/s, torque N·m; how far a link swings on its
+    spring about where it would be if the motion were slow, rad; how far beyond a position limit a
+    joint would stop, rad, with ``DOUBT`` times the error: negative where it is clear."""
 
     error: Array
+    swing: Array
     speed: Array
     torque: Array
     beyond: Array
@@ -47,7 +49,7 @@ class Predicted:
             over = values / most
             if (over > 1.0).any():
                 j = int(np.argmax(over))
-                return f"joint {j + 1} {words.format(values[j])}"
+                return f"joint {j + 1}{words.format(values[j])}"
         return ""
 
     def over(self, limits: ArmLimits) -> Array:
@@ -56,9 +58,10 @@ class Predicted:
 
     def _looks(self, limits: ArmLimits) -> tuple[tuple[Array, Array, str], ...]:
         return (
-            (self.error, limits.following_error / DOUBT, "would be {:.2g} rad from its path"),
-            (self.speed, FAST * limits.velocity, "would overshoot to {:.2g} rad/s"),
-            (self.torque, STRONG * limits.torque, "would need {:.3g} N·m with its friction"),
+            (self.error, limits.following_error / DOUBT, " would be {:.2g} rad from its path"),
+            (self.swing, limits.following_error / DOUBT, "'s link would swing by {:.2g} rad"),
+            (self.speed, FAST * limits.velocity, " would overshoot to {:.2g} rad/s"),
+            (self.torque, STRONG * limits.torque, " would need {:.3g} N·m with its friction"),
         )
 
 
@@ -95,12 +98,15 @@ def _of_one(
         needed = needed + inverse_dynamics(robot, bodies, q, dq, ddq) - own - held
     inertia, rate = inertias(robot, figures).usual, 1.0 / float(t[1] - t[0])
     link, pull = links_along(robot, figures, bodies, q)
-    error, slip = np.zeros_like(q), np.zeros_like(q)
+    error, slip, swing = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
+    links = links_of(robot, figures, bodies, motion, LOSS).q
     for j in range(robot.n):
         above, below = np.array([1.0]), np.array([inertia[j], figures.viscous[j], -pull[j]])
         if np.isfinite(figures.stiffness[j]):
             late, spring = behind_spring(link[j], float(figures.stiffness[j]), pull[j], LOSS)
             moved = np.polymul([figures.motor[j], figures.viscous[j], 0.0], late)
+            slowly = spring[-1] / late[-1]
+            swing[:, j] = links[:, j] - q[0, j] - slowly * (q[:, j] - q[0, j])
             above, below = late, np.polyadd(moved, np.polymul([link[j], 0.0, -pull[j]], spring))
         servo = [gains.kd[j], gains.kp[j], gains.ki[j]]
         closed = np.polyadd(np.polymul(below, [1.0, 0.0]), np.polymul(above, servo))
@@ -109,6 +115,7 @@ def _of_one(
             out[:, j] = filtered(np.polymul(above, order), closed, rate, push - push[0])
     return Predicted(
         np.abs(error).max(axis=0),
+        np.abs(swing).max(axis=0),
         np.abs(dq - slip).max(axis=0),
         np.abs(needed + held).max(axis=0),
         _beyond(limits, q, dq, error, slip),

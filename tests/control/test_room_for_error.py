@@ -9,6 +9,7 @@ import pytest
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.motion import whole_motion
 from pa10d.experiments.pacing import Joints, paced
@@ -157,3 +158,26 @@ def test_a_servo_that_is_slower_than_asked_for_is_said_to_be():
     said = lowered(known.asked, known.bandwidth)
     assert [int(j) for j in re.findall(r"joint (\d)", said)] == slower
     assert lowered(4.0, [4.0, 3.9]) is None
+
+
+def test_a_motion_that_would_throw_a_link_about_on_its_spring_is_slowed(arm):
+    """The motor may be on its path all the while: what is checked for room is the path."""
+    profile, robot, limits, _ = arm
+    upright, swings = 0, 0.3  # 0-based, Hz
+    there = np.zeros(robot.n)
+    there[upright] = 1.0
+    around = Surroundings.of(robot)
+    way = Segment(move(np.zeros(robot.n), there, around.limits))
+    plan = Plan("point_to_point", (upright + 1,), (way,))
+    joints = measured(profile, robot)
+    rotor = 10.0 * joints.figures.rotor  # stiff enough a servo to stay on its path
+    link = mass_matrices(robot, np.zeros((1, robot.n)))[0, upright, upright]
+    stiffness = np.full(robot.n, np.inf)
+    stiffness[upright] = link * (2.0 * np.pi * swings) ** 2
+    soft = joints.figures.but(stiffness=stiffness, motor=rotor)
+    quiet = replace(limits, following_error=10.0 * limits.following_error)
+    chosen = paced(plan, plan.start, robot, limits, RATE, replace(joints, figures=soft))
+    free = paced(plan, plan.start, robot, quiet, RATE, replace(joints, figures=soft))
+    assert chosen.check.level == "warning", chosen.check.sentence
+    assert re.search(r"joint 1's link would swing by 0\.\d+ rad", chosen.adjusted.why)
+    assert chosen.adjusted.pace > free.adjusted.pace
