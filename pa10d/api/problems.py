@@ -19,7 +19,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.daemon.processes.workers import Ended
 from pa10d.daemon.robot.lease import Held
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused
 
 MEDIA = "application/problem+json"
 KINDS = {

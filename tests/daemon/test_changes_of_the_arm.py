@@ -11,7 +11,7 @@ from pa10d.api.routes.ready import require_ready
 from pa10d.common.errors import UserError
 from pa10d.control.told import ArmTold
 from pa10d.daemon.daemon import Daemon
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.dynamics import robot_from_profile
 from pa10d.identify.scale import Body
 from pa10d.profile import load_profile

@@ -13,7 +13,8 @@ import pytest
 from pa10d.control.mailbox import LARGEST
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.link import Link
-from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
+from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.dynamics import robot_from_profile
 from pa10d.profile import load_profile
 

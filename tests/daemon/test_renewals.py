@@ -8,7 +8,8 @@ import pytest
 
 from pa10d.control.told import ArmTold
 from pa10d.daemon.events import Events
-from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
+from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.profile import load_profile
 from pa10d.services.robots import load_robot
 

@@ -253,7 +253,7 @@ def test_the_daemon_of_another_profile_is_left_alone(
     state.profile = str(mine)
     Weighings(data).save(state)
     daemon = Daemon(mine if serves_it else mine.parent / "other.yaml", str(data))
-    monkeypatch.setattr("pa10d.client.running_daemon", lambda where: daemon)
+    monkeypatch.setattr("pa10d.client.daemons.running_daemon", lambda where: daemon)
     before = mine.read_text()
     assert main(["--data", str(data), "weigh", "apply", "w", "--joints", "2"]) == 0
     assert daemon.asked == (["w", "given back"] if serves_it else [])

@@ -19,7 +19,8 @@ from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.laws import Law
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.robot.readiness import readiness
-from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
+from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.experiments.prepared import CarriedBy, PlannedMotion, Prepared, wrong_in
 from pa10d.experiments.request import MotionRequest
@@ -216,7 +217,7 @@ class Experiment:
             replace=self._request.replace,
         )  # fmt: skip
         run = announced["run"]["id"]
-        ended = robot.expect_run(run)
+        ended = robot.runs.expect(run)
         try:
             await robot.command(
                 "run", number=number, rows=motion.file, first=motion.first, last=motion.last
@@ -229,7 +230,7 @@ class Experiment:
                     await robot.withdraw()
             raise
         finally:
-            robot.forget_run(run)
+            robot.runs.forget(run)
         info = ended.result()
         self.result.runs.append(info["id"])
         told = (info[key] for key in ("id", "name", "status", "duration"))

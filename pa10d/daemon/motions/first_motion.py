@@ -14,7 +14,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import KnownJoints, MeasuredJoints
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.experiment import Experiment
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.jobs.jobs import Job, Report, part
 from pa10d.daemon.motions.experiment import Experiment
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.request import TrackingRequest
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pa10d.common.errors import UserError
 from pa10d.daemon.jobs.jobs import Job, Report, part
 from pa10d.daemon.motions.experiment import Experiment
-from pa10d.daemon.robot.robot import CommandRefused
+from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.request import MotionRequest
 from pa10d.services.weighing.state import NOTHING, Weighing
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pa10d.daemon.robot.robot import CommandRefused, RobotProcess
+from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.checks import Check
 
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.device import Device
 from backends.registry import device
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
@@ -26,8 +25,18 @@ from pa10d.daemon.events import Events
 from pa10d.daemon.offline import AGAIN, LEFT, RENEWED, STARTING
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
+from pa10d.daemon.robot.awaited import AwaitedRuns
+from pa10d.daemon.robot.axes import axes_of, remarks_of
 from pa10d.daemon.robot.fault_files import keep_fault
 from pa10d.daemon.robot.liveness import Liveness
+from pa10d.daemon.robot.refusals import (
+    UNPOWERED,
+    CommandRefused,
+    being_started,
+    no_control,
+    not_unpowered,
+    still_in_fault,
+)
 from pa10d.dynamics import Robot
 from pa10d.profile import Gains, Profile
 
@@ -39,23 +48,13 @@ SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say 
 MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
-SILENT = 0.5  # s of the loop's time
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 ENDED = 5.0  # s for control to end that holds nothing
 LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
-UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
 CHOOSING = ("inactive", "holding")  # states in which control takes another law
 DIED = "the drives stopped by themselves; look at the log, then reset"
 
 log = logging.getLogger("pa10d.robot")
-
-
-class CommandRefused(Exception):
-    """Control said no: its answer has ``detail`` and, mostly, ``state``, ``needed``, ``remedy``."""
-
-    def __init__(self, answer: Message) -> None:
-        super().__init__(answer.get("detail", "refused"))
-        self.answer = answer
 
 
 class RobotProcess:
@@ -93,7 +92,7 @@ class RobotProcess:
         self._renewing = False  # control ends because it shall begin anew
         self._renewals = asyncio.Lock()  # what was wanted before one is no other's to remember
         self.bus_ready = asyncio.Event()  # nobody answers before that
-        self._awaited: dict[str, asyncio.Future[Message]] = {}
+        self.runs = AwaitedRuns()
 
     # -- life -------------------------------------------------------------------------------
 
@@ -161,21 +160,7 @@ class RobotProcess:
         last, get = self.ring.last(), self.ring.layout.get
         offline = self.state == "offline" or last is None
         model = (self.controller.get("model") or {}) if self._law_in_force() else {}
-        axes = [] if offline or last is None else [
-            {
-                "joint": j + 1,
-                "name": name,
-                "position": float(get(last, "q")[j]),
-                "velocity": float(get(last, "dq")[j]),
-                "torque": float(get(last, "tau")[j]),
-                "target": float(get(last, "q_ref")[j]),
-                "temperature": _finite(get(last, "temperature")[j]),
-                "status_word": int(get(last, "status")[j]),
-                "age": int(get(last, "age")[j]),
-                "silent": self._silent(int(get(last, "age")[j])),
-            }
-            for j, name in enumerate(self.robot.joint_names)
-        ]  # fmt: skip
+        axes = axes_of(self.ring, self.robot, self.profile, self.state)
         return {
             "profile": self.profile.name,
             **self.brief,
@@ -185,20 +170,12 @@ class RobotProcess:
             "model_parameters": model.get("parameters"),
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
-            "notes": [*self._notes(), *_remarks(self.device, axes)],
+            "notes": [*self._notes(), *remarks_of(self.device, axes)],
             "recording": not offline and last is not None and bool(get(last, "recording")),
             "time": None if offline or last is None else float(get(last, "time")),
             "quiet": self._liveness.quiet if self.control is not None else 0.0,
             "axes": axes,
         }
-
-    def _silent(self, age: int) -> bool:
-        """Whether what an axis said last, this many cycles ago, is no news any more; in a fault
-        sooner, for there its silence may be the cause."""
-        latest = SILENT * self.profile.control.rate
-        if self.state == "fault":
-            latest = min(latest, self.profile.safety.stale_cycles)
-        return age >= latest
 
     def pose(self) -> Array:
         """(n,) rad where the arm is held (its reference), or measured while unpowered."""
@@ -232,6 +209,9 @@ class RobotProcess:
             raise CommandRefused(answer)
         return answer
 
+    def _no_control(self, do: str) -> Message:
+        return no_control(do, self.state, self.why_offline, kept=bool(self._keepers))
+
     async def enable(self) -> None:
         """Until the arm is held, or in fault, or somebody has stopped that."""
         await self._switch("enable")
@@ -252,7 +232,7 @@ class RobotProcess:
             await self._bring_back()
         await self._switch("reset")
         if self.state == "fault":
-            raise CommandRefused(self._still_in_fault())
+            raise CommandRefused(still_in_fault(self.state, self.fault))
         await self._take_up_law()
 
     async def use(self, controller: Message, model: str | None = None) -> None:
@@ -336,7 +316,7 @@ class RobotProcess:
 
     async def _renew(self, change: Callable[[], Awaitable[tuple[Profile, Robot]]]) -> None:
         if self.state not in UNPOWERED or (self._keepers and self.control is None):
-            raise CommandRefused(self._not_unpowered())
+            raise CommandRefused(not_unpowered(self.state, self.why_offline))
         wanted = self._wanted
         if self.state != "offline":
             await self.disconnect()
@@ -369,7 +349,7 @@ class RobotProcess:
 
     async def _memories(self, clear: bool) -> list[Message]:
         if self._keepers and not self.bus_ready.is_set():
-            raise CommandRefused(self._being_started("errors"))
+            raise CommandRefused(being_started("errors", self.state))
         answer = await self.command("errors", timeout=MEMORIES, clear=clear)
         names = self.robot.joint_names
         return [{**one, "name": names[one["joint"] - 1]} for one in answer["drives"]]
@@ -406,17 +386,6 @@ class RobotProcess:
         if not answer["ok"]:
             raise CommandRefused(answer)
         return answer
-
-    def expect_run(self, run: str) -> asyncio.Future[Message]:
-        """The description of this run once the recorder has closed it."""
-        self._awaited[run] = asyncio.get_running_loop().create_future()
-        return self._awaited[run]
-
-    def forget_run(self, run: str) -> None:
-        """Nobody waits for it any more."""
-        future = self._awaited.pop(run, None)
-        if future is not None and future.done() and not future.cancelled():
-            future.exception()  # seen
 
     # -- keeping the processes --------------------------------------------------------------
 
@@ -497,9 +466,7 @@ class RobotProcess:
             if self.state == "running":
                 self.stop()
             log.warning("recorder %s; it is being started again", child.how_it_ended())
-            for future in self._awaited.values():
-                if not future.done():
-                    future.set_exception(CommandRefused({"detail": "the recorder process ended"}))
+            self.runs.lost(CommandRefused({"detail": "the recorder process ended"}))
             await asyncio.sleep(0.5)
 
     async def _stay_alive(self) -> None:
@@ -523,9 +490,7 @@ class RobotProcess:
             self._events.publish("run", info)
             if info["status"] == "failed" and self.state == "running":
                 self.stop()  # a motion that nobody records goes no further
-            future = self._awaited.get(info["id"])
-            if future is not None and not future.done():
-                future.set_result(info)
+            self.runs.closed(info)
             return
         before, self._told = self._told, ArmTold.from_document(message)
         fault = self._told.fault
@@ -558,64 +523,6 @@ class RobotProcess:
         self._gone = None
         self._announce()
 
-    def _still_in_fault(self) -> Message:
-        fault = self.fault
-        return {
-            "ok": False,
-            "command": "reset",
-            "state": self.state,
-            "needed": [ArmState.FAULT.label],
-            "detail": f"reset: {fault.sentence if fault else 'the fault persists'}",
-            "remedy": fault.remedy if fault else "remove the cause, then reset",
-        }
-
-    def _not_unpowered(self) -> Message:
-        starting = self.state in UNPOWERED
-        detail = f"the arm is {self.state}" + (f": {self.why_offline}" if starting else "")
-        return {
-            "state": self.state,
-            "needed": list(UNPOWERED),
-            "detail": f"profile: {detail}",
-            "remedy": "wait until control has started" if starting else "disable the arm first",
-        }
-
-    def _being_started(self, do: str) -> Message:
-        """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
-        return self._unheard(
-            do, "the drives are being started", "wait a few seconds, then ask again"
-        )
-
-    def _no_control(self, do: str) -> Message:
-        remedy = (
-            "wait a few seconds, then look at the robot's state again"
-            if self._keepers
-            else "add 'drives' to the profile, one entry per joint"
-        )
-        return self._unheard(do, self.why_offline, remedy)
-
-    def _unheard(self, do: str, why: str, remedy: str) -> Message:
-        return {
-            "ok": False,
-            "command": do,
-            "state": self.state,
-            "needed": [ArmState.INACTIVE.label],
-            "detail": f"{do}: {why}",
-            "remedy": remedy,
-        }
-
-
-def _remarks(words: Device, axes: list[Message]) -> list[str]:
-    """What drives say beside their states, now."""
-    return [
-        f"joint {axis['joint']}: {remark}"
-        for axis in axes
-        for remark in words.remarks(axis["status_word"])
-    ]
-
 
 _POWERED = frozenset(state.label for state in POWERED)
 _SETTLED = tuple(state.label for state in ArmState if state not in SWITCHING)
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

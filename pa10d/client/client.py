@@ -1,77 +1,28 @@
-"""A thin client of the daemon's API, for programs, the demo and the command line.
-
-with local_daemon(data, profile="pa10-sim") as arm:
-    job = arm.experiment("tracking", {"seconds": 20})
-    print(job["result"]["runs"])
-"""
+"""Everything that a daemon can be asked, call by call."""
 
 from __future__ import annotations
 
 import contextlib
 import json
-import os
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import httpx
-
+from pa10d.client.connection import ApiError, Connection, JobFailed, problem_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.offline import passes
 
 Progress = Callable[[float, str], None]
 
-REQUEST = 90.0  # s for an answer: longer than the daemon itself waits for drives
 LOOK_EVERY = 0.25  # s between looks at a job
-START = 180.0  # s for a daemon to come up; compiled code may have to be made first
 HOPELESS = 20.0  # s of one reason to be offline: the daemon has tried several times to connect
 OVER = ("succeeded", "failed", "cancelled")
 
 
-class ApiError(UserError):
-    """The daemon said no; ``problem`` is its document (RFC 9457)."""
-
-    def __init__(self, problem: JsonObject) -> None:
-        super().__init__(str(problem.get("detail") or problem.get("title") or "refused"))
-        self.problem = problem
-        self.status = int(problem.get("status", 0))
-
-
-class JobFailed(UserError):
-    """A job did not succeed; ``job`` is its document."""
-
-    def __init__(self, job: JsonObject) -> None:
-        super().__init__(str(job["error"] or f"{job['kind']}: {job['status']}"))
-        self.job = job
-
-
-class Client:
+class Client(Connection):
     """Every call is one request, or one job that is waited for."""
-
-    def __init__(self, url: str, token: str | None = None, name: str | None = None) -> None:
-        """name: who commands the arm; default: this process."""
-        headers = {"X-Client": name or f"client-{os.getpid()}"}
-        if token:
-            headers["Authorization"] = f"Bearer {token}"
-        self.url = url.rstrip("/")
-        self._http = httpx.Client(
-            base_url=self.url, headers=headers, timeout=REQUEST, trust_env=False
-        )
-
-    def close(self) -> None:
-        """Close the connection."""
-        self._http.close()
-
-    def __enter__(self) -> Client:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # -- robot ------------------------------------------------------------------------------
 
@@ -333,7 +284,7 @@ class Client:
         with self._http.stream("GET", f"/api/v1/runs/{run}/export", params={"format": form}) as got:
             if got.status_code >= 400:
                 got.read()
-                raise ApiError(_problem(got))
+                raise ApiError(problem_of(got))
             with out.open("wb") as file:
                 for part in got.iter_bytes():
                     file.write(part)
@@ -423,136 +374,5 @@ class Client:
                 rows = np.frombuffer(packet, "<f4", offset=8).reshape(-1, len(columns))
                 yield columns, start, rows
 
-    # -- inside -----------------------------------------------------------------------------
-
-    def _ask(self, method: str, path: str, **more: Any) -> JsonObject:
-        try:
-            response = self._http.request(method, path, **more)
-        except httpx.HTTPError as error:
-            raise UserError(f"{self.url}: the daemon does not answer ({error})") from error
-        if response.status_code >= 400:
-            raise ApiError(_problem(response))
-        return dict(response.json())
-
-    def _all(self, path: str, filters: Mapping[str, Any]) -> list[JsonObject]:
-        query, items = {"limit": 500, **filters}, []
-        while True:
-            page = self._ask("GET", path, params=query)
-            items += page["items"]
-            if page.get("next") is None:
-                return items
-            query["cursor"] = page["next"]
-
     def _result(self, path: str, body: Any, progress: Progress | None) -> JsonObject:
         return dict(self.wait(self.start(path, body), progress)["result"])
-
-    def _socket(self, path: str) -> Any:
-        from websockets.sync.client import connect
-
-        headers = {
-            k: v for k, v in self._http.headers.items() if k in ("authorization", "x-client")
-        }
-        return connect(
-            "ws" + self.url.removeprefix("http") + path, additional_headers=headers,
-            max_size=1 << 24, proxy=None, close_timeout=0.5,
-        )  # fmt: skip
-
-
-def _problem(response: httpx.Response) -> JsonObject:
-    with contextlib.suppress(ValueError):
-        return dict(response.json())
-    return {"status": response.status_code, "detail": response.text[:300]}
-
-
-def running_daemon(data: str | os.PathLike[str] | None = None) -> Client | None:
-    """A client of the daemon that runs on this data, if there is one."""
-    from pa10d.daemon.presence import present
-    from pa10d.store.location import data_folder
-
-    found = present(data_folder(data))
-    if found is None:
-        return None
-    client = Client(found.url, found.token)
-    with contextlib.suppress(UserError):
-        client.health()
-        return client
-    client.close()
-    return None
-
-
-@contextlib.contextmanager
-def daemon_serving(
-    data: str | os.PathLike[str] | None, file: str | os.PathLike[str]
-) -> Iterator[Client | None]:
-    """The daemon on this data where it serves the profile in ``file``, and goes on with what is
-    changed of it; None: whoever asks changes the file himself. Command is given back at the end."""
-    client = running_daemon(data)
-    if client is None:
-        yield None
-        return
-    with client:
-        if client.tuning()["file"] != os.fspath(file):
-            yield None
-            return
-        try:
-            yield client
-        finally:
-            client.let_others_command()
-
-
-@contextlib.contextmanager
-def local_daemon(
-    data: str | os.PathLike[str],
-    profile: str = "pa10-sim",
-    *,
-    channel: str | None = None,
-    clock: str | None = None,
-) -> Iterator[Client]:
-    """A daemon of our own, with its virtual arm where the profile has one, on a free port.
-
-    channel: a bus of its own; default: one that nobody else uses. clock: ``simulated`` runs as
-    fast as this machine can. Everything ends with the block, the arm at rest.
-    """
-    from pa10d.daemon.processes.simulator import wants_simulator
-    from pa10d.profile import load_profile
-
-    command = [sys.executable, "-m", "pa10d", "--data", str(data), "--json", "serve"]
-    command += ["--profile", profile, "--port", "0", "--attached"]
-    if channel is None and wants_simulator(load_profile(profile)):
-        channel = f"local-{os.getpid()}-{time.time_ns() % 10**9}"
-    command += ["--channel", channel] if channel else []
-    command += ["--clock", clock] if clock else []
-    # a group of its own: an interrupt from the terminal is for us, who end it in good order; should
-    # we be killed, the end of its input tells it
-    process = subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0
-    )
-    assert process.stdin is not None
-    assert process.stdout is not None
-    try:
-        line = process.stdout.readline()
-        said = json.loads(line) if line.startswith("{") else {}
-        if "url" not in said:
-            raise UserError(said.get("error") or "the daemon did not start; its messages are above")
-        with running_at(said["url"], data) as client:
-            yield client
-    finally:
-        process.send_signal(signal.SIGTERM)
-        try:
-            process.wait(30)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdin.close()
-        process.stdout.close()
-
-
-@contextlib.contextmanager
-def running_at(url: str, data: str | os.PathLike[str]) -> Iterator[Client]:
-    """A client once the robot answers."""
-    from pa10d.daemon.presence import present
-
-    found = present(Path(data))
-    with Client(url, found.token if found else None) as client:
-        client.wait_for_robot("inactive", timeout=START)
-        yield client

@@ -1,0 +1,67 @@
+"""Why the robot does not do what it is asked to, with what would help."""
+
+from __future__ import annotations
+
+from pa10d.control.faults import Fault
+from pa10d.control.states import ArmState
+from pa10d.daemon.processes.link import Message
+
+UNPOWERED = ("inactive", "offline")  # states in which a profile may change that moves the arm
+
+
+class CommandRefused(Exception):
+    """Control said no: its answer has ``detail`` and, mostly, ``state``, ``needed``, ``remedy``."""
+
+    def __init__(self, answer: Message) -> None:
+        super().__init__(answer.get("detail", "refused"))
+        self.answer = answer
+
+
+def still_in_fault(state: str, fault: Fault | None) -> Message:
+    """A reset was of no use."""
+    return {
+        "ok": False,
+        "command": "reset",
+        "state": state,
+        "needed": [ArmState.FAULT.label],
+        "detail": f"reset: {fault.sentence if fault else 'the fault persists'}",
+        "remedy": fault.remedy if fault else "remove the cause, then reset",
+    }
+
+
+def not_unpowered(state: str, why_offline: str) -> Message:
+    """A profile that moves the arm changes while it is unpowered only."""
+    starting = state in UNPOWERED
+    detail = f"the arm is {state}" + (f": {why_offline}" if starting else "")
+    return {
+        "state": state,
+        "needed": list(UNPOWERED),
+        "detail": f"profile: {detail}",
+        "remedy": "wait until control has started" if starting else "disable the arm first",
+    }
+
+
+def being_started(do: str, state: str) -> Message:
+    """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
+    return _unheard(do, state, "the drives are being started", "wait a few seconds, then ask again")
+
+
+def no_control(do: str, state: str, why_offline: str, kept: bool) -> Message:
+    """There is no control process; kept: there will be one."""
+    remedy = (
+        "wait a few seconds, then look at the robot's state again"
+        if kept
+        else "add 'drives' to the profile, one entry per joint"
+    )
+    return _unheard(do, state, why_offline, remedy)
+
+
+def _unheard(do: str, state: str, why: str, remedy: str) -> Message:
+    return {
+        "ok": False,
+        "command": do,
+        "state": state,
+        "needed": [ArmState.INACTIVE.label],
+        "detail": f"{do}: {why}",
+        "remedy": remedy,
+    }
