@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from pa10d.cli.answer import Answer, print_answer, print_failure
-from pa10d.cli.commands import Subcommands, current, root_parser
+from pa10d.cli.commands import Subcommands, current, refuse_unwritable, root_parser
 from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
@@ -73,11 +73,12 @@ def _carried_out(options: argparse.Namespace) -> int:
 
     given = getattr(options, "profile", None)
     options.profile = profile_of(options)
+    refuse_unwritable(options)
     try:
         answer: Answer = options.run(options)
     finally:
         end_progress()
-    print_answer(answer, options.json, options.kind)
+    print_answer(answer, options.json, options.answers)
     sys.stdout.flush()
     if answer.status == DONE:
         remember(options, given)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Subcommands
+from pa10d.cli.commands import Subcommands, file_option
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
@@ -32,10 +32,7 @@ def add_commands(commands: Subcommands) -> None:
         "--seed", type=seed_number, default=1, metavar="N", help="which arm (default: 1)"
     )
     parser.add_argument("--quick", action="store_true", help="a short form: fewer, shorter runs")
-    parser.add_argument(
-        "--report", type=Path, default=Path("case-study.html"), metavar="FILE",
-        help="the HTML report (default: case-study.html)",
-    )  # fmt: skip
+    file_option(parser, "report", "the HTML report (default: case-study.html)", "case-study.html")
 
 
 def case_study(options: argparse.Namespace) -> Answer:

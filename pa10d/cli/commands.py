@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pa10d.cli.answer import Answer
 from pa10d.cli.parser import Parser
+from pa10d.common.errors import UserError
 from pa10d.common.version import __version__
 
 DEFAULT_PROFILE = "pa10-sim"
@@ -60,8 +64,8 @@ class Subcommands:
         patient: interrupted, it ends what it started in good order; others end at once."""
         parser = self._parser(name, says, examples)
         parser.set_defaults(
-            run=run, patient=patient, kind=f"{self._within}{name}", parser=parser,
-            takes_profile=False, remembers=False,
+            run=run, patient=patient, answers=f"{self._within}{name}", parser=parser,
+            takes_profile=False, remembers=False, writes=[],
         )  # fmt: skip
         return parser
 
@@ -87,6 +91,55 @@ def profile_option(parser: argparse.ArgumentParser, *, remembers: bool = True) -
         help="the robot: a profile's name or YAML file, or a URDF file "
         f"(default: {default if remembers else DEFAULT_PROFILE})",
     )
+
+
+def file_option(parser: argparse.ArgumentParser, name: str, says: str, default: str = "") -> None:
+    """--name FILE, written at the end: that it can be is looked at before anything begins."""
+    parser.get_default("writes").append(name)
+    parser.add_argument(
+        f"--{name}",
+        type=Path,
+        default=Path(default) if default else None,
+        metavar="FILE",
+        help=says,
+    )
+
+
+def refuse_unwritable(options: argparse.Namespace) -> None:
+    """A file that could not be written in the end is told before the work."""
+    for name in options.writes:
+        path = getattr(options, name)
+        if path is None:
+            continue
+        folder = path.absolute().parent
+        if not folder.is_dir():
+            raise UserError(f"--{name} {path}: no such folder; expected one that exists")
+        if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
+            raise UserError(f"--{name} {path}: expected a file that can be written")
+
+
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """Of an option: from ``least`` to ``most``."""
+
+    def read(text: str) -> int:
+        if not text.isascii() or not text.isdecimal() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(
+                f"found {text!r}, expected a whole number from {least} to {most}"
+            )
+        return int(text)
+
+    return read
+
+
+def positive(text: str) -> float:
+    """Of an option: a finite number above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number above 0")
+    return value
 
 
 def replace_option(parser: argparse.ArgumentParser, what: str) -> None:

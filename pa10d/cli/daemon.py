@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note
-from pa10d.cli.commands import Subcommands, replace_option
+from pa10d.cli.commands import Subcommands, positive, replace_option, whole_number
 from pa10d.cli.daemon_client import robot_options
 from pa10d.control.laws import LAWS
 
@@ -34,7 +34,10 @@ def add_commands(commands: Subcommands) -> None:
             "pa10d serve --hide any",
         ),
     )
-    serving.add_argument("--port", type=int, default=PORT, help=f"0: a free one (default: {PORT})")
+    serving.add_argument(
+        "--port", type=whole_number(0, 65535), default=PORT,
+        help=f"0: a free one (default: {PORT})",
+    )  # fmt: skip
     serving.add_argument("--host", default="127.0.0.1", help="address to listen on")
     serving.add_argument(
         "--name", dest="names", nargs="+", action="extend", default=[], metavar="HOST",
@@ -105,7 +108,7 @@ def add_commands(commands: Subcommands) -> None:
             "pa10d check --seconds 10",
         ),
     )
-    checking.add_argument("--seconds", type=float, default=2.0, help="for each timing test")
+    checking.add_argument("--seconds", type=positive, default=2.0, help="for each timing test")
     robot_options(checking)
     simulating = commands.add(
         "sim",
@@ -243,10 +246,13 @@ def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile
         replace(drawn, seed=kept.seed) if options.seed is None else drawn
     ):
         drawn = kept
-        note(f"the virtual arm of seed {kept.seed} goes on, on day {kept.day}; --seed: another one")
+        told = (
+            f"the virtual arm of seed {kept.seed} goes on, on day {kept.day}; --seed: another one"
+        )
     else:
-        note(f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on")
+        told = f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on"
     hidden = hide(None if options.hide == "any" else options.hide, drawn.seed, profile)
+    note(told)
     today, later = (with_secret(profile, hidden, drawn.seed, day) for day in (False, True))
     if hidden.foreign:
         return today, None

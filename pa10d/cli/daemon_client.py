@@ -43,6 +43,7 @@ def daemon_for(
     client = running_daemon(options.data)
     if client is None:
         before()
+        load_profile(options.profile)
         data = data_folder(options.data)
         note("no daemon runs on this data: one is started for this command")
         with local_daemon(

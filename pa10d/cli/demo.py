@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Subcommands, profile_option
+from pa10d.cli.commands import Subcommands, file_option, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
 
@@ -36,10 +36,7 @@ def add_commands(commands: Subcommands) -> None:
         help="what the arm hides, or 'none' (default: drawn at random)",
     )  # fmt: skip
     parser.add_argument("--seed", type=seed_number, metavar="N", help="same seed, same story")
-    parser.add_argument(
-        "--report", type=Path, default=Path("report.html"), metavar="FILE",
-        help="the HTML report (default: report.html)",
-    )  # fmt: skip
+    file_option(parser, "report", "the HTML report (default: report.html)", "report.html")
 
 
 def demo(options: argparse.Namespace) -> Answer:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, current, force_option, replace_option
+from pa10d.cli.commands import Subcommands, current, file_option, force_option, replace_option
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model
 from pa10d.cli.progress import progress_line
@@ -254,4 +253,4 @@ def _joints(parser: argparse.ArgumentParser) -> None:
 
 
 def _report(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")
+    file_option(parser, "report", "write an HTML report")

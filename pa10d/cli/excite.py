@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, plain, table
-from pa10d.cli.commands import Subcommands, profile_option
+from pa10d.cli.commands import Subcommands, file_option, positive, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
@@ -30,10 +29,10 @@ def add_commands(commands: Subcommands) -> None:
     profile_option(parser)
     add = parser.add_argument
     add("--joints", metavar="A-B", help="such as 1-4 or 1,2,4 (default: all)")
-    add("--seconds", type=_positive, metavar="S", help="how long the search may take")
+    add("--seconds", type=positive, metavar="S", help="how long the search may take")
     add("--generations", type=int, metavar="N", help="how far to search; repeats exactly")
     add("--seed", type=int, default=1, help="same seed and generations, same result (default: 1)")
-    add("--period", type=_positive, default=10.0, metavar="S", help="of the motion (default: 10)")
+    add("--period", type=positive, default=10.0, metavar="S", help="of the motion (default: 10)")
     add("--cycles", type=int, default=3, metavar="N", help="periods to record (default: 3)")
     add("--harmonics", type=int, default=5, metavar="N", help="of the series (default: 5)")
     add("--samples", type=int, default=100, metavar="N", help="of a period (default: 100)")
@@ -49,7 +48,7 @@ def add_commands(commands: Subcommands) -> None:
         help="weight of the worst joint's standard error (default: 0)")  # fmt: skip
     add("--scaled", action="store_true", help="columns to unit norm, so that units do not count")
     add("--workers", type=int, metavar="N", help="processes (default: one per processor)")
-    add("--out", type=Path, metavar="FILE", help="write the plan as YAML")
+    file_option(parser, "out", "write the plan as YAML")
 
 
 def excite(options: argparse.Namespace) -> Answer:
@@ -126,10 +125,3 @@ def _floor(text: str | None) -> float | str | None:
         return float(text)
     except ValueError as error:
         raise UserError(f"--floor: found {text!r}, expected a height in m or none") from error
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not value > 0:
-        raise argparse.ArgumentTypeError(f"found {text}, expected more than 0")
-    return value

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, current, force_option
+from pa10d.cli.commands import Subcommands, current, file_option, force_option
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.story import tell
 from pa10d.common.errors import Unsound, UserError
@@ -58,10 +58,7 @@ def add_commands(commands: Subcommands) -> None:
     parser.add_argument(
         "--resume", metavar="NAME", help="go on with one that was stopped, failed or paused"
     )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE",
-        help="a copy of the HTML report, what settles doubts beside it",
-    )  # fmt: skip
+    file_option(parser, "report", "a copy of the HTML report, what settles doubts beside it")
     force_option(parser)
 
 

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, force_option, profile_option, replace_option
+from pa10d.cli.commands import (
+    Subcommands,
+    file_option,
+    force_option,
+    profile_option,
+    replace_option,
+)
 from pa10d.cli.progress import progress_line
 from pa10d.common.jsonable import JsonObject
 
@@ -76,7 +81,7 @@ def add_commands(commands: Subcommands) -> None:
         "--cutoff", type=float, metavar="HZ",
         help="low-pass of the judgement (default: the band that all versions of the model share)",
     )  # fmt: skip
-    parser.add_argument("--report", type=Path, metavar="FILE", help="write an HTML report")
+    file_option(parser, "report", "write an HTML report")
     force_option(parser)
 
 

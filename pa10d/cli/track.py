@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, replace_option
+from pa10d.cli.commands import Subcommands, file_option, replace_option
 from pa10d.cli.daemon_client import daemon_for, read_plan, robot_options
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
@@ -54,7 +53,7 @@ def add_commands(commands: Subcommands) -> None:
         help="parameters of the kind, such as period=20",
     )  # fmt: skip
     parser.add_argument("--name", metavar="RUN", help="of the runs, which get a number each")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write the table as CSV, too")
+    file_option(parser, "out", "write the table as CSV, too")
     replace_option(parser, "the runs of this name")
     robot_options(parser)
 

@@ -13,6 +13,7 @@ from pa10d.common.words import did_you_mean
 
 _FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
 LONGEST = 100
+LISTED, SHOWN = ("run", "model"), 5  # kinds that have a command to list them; names shown of others
 
 
 class Named(Protocol):
@@ -68,7 +69,14 @@ def resolve(wanted: str, items: Sequence[Item], kind: str) -> Item:
         more = " …" if len(starts) > 3 else ""
         raise UserError(f"{kind} {wanted!r}: {len(starts)} ids begin so: {some}{more}")
     meant = did_you_mean(wanted, [item.name for item in items])
-    raise UserError(
-        f"{kind} {wanted!r}: none of this name or id; 'pa10d {kind} list' shows what there is"
-        f"{meant}"
-    )
+    raise UserError(f"{kind} {wanted!r}: none of this name or id; {_there(items, kind)}{meant}")
+
+
+def _there(items: Sequence[Item], kind: str) -> str:
+    """What there is, or the command that shows it."""
+    if kind in LISTED:
+        return f"'pa10d {kind} list' shows what there is"
+    names = [item.name for item in sorted(items, key=lambda item: item.id)]
+    if not names:
+        return "there is none"
+    return f"there are {', '.join(names[-SHOWN:])}{' and older ones' if names[SHOWN:] else ''}"

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -105,3 +106,104 @@ def _wait_for_end(pid):
     while time.monotonic() < until:
         os.kill(pid, 0)
         time.sleep(0.05)
+
+
+WORKING = (  # as typed beside robot.urdf, train.csv and valid.csv, runs train and valid, model m0
+    "identify train --name m1 --profile robot.urdf",
+    "compare m0 valid",
+    "diagnose m0 --fit train --validate valid --report report.html",
+    "add m0 stribeck --joint 1 --fit train --name m2",
+    "improve m0 --fit train --validate valid --name m3",
+    "excite --profile robot.urdf --seconds 30 --out traj.yaml",
+    "investigate --fit train --validate valid --profile robot.urdf",
+    "effect check",
+    "model report m0",
+    "model history m0 --runs valid",
+    "model export m0 --format urdf --replace",
+    "profile new robot.urdf --yes --out new.yaml --replace",
+    "profile show --profile robot.urdf",
+    "run import train.csv --profile robot.urdf --name again --replace",
+    "run preview train.csv --profile robot.urdf",
+    "run check train --profile robot.urdf",
+    "run export train --format csv --replace",
+    "run list",
+    "run repair",
+    "scale --payload train --empty valid --profile robot.urdf",
+)
+WITH_AN_ARM = (  # these end what they started, in good order
+    "serve --port 0",
+    "experiment point_to_point --replace",
+    "check --seconds 20",
+    "sim",
+    "demo --seed 3",
+    "case-study --quick",
+    "drives errors",
+    "track --hide stribeck:2",
+    "weigh begin --weight 3,0,0,0.1",
+    "weigh guide --weight 3,0,0,0.1 --yes",
+)
+AFTER = (0.05, 1.0, 4.0)  # s
+AT_ONCE, IN_ORDER = 1.0, 30.0  # s: a machine that does other things may stretch them
+STRETCHED = 5.0
+
+
+@pytest.fixture(scope="module")
+def at_work(half_a_minute, tmp_path_factory):
+    """A folder to type in, with something to work on."""
+    place = tmp_path_factory.mktemp("at_work")
+    for name in ("robot.urdf", "train.csv", "valid.csv"):
+        (place / name).symlink_to(half_a_minute / name)
+    for words in (
+        "run import train.csv --name train --profile robot.urdf",
+        "run import valid.csv --name valid --profile robot.urdf",
+        "identify train --name m0 --profile robot.urdf",
+    ):
+        assert _typed(place, words, place / "data").wait() == 0
+    return place
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("after", AFTER)
+@pytest.mark.parametrize("words", [*WORKING, *WITH_AN_ARM], ids=lambda words: str(words))
+def test_every_command_ends_at_ctrl_c(at_work, tmp_path, words, after):
+    """Within a second, or, where an arm has to be brought to rest, says so within one."""
+    data = at_work / "data" if words in WORKING else tmp_path / "data"
+    before = {path.name for path in (at_work / "data").rglob("*")}
+    mark = f"{os.getpid()}-{time.monotonic()}"
+    with _typed(at_work, words, data, PA10D_TEST_COMMAND=mark) as process:
+        time.sleep(after)
+        process.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        said = process.communicate(timeout=120)[1]
+        took = time.monotonic() - sent
+    assert process.returncode in (130, 0, 1), said
+    assert process.returncode == 130 or took < AT_ONCE, said
+    assert "Traceback" not in said
+    assert took < STRETCHED * (AT_ONCE if words in WORKING else IN_ORDER)
+    until = time.monotonic() + 20.0
+    while _marked(mark) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert _marked(mark) == []
+    if process.returncode == 130 and words in WORKING and not words.startswith("investigate"):
+        left = {path.name for path in (at_work / "data").rglob("*")} - before
+        assert {name for name in left if not name.endswith((".lock", ".json"))} == set()
+    print(f"{words}: {process.returncode} after {took:.2f} s")
+
+
+def _typed(place, words, data, **environment):
+    command = [sys.executable, "-m", "pa10d", "--data", str(data), *words.split()]
+    return subprocess.Popen(
+        command, cwd=place, text=True, env={**os.environ, **environment},
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def _marked(mark):
+    """Processes that inherited this mark and still live."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if f"PA10D_TEST_COMMAND={mark}".encode() in (path / "environ").read_bytes():
+                found.append((path / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+    return found

@@ -1,0 +1,140 @@
+"""Every command answers what it cannot do with a status and one line, never with a traceback."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_run_commands import URDF
+
+from pa10d.cli import main, whole_parser
+
+CANNOT, USAGE = 1, 2
+WRONG = [  # words as typed, status, what the line speaks of
+    ("case-study --seed x", USAGE, "--seed"),
+    ("case-study --report nowhere/x.html", CANNOT, "--report nowhere/x.html: no such folder"),
+    ("completion tcsh", USAGE, "tcsh"),
+    ("serve --profile none.yaml", CANNOT, "none.yaml"),
+    ("serve --port 99999999", USAGE, "99999999"),
+    ("serve --hide fairies", CANNOT, "fairies"),
+    ("experiment fly", CANNOT, "fly"),
+    ("experiment --plan none.yaml", CANNOT, "none.yaml"),
+    ("experiment point_to_point --set seed=red", CANNOT, "seed"),
+    ("experiment point_to_point --model none", CANNOT, "none"),
+    ("controller feed_forward --model none", CANNOT, "no daemon runs on this data"),
+    ("check --profile none.yaml", CANNOT, "none.yaml"),
+    ("check --seconds -1", USAGE, "--seconds"),
+    ("check --seconds inf", USAGE, "--seconds"),
+    ("sim --profile none.yaml", CANNOT, "none.yaml"),
+    ("demo --hide fairies", CANNOT, "fairies"),
+    ("demo --hide stribeck:40", CANNOT, "40"),
+    ("demo --profile none.yaml", CANNOT, "none.yaml"),
+    ("demo --report nowhere/x.html", CANNOT, "--report nowhere/x.html: no such folder"),
+    ("diagnose none --fit rec", CANNOT, "none"),
+    ("add none stribeck --fit rec --name m1", CANNOT, "none"),
+    ("improve none --fit rec --name m1", CANNOT, "none"),
+    ("drives errors --profile none.yaml", CANNOT, "none.yaml"),
+    ("drives clear --profile none.yaml", CANNOT, "none.yaml"),
+    ("effect list --draws 3", USAGE, "--draws"),
+    ("effect new 3d", CANNOT, "3d"),
+    ("effect new ../x", CANNOT, "../x"),
+    ("effect check fairies", CANNOT, "fairies"),
+    ("effect page fairies", CANNOT, "fairies"),
+    ("excite --profile none.yaml", CANNOT, "none.yaml"),
+    ("excite --seconds x", USAGE, "--seconds"),
+    ("excite --seconds -3 --profile two.yaml", USAGE, "--seconds"),
+    ("excite --joints 9 --profile two.yaml", CANNOT, "joint"),
+    ("investigate --fit none --profile two.yaml", CANNOT, "none"),
+    ("investigate --resume none", CANNOT, "none"),
+    ("investigate --minutes -3", CANNOT, "minutes"),
+    ("model list extra", USAGE, "extra"),
+    ("model show none", CANNOT, "none"),
+    ("model history none", CANNOT, "none"),
+    ("model report none", CANNOT, "none"),
+    ("model export none --format urdf", CANNOT, "none"),
+    ("identify none --name m1", CANNOT, "none"),
+    ("identify rec --name ../m1 --profile two.yaml", CANNOT, "../m1"),
+    ("identify rec --name m1 --cutoff -4 --profile two.yaml", CANNOT, "cut-off -4"),
+    ("compare none rec", CANNOT, "none"),
+    ("profile new none.urdf", CANNOT, "none.urdf"),
+    ("profile list extra", USAGE, "extra"),
+    ("profile show --profile none.yaml", CANNOT, "none.yaml"),
+    ("profile tune no.such.setting=3 --profile two.yaml", CANNOT, "no.such.setting"),
+    ("profile undo --profile two.yaml", CANNOT, "two"),
+    ("profile versions --profile none.yaml", CANNOT, "none.yaml"),
+    ("run import none.csv --profile two.yaml", CANNOT, "none.csv"),
+    ("run import two.yaml --profile two.yaml", CANNOT, "two.yaml"),
+    ("run preview none.csv --profile two.yaml", CANNOT, "none.csv"),
+    ("run list extra", USAGE, "extra"),
+    ("run show none", CANNOT, "none"),
+    ("run check none --profile two.yaml", CANNOT, "none"),
+    ("run export none --format csv", CANNOT, "none"),
+    ("run repair extra", USAGE, "extra"),
+    ("run delete none", CANNOT, "none"),
+    ("scale --payload none --empty rec --profile two.yaml", CANNOT, "none"),
+    ("schema fairies", CANNOT, "fairies"),
+    ("track none", CANNOT, "none"),
+    ("weigh guide --profile none.yaml", CANNOT, "none.yaml"),
+    ("weigh begin --weight x", CANNOT, "x"),
+    ("weigh record none", CANNOT, "none"),
+    ("weigh show none", CANNOT, "none"),
+    ("weigh apply none", CANNOT, "none"),
+    ("weigh undo none", CANNOT, "none"),
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A profile, a recording, and a data folder with that one run."""
+    place = tmp_path_factory.mktemp("every_command")
+    (place / "two.urdf").write_text(URDF)
+    (place / "two.yaml").write_text("urdf: two.urdf\n")
+    t = np.arange(1000) / 200
+    table = np.stack([t, 0.8 * np.sin(t), np.cos(2 * t), np.sin(t), np.cos(t)], axis=1)
+    np.savetxt(place / "rec.csv", table, delimiter=",", header="time,q1,q2,tau1,tau2", comments="")
+    words = ["run", "import", str(place / "rec.csv"), "--profile", str(place / "two.yaml")]
+    assert main(["--data", str(place / "data"), *words]) == 0
+    (place / "data" / "profile.json").unlink(missing_ok=True)  # what was used last is said, too
+    return place
+
+
+@pytest.fixture
+def place(folder, monkeypatch):
+    """Stood in, while a command is typed there."""
+    monkeypatch.setenv("PA10D_DATA", str(folder / "data"))
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def _files(place):
+    return {path for path in place.rglob("*") if path.is_file() and path.name != ".lock"}
+
+
+@pytest.mark.parametrize(("typed", "status", "about"), WRONG, ids=[typed for typed, *_ in WRONG])
+def test_bad_input_is_a_status_and_one_line(place, capfd, typed, status, about):
+    before = _files(place)
+    try:
+        found = main(typed.split())
+    except SystemExit as stop:
+        found = stop.code
+    said = capfd.readouterr()
+    assert (found, said.out) == (status, "")
+    *before_it, line = said.err.splitlines()
+    assert about in line
+    assert status == USAGE or all(
+        told.endswith(("base parameters", "real insists")) for told in before_it
+    )
+    assert "Traceback" not in said.err
+    assert _files(place) == before
+
+
+def test_no_command_is_left_out():
+    known = {leaf.prog.removeprefix("pa10d ") for leaf in whole_parser().leaves()}
+    tried = {name for name in known for typed, *_ in WRONG if (typed + " ").startswith(name + " ")}
+    assert known == tried
+
+
+def test_no_option_hides_what_every_command_has():
+    """A word of ``experiment`` did: its ``--plan`` was refused for having a KIND as well."""
+    for leaf in whole_parser().leaves():
+        own = {action.dest for action in leaf._actions}
+        assert own.isdisjoint({"run", "patient", "answers", "parser", "remembers", "writes"})
