@@ -23,7 +23,13 @@ from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.unknown.foretold import foretold
-from pa10d.diagnose.unknown.remaining import Unexplained, material, remaining, unnamed
+from pa10d.diagnose.unknown.remaining import (
+    Unexplained,
+    doubtful,
+    material,
+    remaining,
+    unnamed,
+)
 from pa10d.diagnose.unknown.structure import Structure, find_structure
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
@@ -82,7 +88,8 @@ def diagnose(
     maps, slight = material(left, maps)
     open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
     more = [one.unnamed() for one in foretold(state, open_joints)]
-    doubt = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
+    unsure = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
+    doubt = doubtful(left, state.fit.rms(), unsure)
     unexplained: tuple[Unexplained, ...] = (
         *maps,
         *more,

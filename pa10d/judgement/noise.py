@@ -126,16 +126,15 @@ def _floor(
 
 def _slow(runs: list[RunResidual], above: _Seen) -> float:
     """How many times as strong (RMS) as its level at the far end of what was seen above the band
-    noise is within, that grows from there on, down to one period of the run, as steeply as it does
-    above the band, and at least as a random walk, the slowest noise that sensors are known for."""
+    noise is within, that grows from there as a random walk does (1/f²), the slowest noise that
+    sensors are known for, down to one period of the run. A spectrum that falls off faster is that
+    of a motion and of what friction's jumps leave of it, and no reason to allow noise more."""
     if not above.looks or not np.isfinite(above.fall):
         return float("inf")
     if above.fall < NEARLY_WHITE:
         return 1.0
-    steep = 2.0 * max(above.fall, 1.0)
     periods = max(r.equation.lowpass.cutoff * len(r.error) / r.equation.rate for r in runs)
-    longest = max(periods, 1.0) ** (steep - 1.0)
-    return float(np.sqrt(BAND[1] ** steep * (longest - 1.0) / (steep - 1.0)))
+    return float(BAND[1] * np.sqrt(max(periods, 1.0) - 1.0))
 
 
 def _independent(passes: list[Array]) -> float:

@@ -8,7 +8,7 @@ import pytest
 import scipy.signal
 
 from pa10d.compare import noise_floor, run_residual
-from pa10d.judgement.noise import ABOVE, REPEATS, STANDSTILL
+from pa10d.judgement.noise import ABOVE, REPEATS, STANDSTILL, _Seen, _slow
 from pa10d.judgement.repeats import overlap, period, same_motion
 
 SIGMA = 0.3
@@ -52,6 +52,15 @@ def test_without_repetition_the_spectrum_above_the_cutoff_tells():
     floor = seen(arm.recording(1, 60.0, SIGMA, slope))
     assert floor.methods == (ABOVE,) * 3
     assert floor.values == pytest.approx(np.full(3, truth()), rel=0.2)
+
+
+@pytest.mark.parametrize("fall", [0.6, 1.0, 1.7, 2.3])
+def test_however_fast_a_spectrum_falls_noise_is_no_slower_than_a_random_walk(fall):
+    """An error whose kinks fell off as 1/f³ was no claim at 1800 times its floor: noise that went
+    on like that might have been 6800 times as strong within the band."""
+    run = run_residual(arm.model(), arm.recording(1, 60.0, SIGMA))
+    allowed = _slow([run], _Seen(1.0, 50, 0.1, fall))
+    assert allowed == pytest.approx(4.0 * np.sqrt(60.0 * arm.CUTOFF - 1.0), rel=0.02)
 
 
 def test_noise_that_grows_towards_rest_is_no_stronger_than_it_is_said_it_may_be():

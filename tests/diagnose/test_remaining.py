@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pa10d.diagnose.evidence.held_out import Evidence
-from pa10d.diagnose.unknown.remaining import Unnamed, material, remaining, unnamed
+from pa10d.diagnose.unknown.remaining import Unnamed, doubtful, material, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, NoiseFloor, Repeatable
 from pa10d.model import Term
@@ -140,6 +140,18 @@ def test_what_the_coefficients_own_uncertainty_makes_is_nothing_missing():
     left = judged(1.4)
     assert claims(left, [SURE], doubt=0.05)
     assert not claims(left, [SURE], doubt=0.1)
+
+
+def test_coefficients_are_no_excuse_where_the_fit_itself_leaves_much():
+    """320 times the floor was "no more than uncertain coefficients may leave", and "none": so were
+    the runs that they had been fitted to."""
+    left, doubt = judged(30.0, 30.0, source="high frequencies"), np.array([9.0, 9.0])
+    fitted = np.array([0.1, 3.0])  # N·m; noise may be 1 N·m and a little
+    assert doubtful(left, fitted, doubt).tolist() == [9.0, 0.0]
+    said = unnamed(left, [None, None], [], doubtful(left, fitted, doubt))
+    assert [one.joint for one in said] == [1]
+    nobody_knows = judged(30.0, 30.0, source=None)
+    assert doubtful(nobody_knows, fitted, doubt).tolist() == [9.0, 9.0]
 
 
 @pytest.mark.parametrize("source", ["high frequencies", None])

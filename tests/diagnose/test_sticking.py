@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sticking import RATE, motion, sticking_runs
-from two_links import recordings, textbook
+from two_links import recordings, state_of, textbook
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.search.steps import rms
 from pa10d.judgement import judge, run_residual
 from pa10d.measurement.standstill import stops
 
@@ -38,6 +39,12 @@ def test_a_textbook_arm_that_sticks_is_identified_to_its_noise(seed):
     friction = {t.joints[0]: t.coefficients[0] for t in model.terms if t.effect_id == "coulomb"}
     assert friction[0] == pytest.approx(20.0, abs=0.01)
     assert friction[1] == pytest.approx(10.0, abs=0.01)
+
+
+def test_what_it_does_while_it_stands_speaks_against_no_finding_either():
+    """A torque that was 6.7 ms late, beyond doubt, was refused for what friction does at rest."""
+    state = state_of(sticking_runs(3, NOISE))
+    assert np.all(state.moving_rms() < 1.1 * rms(state.held_residual()))
 
 
 def test_nothing_is_missing_on_an_arm_that_sticks():

@@ -178,11 +178,11 @@ class SearchState:
         return {j: r * self.fit.sigma[j] for j, r in self.fit.residual.items()}
 
     def moving_rms(self) -> Array:
-        """(n,) N·m on the held-out side, reversals included: what a fit has not looked at must not
-        become worse either."""
+        """(n,) N·m on the held-out side, what is near reversals included, but not the standing in
+        them: what a fit has not looked at must not become worse either."""
         squares, counts = np.zeros(self.held.n), np.zeros(self.held.n)
         for run in self.held.runs:
-            error = run.tau - run.lowpass(self.model.predict(run.context))
+            error = run.driven - run.filtered(self.model.predict(run.context))
             near = run.moving
             squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
             counts += near.sum(axis=0)

@@ -68,10 +68,14 @@ class JudgedCandidate:
         return self.candidate.effect.id, self.candidate.joints
 
     @property
+    def speaks_on(self) -> list[int] | slice:
+        """Joints whose error speaks for or against it."""
+        return self.candidate.effect.speaks_on(self.candidate.joints)
+
+    @property
     def gain(self) -> float:
         """Weighted squared error that it removes, on both sides together."""
-        own = self.candidate.effect.speaks_on(self.candidate.joints)
-        return self.candidate.gain + float(np.sum(self.evidence.gains[own]))
+        return self.candidate.gain + float(np.sum(self.evidence.gains[self.speaks_on]))
 
     @property
     def complexity(self) -> int:
@@ -82,7 +86,7 @@ class JudgedCandidate:
     def acceptable(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint."""
         e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
-        own = kind.speaks_on(self.candidate.joints)
+        own = self.speaks_on
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
@@ -127,25 +131,31 @@ class Search:
             refused |= unsure
 
     def _forward(self, steps: int, refused: set[Place]) -> None:
-        for number in range(steps):
-            self.progress(number / steps, f"step {number + 1}: looking through the library")
+        """refused: what was in the model and did not stay. What could not come in may yet do so
+        beside what comes next: that may have been why."""
+        put_off: set[Place] = set()
+        added = 0
+        while added < steps:
+            self.progress(added / steps, f"step {added + 1}: looking through the library")
             judged = self.look()
-            good = [j for j in judged if j.acceptable and j.place not in refused]
+            good = [j for j in judged if j.acceptable and j.place not in refused | put_off]
             before = rms(self.state.held_residual())
             spring = self.spring_beside(good)
             if spring is not None:
                 refused |= self.prune() | self.reconsider()
                 self.steps.append(Addition(*spring, before, rms(self.state.held_residual())))
+                added, put_off = added + 1, set()
                 continue
             if not good:
                 break
             chosen, tied = self.prefer(good, judged)
             dropped = self.take(chosen)
             if dropped is None:
-                refused.add(chosen.place)
+                put_off.add(chosen.place)
                 continue
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
+            added, put_off = added + 1, set()
 
     def unsure(self) -> set[Place]:
         """Drop findings that show only where joints contradict each other and whose own values, all
@@ -176,10 +186,12 @@ class Search:
         it, the model got worse elsewhere or it does not hold itself: not what was promised.
 
         A joint whose error fell draws the fit towards itself. On weakly excited data that alone
-        may spoil another joint, so a second attempt leaves the weights as they were.
+        may spoil another joint, so a second attempt leaves the weights as they were; where they
+        were left before, it lets them go: what would have been spoiled may be explained by now.
         """
         saved = self.state.copy()
-        for weights in (saved.problem.sigma, saved.fit.sigma):
+        left = saved.problem.sigma
+        for weights in (left, saved.fit.sigma if left is None else None):
             self.state = saved.copy()
             self.state.weigh(weights)
             self.state.push(chosen.candidate.term)
@@ -354,8 +366,13 @@ class Search:
         return chosen, [j for j in tied if j.place != chosen.place]
 
     def _tied(self, best: JudgedCandidate, other: JudgedCandidate) -> bool:
+        """By what they change where either of them speaks: what they shift elsewhere is the same
+        for both but for chance, and where another joint still lacks something that is much."""
         residual = self.state.held_residual()
-        overlap, z = rivalry(self.state.held, residual, best.change, other.change)
+        every = np.arange(self.state.held.n)
+        spoken = {int(j) for one in (best, other) for j in every[one.speaks_on]}
+        a, b = ({j: c for j, c in one.change.items() if j in spoken} for one in (best, other))
+        overlap, z = rivalry(self.state.held, residual, a, b)
         alike = np.all(other.evidence.after < (1.0 + MATERIAL_GAIN) * best.evidence.after)
         return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
 

@@ -138,6 +138,14 @@ def unnamed(
     return out
 
 
+def doubtful(judged: Judgement, fitted: Array, doubt: Array) -> Array:
+    """(n,) N·m: the doubt of the model's coefficients, where it can be why a joint keeps an error.
+    Of one whose error on the fit side, to which they were fitted, is larger than noise can be
+    (fitted, (n,) N·m), it is not."""
+    most = np.array([_largest_noise(judged, j) for j in range(len(fitted))])
+    return np.where(fitted > most, 0.0, doubt)
+
+
 def _sure(heard: Sequence[Turning | Reversing | None], j: int) -> Turning | Reversing | None:
     """What says that a joint's error knows of reversals more than noise would by accident."""
     seen = heard[j] if heard else None
