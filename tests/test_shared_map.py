@@ -3,10 +3,13 @@
 In processes of their own, because the test runner's threads keep ``shared_map`` from forking.
 """
 
+import signal
 import subprocess
 import sys
 
 import pytest
+
+from pa10d.common.parallel import process_map
 
 HEAD = """
 import os, signal, threading
@@ -84,3 +87,11 @@ print(*{os.getpid() == me for _ in [0]} | set(shared_map(lambda x: os.getpid() =
 done.set()
 """
     assert run(code) == ["True"]
+
+
+def test_workers_do_not_hear_what_a_terminal_sends_to_all():
+    """Their tracebacks stood above the command's own word, and the terminal's prompt."""
+    with process_map(2) as each:
+        for mask in each(signal.pthread_sigmask, [signal.SIG_BLOCK] * 3, [()] * 3):
+            assert signal.SIGINT in mask
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())

@@ -38,7 +38,11 @@ def remember(options: argparse.Namespace, given: str | None) -> None:
     from pa10d.profile import find_profile
 
     shipped = Path(given).suffix == "" and not Path(given).exists()
-    document = {"profile": given if shipped else str(find_profile(given)), "data": str(folder)}
+    found = find_profile(given)
+    if not shipped and folder in found.parents:
+        note(f"{given} lies in the data folder: --profile is needed each time")
+        return
+    document = {"profile": given if shipped else str(found), "data": str(folder)}
     if _recalled(folder) != document["profile"]:
         fresh = folder / f".{FILE}.{os.getpid()}"
         fresh.write_text(json.dumps(document) + "\n", encoding="utf-8")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import multiprocessing
 import os
 import pickle
 import signal
@@ -18,6 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, NoReturn, TypeVar
 
 from threadpoolctl import ThreadpoolController
@@ -27,6 +27,7 @@ R = TypeVar("R")
 
 NICENESS = 10
 PR_SET_PDEATHSIG = 1
+WARNINGS = "PYTHONWARNINGS"  # of who clears up behind a command that was ended at once
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -55,11 +56,11 @@ def process_map(workers: int | None = None) -> Iterator[Any]:
     if count <= 1:
         yield map
         return
-    kept = {name: os.environ.get(name) for name in ONE_THREAD}
+    kept = {name: os.environ.get(name) for name in (*ONE_THREAD, WARNINGS)}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    context = multiprocessing.get_context("spawn")
+    os.environ[WARNINGS] = ",".join(filter(None, (kept[WARNINGS], "ignore:resource_tracker")))
     pool = ProcessPoolExecutor(
-        count, mp_context=context, initializer=_begin, initargs=(os.getpid(),)
+        count, mp_context=_Context(), initializer=_begin, initargs=(os.getpid(),)
     )
     try:
         yield pool.map
@@ -70,6 +71,23 @@ def process_map(workers: int | None = None) -> Iterator[Any]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+class _Deaf(SpawnProcess):
+    """Never hears Ctrl-C, not even while it starts: a terminal sends it to all of its processes,
+    and it is the command's own to end the others."""
+
+    def start(self) -> None:
+        """With the signal held back, which processes inherit."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Context(SpawnContext):
+    Process = _Deaf
 
 
 def _begin(parent: int) -> None:

@@ -77,6 +77,14 @@ def test_the_profile_last_used_with_the_data_stands_for_the_next(tmp_path, robot
     assert _import(tmp_path, tmp_path / "other") == 1  # one joint is not seven
 
 
+def test_a_profile_in_the_data_folder_itself_is_not_remembered_and_it_is_said(
+    tmp_path, robot, capsys
+):
+    assert _import(tmp_path, robot.parent, "--profile", str(robot)) == 0
+    assert "lies in the data folder: --profile is needed each time" in capsys.readouterr().err
+    assert not (robot.parent / FILE).exists()
+
+
 def test_a_data_folder_from_elsewhere_chooses_no_profile(tmp_path, robot, capsys):
     data = tmp_path / "data"
     assert _import(tmp_path, data, "--profile", str(robot)) == 0
