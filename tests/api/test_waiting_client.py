@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
-import pa10d.client
 from pa10d.client import Client
 from pa10d.common.errors import UserError
 from pa10d.daemon.offline import AGAIN, RENEWED, STARTING, passes
@@ -24,8 +25,8 @@ class Offline(Client):
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     now = [0.0]
-    monkeypatch.setattr(pa10d.client.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(pa10d.client.time, "sleep", lambda seconds: None)
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "sleep", lambda seconds: None)
     return now
 
 
