@@ -11,6 +11,7 @@ from typing import Any
 from pa10d.common.errors import UserError
 from pa10d.readers.bag_columns import FIELDS, columns_of
 from pa10d.readers.bag_rows import BagTopic, Found
+from pa10d.readers.mcap_stream import McapStream, is_odd_mcap
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
 from pa10d.readers.signatures import MCAP, ROS1, SQLITE
@@ -40,17 +41,15 @@ def read_bag(
     by straight lines. progress: called with the share of messages that is read. topic: the one that
     is meant, or several with commas between them, whatever the others hold.
     """
-    from rosbags.highlevel import AnyReader
-    from rosbags.typesys import Stores, get_typestore
-
     seen: dict[str, BagTopic] = {}
     try:
-        store = get_typestore(Stores.ROS2_HUMBLE)
-        with (
-            _as_called(path) as named,
-            AnyReader(_opened(named), default_typestore=store) as reader,
-        ):
+        with _as_called(path) as named, _reader(named) as reader:
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
+            if not wanted and getattr(reader, "cut", ()):
+                raise UserError(
+                    f"{path}: cannot be read: it is cut off or damaged before its first message; "
+                    "expected a ROS 2 bag"
+                )
             if not wanted:
                 found = ", ".join(sorted({c.msgtype for c in reader.connections})) or "nothing"
                 raise UserError(f"{path}: no {STATES}; found {found}")
@@ -70,6 +69,7 @@ def read_bag(
                 )
                 if k % EVERY == EVERY - 1:
                     progress(k / count)
+            cut = [one.name for one in getattr(reader, "cut", ())]
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
     except Exception as error:  # whatever a damaged bag makes of its reader
@@ -83,6 +83,8 @@ def read_bag(
     kept = {name: seen[name] for name in taken}
     seen.clear()
     remarks = []
+    if cut:
+        remarks.append(f"{', '.join(cut)}: cut off or damaged, read as far as it is whole")
     if unlisted := _unlisted(path):
         remarks.append(f"{', '.join(unlisted)}: not in metadata.yaml, left out")
     if len(taken) > 1:
@@ -147,6 +149,17 @@ def _refuse_joints_twice(path: Path, topics: Mapping[str, set[str]]) -> None:
 
 def _listed(some: set[str], joints: Sequence[str]) -> str:
     return ", ".join(joint for joint in joints if joint in some)
+
+
+def _reader(path: Path) -> Any:
+    """rosbags' own, or one for MCAP files that it leaves alone."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+    if any(map(is_odd_mcap, files)):
+        return McapStream(files)
+    return AnyReader(_opened(path), default_typestore=get_typestore(Stores.ROS2_HUMBLE))
 
 
 def _opened(path: Path) -> list[Path]:
