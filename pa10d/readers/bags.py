@@ -45,7 +45,7 @@ def read_bag(
     try:
         with _as_called(path) as named, _reader(named) as reader:
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
-            if not wanted and getattr(reader, "cut", ()):
+            if not wanted and getattr(reader, "cut", []):
                 raise UserError(
                     f"{path}: cannot be read: it is cut off or damaged before its first message; "
                     "expected a ROS 2 bag"
@@ -69,7 +69,7 @@ def read_bag(
                 )
                 if k % EVERY == EVERY - 1:
                     progress(k / count)
-            cut = [one.name for one in getattr(reader, "cut", ())]
+            cut = [one.name for one in getattr(reader, "cut", [])]
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
     except Exception as error:  # whatever a damaged bag makes of its reader
