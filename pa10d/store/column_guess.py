@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from pa10d.store.column_choices import Choice, rules_of
 from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
@@ -24,6 +24,7 @@ DEMANDED = re.compile(
 """A lone d, too: q_d and tau_J_d are what Franka's arms are asked for."""
 NOT_ALL = re.compile(r"\bext|external|gravity|coriolis|residual|contact|feed ?forward|\bff\b", re.I)
 """Words of torques that are not, or not all, that the motor gave."""
+AT_MOTOR = re.compile(r"motor|rotor|\braw|\benc(oder)?\b|drive side", re.I)
 TIMES = {
     "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
     "zeit",
@@ -96,7 +97,8 @@ def _in_order(
         for number in _NUMBER.finditer(name):
             key = f"{name[: number.start()]}\0{name[number.end() :]}"
             groups.setdefault(key, {})[int(number[0])] = name
-    for group in groups.values():
+    at_the_joint_first = sorted(groups.values(), key=_is_at_the_motor)
+    for group in at_the_joint_first:
         for start in (1, 0):
             if all(start + j in group for j in range(n)):
                 yield [group[start + j] for j in range(n)]
@@ -105,6 +107,11 @@ def _in_order(
         yield [found[0] for found in called]
     if len(names) == n and not any(_NUMBER.search(name) for name in names):
         yield list(names)
+
+
+def _is_at_the_motor(group: Mapping[int, str]) -> bool:
+    """Whether columns say that they are of the motor's side, where a file has both sides."""
+    return any(AT_MOTOR.search(_plain(name)) for name in group.values())
 
 
 def _is(field: str, name: str, words: str) -> bool:

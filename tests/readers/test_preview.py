@@ -117,6 +117,13 @@ def test_what_was_asked_for_and_parts_of_a_torque_are_not_taken_for_measurements
     assert guess(names, 2) == ["Zeit=time", "Winkel_{n}=q"]
 
 
+def test_the_joint_s_side_comes_before_the_motor_s():
+    kinds = ("motor_pos", "joint_pos", "motor_torque", "link_torque")
+    names = ["time", *(f"{kind}_{j}" for kind in kinds for j in (1, 2))]
+    assert guess(names, 2) == ["joint_pos_{n}=q", "link_torque_{n}=tau"]
+    assert guess(names[:3], 2) == ["motor_pos_{n}=q"]
+
+
 def test_a_clock_and_units_are_known_by_more_than_one_word():
     assert guess(["sampleTime_ms", "pos_deg1", "pos_deg2"], 2) == [
         "sampleTime_ms[ms]=time", "pos_deg{n}[deg]=q",
