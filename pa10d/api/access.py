@@ -190,9 +190,11 @@ def _with_headers(send: Send, scope: Scope) -> Send:
 
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
-            kind = Headers(raw=list(message.get("headers", []))).get("content-type", "")
-            raw = _RAW if kind.startswith(_NO_DOCUMENTS) else _RAW_OF_DOCUMENTS
-            message["headers"] = [*message.get("headers", []), *raw]
+            own = Headers(raw=list(message.get("headers", [])))
+            document = not own.get("content-type", "").startswith(_NO_DOCUMENTS)
+            rules = [(k, v) for k, v in (_RAW_OF_DOCUMENTS if document else _RAW)
+                     if k.decode() not in own]  # a report has stricter ones  # fmt: skip
+            message["headers"] = [*message.get("headers", []), *rules]
         await send(message)
 
     return sending

@@ -13,6 +13,7 @@ from typing import Any
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.daemon.events import Events
 from pa10d.daemon.hanging import with_weight
 from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report
@@ -82,7 +83,7 @@ class Daemon:
         self.weighings = Weighings(data)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
-        self.robot.joints = kept_joints(data, profile)
+        self.robot.joints = self.measured_joints()
         if self.robot.joints is not None:
             self.robot.keep_gains(self.robot.joints.known.gains)
         self.runtime = runtime
@@ -95,6 +96,11 @@ class Daemon:
         self.night = Night(secret if self.simulator is not None else None, data)
         self._tasks: list[asyncio.Task[None]] = []
         self._ending: asyncio.Future[None] | None = None
+
+    def measured_joints(self) -> MeasuredJoints | None:
+        """What is kept of the joints, by the profile's file, as every plan and table looks it up:
+        what a virtual arm hides is in our memory only, and would look like another arm."""
+        return kept_joints(self.data, load_profile(self.profile.path))
 
     @property
     def uptime(self) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pa10d.compare import RunScores
-from pa10d.figures.plotly import ERROR, NOISE, Figure, axis, layout, mark
+from pa10d.figures.plotly import ERROR, NOISE, Figure, axis, layout, log_axis, mark
 
 
 def overview(judged: RunScores, joints: Sequence[str], units: Sequence[str]) -> Figure:
@@ -37,7 +37,7 @@ def overview(judged: RunScores, joints: Sequence[str], units: Sequence[str]) -> 
             bargap=0.45,
             xaxis=axis("joint", type="category"),
             yaxis=(
-                axis("RMS ÷ noise floor", type="log", dtick=1)
+                log_axis("RMS ÷ noise floor", [1.0, *shown])
                 if by_noise
                 else axis("RMS, % of the range", rangemode="tozero")
             ),

@@ -17,6 +17,7 @@ Trace = JsonObject
 # readable on white and on black, and told apart by people who see red and green alike
 MEASURED, MODEL, ERROR, NOISE, ALERT = "#8a97a6", "#e8842c", "#3d8fd6", "#2fa58a", "#d8475c"
 MANY_DECADES = 300.0  # ratio of values beyond which an axis has room for powers of ten only
+LEAST_SPAN = 3.0  # ratio that a logarithmic axis shows at least: half a decade
 JOINTS = ("#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c")
 
 
@@ -59,12 +60,17 @@ def axis(title: str = "", **more: Any) -> JsonObject:
 
 def log_axis(title: str, shown: ArrayLike, **more: Any) -> JsonObject:
     """Ticks at 1, 2 and 5 of every decade, written out: Plotly would call 0.5 just "5". At 1 alone
-    where the values ``shown`` reach over so many decades that more would overlap."""
+    where the values ``shown`` reach over so many decades that more would overlap. Values that are
+    all but the same look so: the axis reaches over a factor of LEAST_SPAN at least."""
     values = np.asarray(shown, dtype=float)
     values = values[np.isfinite(values) & (values > 0)]
     wide = len(values) > 0 and values.max() > MANY_DECADES * values.min()
     digits = (1,) if wide else (1, 2, 5)
     ticks = [digit * 10.0**power for power in range(-9, 10) for digit in digits]
+    if len(values) > 0 and values.max() < LEAST_SPAN * values.min():
+        middle = 0.5 * np.log10(values.min() * values.max())
+        half = 0.5 * np.log10(LEAST_SPAN)
+        more = {"range": [float(middle - half), float(middle + half)]} | more
     return axis(title, type="log", tickvals=ticks, ticktext=[f"{t:g}" for t in ticks], **more)
 
 

@@ -45,6 +45,7 @@ function happened(event) {
     if (["identify", "add", "improve", "improvement", "investigation", "analysis"].includes(event.data.kind)) loadModels().catch(() => {});
   }
   if (event.kind === "investigation" || (event.data?.kind === "preparation" && event.data.finished)) loadInvestigations().catch(() => {});
+  if (event.kind === "story") change({ story: event.data });
   if (event.kind === "profile") change({ tuned: event.data.version });
   if (event.kind === "run") loadRuns().catch(() => {});
   if (event.kind === "model") loadModels().catch(() => {});

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
 import pytest
+from known_joints import known_joints
 
 from pa10d.api.problems import Problem
 from pa10d.api.routes.ready import require_ready
@@ -12,9 +14,11 @@ from pa10d.common.errors import UserError
 from pa10d.control.told import ArmTold
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.demo.hidden import hide, with_secret
 from pa10d.dynamics import robot_from_profile
 from pa10d.identify.scale import Body
 from pa10d.profile import load_profile
+from pa10d.services.joints import keep_learnt
 
 PROFILE = load_profile("pa10-sim")
 WEIGHT = Body.of("3,0.05,0,0.1")
@@ -187,3 +191,15 @@ def test_nothing_moves_while_the_virtual_arm_is_exchanged(made):
         require_ready(daemon)
 
     asyncio.run(main())
+
+
+def test_an_arm_that_hides_something_remembers_its_joints(made, tmp_path):
+    """A daemon of a hiding arm that was started again used the rule's gains, while its tables told
+    the measured ones."""
+    n = len(robot_from_profile(PROFILE).joint_names)
+    kept = keep_learnt(tmp_path / "data", PROFILE, ["a"], known_joints(kd=7.0, n=n))
+    hiding = with_secret(PROFILE, hide("stribeck:4", 3, PROFILE), 3)
+    daemon, _, _ = made(hiding)
+    assert daemon.robot.joints.document() == kept.document()
+    handed = json.loads((tmp_path / "profile.json").read_text())  # to every control process
+    assert handed["control"]["gains"]["kd"] == n * [7.0]

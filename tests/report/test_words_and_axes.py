@@ -3,6 +3,7 @@
 import re
 from importlib.resources import files
 
+import numpy as np
 import pytest
 
 from pa10d.common.words import counted, joint_words, times
@@ -25,6 +26,14 @@ def test_a_wide_axis_is_labelled_at_powers_of_ten_alone():
     assert set(wide["ticktext"]) < set(log_axis("RMS", [])["ticktext"])
     assert not {"0.2", "0.5"} & set(wide["ticktext"])
     assert {"0.1", "1"} <= set(wide["ticktext"])
+
+
+def test_errors_that_are_all_but_the_same_look_so():
+    low, high = 10 ** np.array(log_axis("RMS", [1.0, 1.016])["range"])
+    assert low < 0.8
+    assert high > 1.25
+    assert "range" not in log_axis("RMS", [1.0, 10.0])
+    assert "range" not in log_axis("RMS", [])
 
 
 def test_joints_are_named_as_one_says_them():

@@ -49,6 +49,11 @@ def test_compare_is_quick_with_long_runs(archive, visit, record_property, pytest
     if pytestconfig.getoption("--long"):  # only then does a test judge its machine
         assert first < FIRST
         assert took < ZOOM
+    page.locator("#compare .sentence").first.wait_for()
+    later = visit(url)  # whoever comes back finds what was there
+    later.open("compare")
+    later.page.locator("#compare .sentence").first.wait_for()
+    assert not later.errors
     assert not visitor.foreign()
     assert not visitor.errors
 
@@ -158,6 +163,23 @@ def test_a_report_asks_nobody_at_all(archive, visit, tmp_path):
     visitor.page.locator(".canvas .main-svg").first.wait_for()
     assert [Path(a.removeprefix("file://")) for a in visitor.asked if a[:4] == "file"] == [path]
     assert not visitor.foreign()
+
+
+def test_a_report_draws_its_plots_at_the_daemon_too_and_may_do_no_more(archive, visit):
+    url, _ = archive
+    with httpx.Client(base_url=f"{url}/api/v1", trust_env=False, timeout=60) as http:
+        job = http.post("/models/m0/reports", json={"runs": ["valid_a"]}).json()["id"]
+        while http.get(f"/jobs/{job}").json()["status"] in ("queued", "running"):
+            time.sleep(0.1)
+    visitor = visit(url)
+    page = visitor.page
+    page.goto(f"{url}/api/v1/reports/{job}")
+    page.locator(".canvas").first.scroll_into_view_if_needed()  # drawn when somebody looks
+    page.locator(".canvas .main-svg").first.wait_for()
+    assert not visitor.errors
+    assert page.evaluate("origin") == "null", "nothing in it may speak for whoever reads it"
+    asks = "fetch('/api/v1/robot').then(() => 'let in', () => 'refused')"
+    assert page.evaluate(asks) == "refused"
 
 
 @pytest.mark.parametrize(

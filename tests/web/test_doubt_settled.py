@@ -17,23 +17,24 @@ from pa10d.investigation import motions
 from pa10d.investigation.begin import begin
 from pa10d.services.library import open_library
 from pa10d.services.robots import load_robot
+from pa10d.services.starting_set import SuggestedMotion
 from pa10d.store import Channels, Samples
 from pa10d.trajectory.kinds import KINDS
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 
 BRAKE = {"effect": "nonlinear_viscous", "joint": 3, "Fp": 6.0, "p": 2.0}
-SLOWLY = 12.0  # s of slow motion, in which position and speed go together
+SLOWLY = 16.0  # s of slow motion, in which position and speed go together
 
 
-def slow_sine(purpose: str, phase: float) -> tuple[dict, str]:
+def slow_sine(purpose: str, phase: float) -> tuple[SuggestedMotion, str]:
     """Two periods in which every joint's speed is a function of its angle, but for its sign."""
     share = np.array([0.3, 0.25, 0.4])
     parameters = {
         "fundamental": 0.1, "harmonics": 1, "cycles": 2, "centre": [0.0, 0.6, 1.0],
         "a": [(share * np.cos(phase)).tolist()], "b": [(share * np.sin(phase)).tolist()],
     }  # fmt: skip
-    return {"kind": "excitation", "parameters": parameters, "why": "slowly"}, purpose
+    return SuggestedMotion(kind="excitation", parameters=parameters, why="slowly"), purpose
 
 
 def test_it_is_settled_by_motion(tmp_path, monkeypatch):

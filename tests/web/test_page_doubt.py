@@ -15,7 +15,7 @@ from pa10d.store import Channels, Samples
 
 BRAKE = {"effect": "nonlinear_viscous", "joint": 3, "Fp": 6.0, "p": 2.0}
 RIVAL = "position-dependent friction"
-SLOWLY = 12.0  # s of slow motion, in which position and speed go together
+SLOWLY = 16.0  # s of slow motion, in which position and speed go together
 FOLLOWED = 900_000  # ms on a loaded machine
 
 

@@ -97,3 +97,24 @@ def test_an_arm_that_stands_upright_is_in_the_picture_whole(archive, visit):
     top, foot = visitor.page.evaluate(UPRIGHT)
     assert 0.5 < top < 0.9
     assert -0.9 < foot < -0.3
+
+
+STORY = """(day) => {
+  const { change } = globalThis.pa10dModules.get("base/store.js");
+  change({ story: { hides: true, day, hidden: null, since_the_night: null } });
+  return document.querySelector("#models .guide").textContent;
+}"""
+
+
+def test_after_the_night_the_guide_asks_what_it_has_brought(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    page = visitor.page
+    assert "day 2" not in page.evaluate(STORY, 1)
+    told = page.evaluate(STORY, 2)
+    assert "It is day 2" in told
+    assert "Ask what has changed since m0" in told
+    page.locator("#models .guide a", has_text="Investigate").click()
+    page.locator("#story", has_text="day 2").wait_for()
+    assert page.get_by_role("button", name="Let a night pass").count() == 0
+    assert not visitor.errors

@@ -10,6 +10,7 @@ from fastapi.responses import FileResponse
 from pa10d.api.deps import Client, TheDaemon, take_command
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
+from pa10d.api.report_file import report_file
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.models import find_model
 from pa10d.api.routes.ready import require_ready
@@ -129,7 +130,7 @@ async def investigation_report(daemon: TheDaemon, investigation: str) -> FileRes
     path = daemon.investigations.place(state.id) / REPORT
     if not await daemon.shelf(path.is_file):
         raise Problem("not-found", f"{state.name} has no report yet; it is {state.status}")
-    return FileResponse(path, media_type="text/html; charset=utf-8")
+    return report_file(path)
 
 
 @router.get(

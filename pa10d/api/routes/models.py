@@ -12,6 +12,7 @@ from pa10d.api import folders
 from pa10d.api.deps import Client, MayReplace, TheDaemon, take_command
 from pa10d.api.paging import page_of
 from pa10d.api.problems import Problem, responses
+from pa10d.api.report_file import report_file
 from pa10d.api.routes.accepted import accepted
 from pa10d.api.routes.ready import require_ready
 from pa10d.api.routes.runs import find_runs
@@ -219,7 +220,7 @@ async def show_report(daemon: TheDaemon, job: str) -> FileResponse:
     path = daemon.jobs.folder_of(found) / "report.html"
     if not await daemon.shelf(path.is_file):
         raise Problem("not-found", f"report job {job}: it is {found.status}")
-    return FileResponse(path, media_type="text/html; charset=utf-8")
+    return report_file(path)
 
 
 def _look(daemon: Daemon) -> tuple[list[ModelInfo], list[SetAside]]:

@@ -18,7 +18,7 @@ from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
-from pa10d.services.joints import STILL_FALLS, STILL_SWINGS, kept_joints
+from pa10d.services.joints import STILL_FALLS, STILL_SWINGS
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -43,7 +43,7 @@ class FirstMotion:
 
     async def carry_out(self) -> Outcome:
         """Measure, keep, and use from now on; skipped where that was done."""
-        kept = kept_joints(self._daemon.data, self._daemon.profile)
+        kept = self._daemon.measured_joints()
         if kept is not None and not self._request.parameters.get("again"):
             self.result.joints = kept.document()
             said = kept.known.sentences

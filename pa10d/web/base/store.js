@@ -7,6 +7,7 @@ export const state = {
   jobs: new Map(), comparisons: [], diagnoses: [], investigations: [], ready: false,
   aside: {}, // what of the data folder cannot be read, by what it was to be
   heard: null, // when the daemon last told of the arm, by performance.now()
+  story: null, // of a virtual arm that hides something: which day it is, and what was revealed
   pose: null, // the newest positions, rad (m)
   ticked: 0, // when the loop's clock was last seen to go on
   condition: { kind: "unknown", word: "…", meaning: "", old: 0, next: null }, // see condition.js
@@ -58,6 +59,7 @@ export const loadInvestigations = async () => {
   const { items, set_aside: aside } = await get("investigations", { limit: 50 });
   keep("investigations", { items, aside });
 };
+export const loadStory = async () => change({ story: await get("story") });
 const loadKinds = async () => {
   const found = await get("experiments");
   change({ kinds: found.items, startingSet: found.starting_set });
@@ -69,7 +71,7 @@ const loadJobs = async () => {
 
 /** All of it: at the start, and after the connection was lost. */
 export async function loadEverything() {
-  await Promise.all([loadRobot(), loadRuns(), loadModels(), loadAnalyses(), loadInvestigations(), loadKinds(), loadJobs()]);
+  await Promise.all([loadRobot(), loadRuns(), loadModels(), loadAnalyses(), loadInvestigations(), loadStory(), loadKinds(), loadJobs()]);
   change({ ready: true });
 }
 

@@ -91,7 +91,7 @@ export class Chart {
     const { zoomed, pointed, key } = this;
     this.plot = new uPlot({
       ...this.size(), series, axes: [axis(x, 50), axis(y, WIDE)],
-      scales: { x: { time: false }, y: log ? { distr: 3 } : {} },
+      scales: { x: { time: false }, y: log ? { distr: 3 } : { range: (_, low, high) => (low === high ? around(low) : uPlot.rangeNum(low, high, 0.1, true)) } },
       cursor: {
         sync: key ? { key } : undefined, drag: { x: true, y: false, setScale: !zoomed }, focus: { prox: 24 },
         bind: zoomed ? { dblclick: () => () => { zoomed(null); } } : {},
@@ -148,6 +148,9 @@ export class Chart {
     u.ctx.restore();
   }
 }
+
+/** What stands still is drawn in the middle; by itself uPlot shows a joint that rests at zero on 0 to 100. */
+const around = (value) => (value === null || value === undefined ? [null, null] : [value - (Math.abs(value) || 1), value + (Math.abs(value) || 1)]);
 
 /** [lowest, highest] of the numbers among them. */
 export function ends(values) {

@@ -74,6 +74,7 @@ function nextStep() {
   if (running("identify", "compare", "diagnose", "add", "improve").length) {
     return { text: "Wait: the daemon is computing. The bar at the bottom shows how far it is." };
   }
+  if (models.length && changesUnasked()) return { ...NEXT_DAY, text: `It is day 2: something may have happened to the arm. Ask what has changed since ${models[0].name}.` };
   const investigated = lastInvestigation(models[0]);
   if (investigated) return investigated;
   if (!state.runs.length) {
@@ -134,11 +135,20 @@ function afterDiagnosis(model, diagnosis) {
   if (open.length) {
     return { go: "diagnose", at: diagnosis.id, text: `Something is missing in ${model.name}. Read the finding, then add it to the model.`, label: "Read" };
   }
+  if (verdict === "none" && state.story?.hides && state.story.day === 1 && !state.story.hidden) {
+    return { ...NEXT_DAY, text: `Nothing significant is missing in ${model.name}. Something may happen to this arm over night: let one pass, and ask what has changed.` };
+  }
   if (verdict === "none") {
     return { go: "models", at: model.name, text: `Nothing significant is missing in ${model.name}. Load it into the controller, or export it.`, label: "Models" };
   }
   return { go: "diagnose", at: diagnosis.id, text: `What is left in ${model.name} is like no known effect: the map shows where it is.`, label: "Map" };
 }
+
+const NEXT_DAY = { go: "investigate", label: "Investigate" };
+
+/** A virtual arm's night has passed, and nobody has asked what it brought. */
+const changesUnasked = () => state.story?.hides && state.story.day === 2 && !state.story.hidden
+  && !state.investigations.some((one) => one.question === "changed") && !state.diagnoses.some((one) => one.request.frozen);
 
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
 
@@ -165,7 +175,7 @@ export function heading(section, title, here = {}) {
     other = step.also && step.also.go !== section ? el("a", { class: "button small", href: `#/${step.also.go}` }, step.also.label) : null;
     if (other) line.append(other);
   };
-  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "investigations", "ready"], refresh);
+  watch(["runs", "models", "comparisons", "diagnoses", "jobs", "condition", "searched", "investigations", "story", "ready"], refresh);
   const report = reportButton(() => current()[0].name, () => tagged("judge").map((run) => run.id));
   watch(["models"], () => {
     report.hidden = !current().length || section === "models"; // there it is of the model that is shown

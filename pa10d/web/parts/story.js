@@ -1,24 +1,25 @@
 // A virtual arm that hides something: a night passes by a button, and at the end it tells its secret.
 import { el, fill } from "../base/dom.js";
-import { get, post } from "../base/api.js";
+import { post } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
-import { loadRobot, state, watch } from "../base/store.js";
+import { change, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { ask } from "./dialog.js";
 
 /** A panel that is there only where the arm hides something. */
 export function storyPanel() {
   const box = el("div", { class: "panel", id: "story", hidden: true });
-  const show = (story) => {
-    box.hidden = !story.hides;
+  const show = () => {
+    const { story } = state;
+    box.hidden = !story?.hides;
     if (box.hidden) return;
     const night = el("button", { type: "button", onclick: guarded("The night could not pass.", async () => {
-      show(await post("story/night"));
+      change({ story: await post("story/night") });
       await loadRobot();
       notice("It is day 2.", { detail: "The arm was switched off and on again. Has it changed? Ask what has changed since your model." });
     }) }, "Let a night pass");
     const tell = el("button", { type: "button", onclick: guarded("It could not be told.", async () => {
-      if (await ask("Reveal what the arm hides?", "There is no way back to not knowing. The investigation's report stays as it is.", "Reveal")) show(await post("story/reveal"));
+      if (await ask("Reveal what the arm hides?", "There is no way back to not knowing. The investigation's report stays as it is.", "Reveal")) change({ story: await post("story/reveal") });
     }) }, "Reveal what it hides");
     const allow = () => {
       const why = whyNot(["inactive"]);
@@ -34,6 +35,6 @@ export function storyPanel() {
         : "What was to happen to it has happened: ask what has changed since the model of day 1."));
     watch(["robot", "jobs", "condition"], allow, night);
   };
-  watch(["ready"], () => { if (state.ready) get("story").then(show, () => {}); });
+  watch(["story"], show);
   return box;
 }

@@ -56,8 +56,13 @@ export function show([id, joint]) {
   if (id === "of") return ofModel(joint);
   prepare();
   if (id && id !== view.id) open(id, Number(joint) || null).catch((error) => failed("This comparison cannot be shown.", error));
+  else if (!id && !view.id && made()) open(made().id, null).catch((error) => failed("This comparison cannot be shown.", error));
   else if (!id && view.id) history.replaceState(null, "", `#/compare/${view.id}/${view.joint}`);
 }
+
+/** The newest comparison of the model that is chosen: whoever comes back finds what was there. */
+const made = () => parts.none.hidden ? null : state.comparisons.find((one) => one.status === "succeeded"
+  && nameOfModel(one.request.model) === parts.model.value);
 
 async function compare(model, runs) {
   begin(model, runs);

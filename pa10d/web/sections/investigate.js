@@ -11,6 +11,7 @@ import { courses } from "../parts/courses.js";
 import { heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { runPicker } from "../parts/picker.js";
+import { fileLink } from "../parts/report.js";
 import { setAside } from "../parts/set_aside.js";
 import { storyPanel } from "../parts/story.js";
 
@@ -133,7 +134,7 @@ function buttons(found) {
       el("button", { type: "button", disabled: found.pausing, onclick: guarded("It could not be paused.", async () => { await post(`investigations/${found.id}/pause`); await refresh(); }) }, "Pause after this step"),
       el("button", { type: "button", class: "danger", onclick: guarded("It could not be stopped.", async () => { if (mine()) await post(`jobs/${mine().id}/cancel`); await refresh(); }) }, "Stop"));
   }
-  if (found.status === "done") return el("a", { class: "button primary", href: `api/v1/investigations/${found.id}/report`, target: "_blank" }, "Open the report");
+  if (found.status === "done") return fileLink(`investigations/${found.id}/report`, `${found.name}.html`, "Open the report", { class: "button primary", target: "_blank" });
   const start = el("button", { type: "button", class: "primary", onclick: guarded("It could not be started.", () => begin(found)) }, found.status === "waiting" ? "Start" : "Go on");
   const why = found.moves ? whyNot() : "";
   start.disabled = Boolean(why);
@@ -174,6 +175,6 @@ const floorOf = (value) => (value === null ? "not known" : number(value));
 
 function links(found, doubt) {
   const number = found.findings.findIndex((one) => one.effect === doubt.effect && String(one.joints) === String(doubt.joints)) + 1;
-  const to = (ending, says) => el("a", { class: "button small", href: `api/v1/investigations/${found.id}/doubts/${number}.${ending}`, download: "" }, says);
+  const to = (ending, says) => fileLink(`investigations/${found.id}/doubts/${number}.${ending}`, `${doubt.effect}.${ending}`, says, { class: "button small", download: "" });
   return [doubt.plan ? to("yaml", "Plan") : null, " ", doubt.motion ? to("csv", "Motion") : null];
 }
