@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import time
+from functools import partial
 from typing import NoReturn
 
 from pa10d.cli import INTERRUPTED, main
@@ -20,6 +21,7 @@ from pa10d.cli.commands import current
 from pa10d.cli.progress import show_cursor
 
 GRACE = 0.7  # s
+TURN = 0.05  # s
 
 
 def run() -> NoReturn:
@@ -28,12 +30,14 @@ def run() -> NoReturn:
     os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     interrupted: list[float] = []
-    _thread.start_new_thread(_watch, (reading, interrupted))
+    repeated: list[float] = []
+    _thread.start_new_thread(_watch, (reading, interrupted, repeated))
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    sys.unraisablehook = partial(_unraisable, repeated)
     try:
         status = main()
-    except BaseException:
-        if not interrupted:
+    except BaseException as error:
+        if not isinstance(error, KeyboardInterrupt) and not _seen(interrupted):
             raise
         status = INTERRUPTED  # libraries make other errors of an interrupt
     if interrupted or status == INTERRUPTED:
@@ -41,9 +45,35 @@ def run() -> NoReturn:
     sys.exit(status)
 
 
-def _watch(reading: int, interrupted: list[float]) -> None:
+def _unraisable(repeated: list[float], what: sys.UnraisableHookArgs) -> None:
+    """An interrupt that fell into a callback of Python's went no further: it comes once more."""
+
+    main_thread = _thread.get_ident()  # Python takes signals there alone
+
+    def again() -> None:
+        time.sleep(TURN)
+        repeated.append(time.monotonic())
+        signal.pthread_kill(main_thread, signal.SIGINT)  # ends what it waits for, too
+
+    if isinstance(what.exc_value, KeyboardInterrupt):
+        _thread.start_new_thread(again, ())
+    else:
+        sys.__unraisablehook__(what)
+
+
+def _seen(interrupted: list[float]) -> bool:
+    """Whether there was an interrupt; the thread that notes it may not have had its turn yet."""
+    if not interrupted:
+        time.sleep(TURN)
+    return bool(interrupted)
+
+
+def _watch(reading: int, interrupted: list[float], repeated: list[float]) -> None:
     while signals := os.read(reading, 64):
         if signal.SIGINT not in signals:
+            continue
+        if repeated:
+            repeated.pop()
             continue
         again = bool(interrupted)
         interrupted.append(time.monotonic())

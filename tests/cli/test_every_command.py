@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import numpy as np
 import pytest
 from test_run_commands import URDF
@@ -102,7 +104,9 @@ def place(folder, monkeypatch):
     """Stood in, while a command is typed there."""
     monkeypatch.setenv("PA10D_DATA", str(folder / "data"))
     monkeypatch.chdir(folder)
-    return folder
+    ends = signal.getsignal(signal.SIGTERM)
+    yield folder
+    signal.signal(signal.SIGTERM, ends)  # a story sets it
 
 
 def _files(place):
