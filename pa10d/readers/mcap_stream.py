@@ -68,7 +68,7 @@ class McapStream:
             elif kind == "Message":
                 key = number, record.channel_id
                 counts[key] = counts.get(key, 0) + 1
-        definitions: dict[str, Any] = {}
+        definitions: dict[str, object] = {}
         for key, channel in channels.items():
             schema = schemas.get((key[0], channel.schema_id))
             name = _full(schema.name) if schema else ""
