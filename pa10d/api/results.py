@@ -6,11 +6,12 @@ judged again on the way out.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
 from pa10d.api.schemas.jobs import Job
+from pa10d.services.command_documents import ExperimentResult, PreCheck
 from pa10d.services.documents import (
     AsItIs,
     Compare,
@@ -25,33 +26,6 @@ from pa10d.services.documents import (
     Plan,
     Track,
 )
-
-
-class PreCheck(Document):
-    """One thing that was looked at before a motion. joint: from 1, null: the whole arm; time: s."""
-
-    level: Literal["ok", "warning", "error"]
-    subject: str
-    sentence: str
-    joint: int | None
-    time: float | None
-
-
-class Recorded(Document):
-    """A run that an experiment left. duration: s."""
-
-    id: str
-    name: str
-    status: str
-    duration: float
-
-
-class ExperimentResult(Document):
-    """Of ``experiment``: the runs, and what an analysis found in them, which is beside."""
-
-    kind: str
-    runs: list[str] = Field(description="Ids")
-    recorded: list[Recorded]
 
 
 class SeriesResult(Document):

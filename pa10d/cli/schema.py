@@ -29,15 +29,16 @@ def add_commands(commands: Subcommands) -> None:
 
 def schema(options: argparse.Namespace) -> Answer:
     """``schema``."""
-    from pa10d.services.documents import SCHEMAS
+    from pa10d.services.command_documents import KINDS_OF_DOCUMENT, schema_of
 
     if options.name is None:
-        return Answer({"names": sorted(SCHEMAS)}, "\n".join(sorted(SCHEMAS)))
+        names = sorted(KINDS_OF_DOCUMENT)
+        return Answer({"names": names}, "\n".join(names))
     name = options.name.removeprefix("pa10d/").partition("/")[0]
-    if name not in SCHEMAS:
+    if name not in KINDS_OF_DOCUMENT:
         raise UserError(
-            f"schema {options.name!r}: expected one of {', '.join(sorted(SCHEMAS))}"
-            f"{did_you_mean(name, SCHEMAS)}"
+            f"schema {options.name!r}: expected one of {', '.join(sorted(KINDS_OF_DOCUMENT))}"
+            f"{did_you_mean(name, KINDS_OF_DOCUMENT)}"
         )
-    found = {"$id": f"pa10d/{name}/{VERSION}", **SCHEMAS[name].model_json_schema()}
+    found = {"$id": f"pa10d/{name}/{VERSION}", **schema_of(name)}
     return Answer(found, json.dumps(found, indent=2, ensure_ascii=False))
