@@ -188,7 +188,9 @@ def at_work(half_a_minute, tmp_path_factory):
         "run import valid.csv --name valid --profile robot.urdf",
         "identify train --name m0 --profile robot.urdf",
     ):
-        assert _typed(place, words, place / "data").wait() == 0
+        with _typed(place, words, place / "data") as process:
+            said = process.communicate()[1]
+        assert process.returncode == 0, said
     return place
 
 
