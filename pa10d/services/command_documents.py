@@ -5,6 +5,7 @@ Beside ``documents``, which has what is asked of runs and models; the same rules
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import Field, TypeAdapter
@@ -362,7 +363,7 @@ class Served(Document):
     url: str | None = None
 
 
-KINDS_OF_DOCUMENT: dict[str, Any] = {
+KINDS_OF_DOCUMENT: Mapping[str, Any] = {
     **SCHEMAS,
     "add": Added,
     "case-study": CaseStudied,

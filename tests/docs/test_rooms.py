@@ -23,7 +23,8 @@ def test_every_room_is_described():
 
 MIRRORS = (
     "face/",  # what ``import pa10d`` gives is called as the thing inside it
-    "api/", "services/documents.py", "services/viewed.py",  # and so is what clients are told
+    "api/", "services/documents.py", "services/command_documents.py", "services/viewed.py",
+    # and so is what clients are told
     "profile/profile.py", "store/model_schema.py",  # and what stands in files
     "effects/library/", "trajectory/kinds/",  # named by what nature or a person calls them
 )  # fmt: skip
