@@ -68,12 +68,18 @@ def bench(data: Path) -> Iterator:
 
 def play(arm) -> None:
     """Record, fit, compare, diagnose, add."""
-    runs = arm.series(arm.starting_set())["runs"]
-    fit, judge = runs[:2], runs[2:]
+    if not tagged(arm, "fit"):
+        arm.series(arm.starting_set())
+    fit, judge = tagged(arm, "fit"), tagged(arm, "judge")
     arm.identify(fit, "m0")
     arm.compare("m0", judge)
     first = arm.diagnose("m0", fit, judge)["findings"][0]
     arm.add("m0", first["effect"], first["joints"], fit, "m1")
+
+
+def tagged(arm, tag: str) -> list[str]:
+    """Runs that are marked so; the starting set has others, which measure the joints."""
+    return [run["id"] for run in arm.runs() if tag in run["tags"]]
 
 
 def shoot(url: str, out: Path, sections: tuple[str, ...]) -> None:

@@ -75,6 +75,9 @@ def test_nothing_covers_stop(archive, visit, width):
     page.get_by_role("button", name="Close all").click()
     assert page.locator(".notice").count() == 0
     page.get_by_role("button", name="train_a", exact=True).click()
+    until(
+        page, "document.getElementById('run-detail').getBoundingClientRect().top < innerHeight / 2"
+    )
     page.get_by_role("button", name="Delete", exact=True).click()
     page.get_by_role("dialog").wait_for()
     assert page.evaluate(ON_TOP)

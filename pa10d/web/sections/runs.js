@@ -34,6 +34,7 @@ export function mount(box) {
     history.replaceState(null, "", `#/runs/${run.id}`);
     refresh();
     fill(detail, details(run));
+    detail.scrollIntoView({ block: "start" }); // below a long list nobody would see that it came
   };
   showRun = (id) => {
     const run = state.runs.find((one) => one.id === id || one.name === id);
