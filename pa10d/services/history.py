@@ -63,4 +63,5 @@ def _line(library: Library, model: str) -> list[TorqueModel]:
 
 
 def _own_runs(library: Library, info: ModelInfo) -> list[str]:
-    return list(library.models.load(info).notes.judged_on or info.runs)
+    judged = library.models.load(info).notes.judged_on or ()
+    return [run for run in judged if run not in info.runs] or list(info.runs)

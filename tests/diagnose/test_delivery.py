@@ -35,6 +35,7 @@ def test_a_version_achieves_what_was_promised():
     np.testing.assert_allclose(note.achieved, judge(made, held).rms, rtol=1e-4)
     assert note.achieved[1] < 0.2 * note.before[1]
     assert note.worse == ()
+    assert made.notes.judged_on == ("valid_a", "valid_b")  # what a report of it is about
 
 
 def test_a_joint_that_became_worse_is_named():

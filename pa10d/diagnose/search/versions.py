@@ -50,7 +50,8 @@ def snapshot(
         replace(term, shape_errors=known.shape_errors.get(index, term.shape_errors))
         for index, term in enumerate(part.terms)
     ]
-    notes = replace(given.notes, warnings=(), delivery=None)
+    judged_on = tuple(dict.fromkeys(run.name for run in part.held.runs))
+    notes = replace(given.notes, warnings=(), delivery=None, judged_on=judged_on)
     if not frozen:  # fitted to the data alone, and perhaps to others
         same = {run.name for run in part.train.runs} <= set(given.runs)
         notes = replace(notes, feasible=None, noise_floor=None, prior=None, left_out=None)
