@@ -111,7 +111,7 @@ def address(url: str, section: str) -> str:
 
     if section == "compare":
         made = httpx.get(f"{url}/api/v1/comparisons").json()["items"]
-        return f"compare/{made[-1]['id']}"
+        return f"compare/{made[0]['id']}"  # the newest
     return {"models": "models/m1"}.get(section, section)
 
 
@@ -124,8 +124,9 @@ def prepare(page, section: str) -> None:
         page.locator(".sentence").first.wait_for()
         page.evaluate("scrollTo(0, 0)")
     elif section == "diagnose":
+        page.locator(".finding").first.wait_for()
+        page.evaluate("document.querySelector('.finding').scrollIntoView()")  # drawn when seen
         page.locator(".finding .main-svg").first.wait_for()
-        page.evaluate("document.querySelector('.finding').scrollIntoView()")
     elif section == "models":
         page.locator(".stairs .main-svg").first.wait_for()
     elif section == "robot":
