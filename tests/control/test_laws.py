@@ -24,7 +24,8 @@ from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.dynamics import base_parameters, inverse_dynamics, robot_from_profile
 from pa10d.effects import Context
-from pa10d.model import Term, TorqueModel
+from pa10d.model import ModelNotes, Term, TorqueModel
+from pa10d.model.notes import FeasibleNote
 from pa10d.profile import load_profile
 
 
@@ -211,7 +212,7 @@ def test_the_loop_gets_bodies_that_can_exist_and_says_so(robot):
         model,
         standard=robot.parameters,
         feasible=True,
-        notes={"feasible": {"coefficients": found, "rms": [0.0] * robot.n}},
+        notes=ModelNotes(feasible=FeasibleNote(rms=(0.0,) * robot.n, coefficients=found)),
     )
     assert live_model(model).parameters == "free"
     live = live_model(possible)

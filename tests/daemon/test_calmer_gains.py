@@ -89,9 +89,10 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False):
             return Outcome(self.request.kind, ["x"], seconds=1.0)
 
     monkeypatch.setattr(first_motion, "Experiment", Experiment)
-    monkeypatch.setattr(first_motion, "kept_joints", lambda *_: None)
     profile = SimpleNamespace(path="arm.yaml")
-    daemon = SimpleNamespace(robot=robot, workers=workers, data="data", profile=profile)
+    daemon = SimpleNamespace(
+        robot=robot, workers=workers, data="data", profile=profile, measured_joints=lambda: None
+    )
     try:
         found = asyncio.run(first_motion.FirstMotion(daemon, REQUEST, lambda *_: None).carry_out())
     except UserError as error:
