@@ -348,19 +348,19 @@ def test_an_arm_that_is_kept_from_its_work_is_waited_for(tmp_path: Path) -> None
 
 @pytest.mark.realtime
 def test_control_dies_and_the_drives_stop_by_themselves(in_real_time: Profile) -> None:
-    control = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, str(HERE / "swing_for_ever.py"), str(in_real_time.path)],
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": str(HERE)},
-    )
-    assert control.stdout is not None
-    assert control.stdout.readline() == "moving\n"
-    with VirtualBus(in_real_time.can.channel) as bus:
-        assert len(set(itertools.islice(positions_of(10, bus), 10))) > 5, "the arm moves"
-    control.kill()
-    control.wait()
-    control.stdout.close()
+    ) as control:
+        try:
+            assert control.stdout is not None
+            assert control.stdout.readline() == "moving\n"
+            with VirtualBus(in_real_time.can.channel) as bus:
+                assert len(set(itertools.islice(positions_of(10, bus), 10))) > 5, "the arm moves"
+        finally:
+            control.kill()
     at_rest(in_real_time)
     with promptly():
         the_next_control_takes_over(in_real_time)
