@@ -19,13 +19,14 @@ import select, sys, time
 worst = 0.0
 while True:
     begun = time.monotonic()
-    if not select.select([sys.stdin], [], [], {LOOK})[0]:
-        worst = max(worst, time.monotonic() - begun - {LOOK})
-    elif sys.stdin.readline():
-        print(worst, flush=True)
-        worst = 0.0
-    else:
+    asked = select.select([sys.stdin], [], [], {LOOK})[0]
+    worst = max(worst, time.monotonic() - begun - {LOOK})  # asked while it overslept, too
+    if not asked:
+        continue
+    if not sys.stdin.readline():
         break
+    print(worst, flush=True)
+    worst = 0.0
 """
 
 

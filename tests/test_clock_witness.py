@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import threading
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from clock_witness import ClockWitness
+
+
+def test_a_witness_that_is_asked_while_it_stands_still_says_so():
+    """It answered the question first, and forgot that it had just overslept."""
+    with closing(ClockWitness()) as witness:
+        witness.worst()
+        os.kill(witness.process, signal.SIGSTOP)
+        wakes = threading.Timer(0.2, os.kill, [witness.process, signal.SIGCONT])
+        wakes.start()
+        assert witness.worst() > 0.1
+        wakes.join()
+
 
 TRIED = """
 import os, signal, time
