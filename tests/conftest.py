@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
 from collections import Counter
 from pathlib import Path
@@ -30,6 +31,8 @@ def pytest_configure(config):
     config.add_cleanup(place.cleanup)
     os.environ.pop("PA10D_DATA", None)
     os.environ["XDG_DATA_HOME"] = place.name
+    # a shell's "&" has it ignored, and what is started here would inherit that
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(config, items):

@@ -1,4 +1,5 @@
 // Starts the page: header, sections by the address's hash, and what keeps them up to date.
+import { inAddress } from "./base/address.js";
 import { el, fill } from "./base/dom.js";
 import { keepCondition } from "./base/condition.js";
 import { followEvents } from "./base/live.js";
@@ -12,15 +13,15 @@ const rooms = Object.fromEntries(Object.keys(SECTIONS).map((name) => [name, () =
 const LOOK_EVERY = 1000; // ms between looks at the arm's state
 const content = document.getElementById("content");
 const made = new Map();
+let turns = 0;
 
-/** #/compare/ID/4 shows the section "compare" with ["ID", "4"]. A section is fetched when it is
- * first asked for: on a slow link nobody waits for what is not looked at. */
+/** A section is fetched when it is first asked for: on a slow link nobody waits for what is not looked at. */
 async function route() {
-  const asked = location.hash, { section, rest } = place();
+  const turn = turns += 1, { section, rest } = place();
   change({ section });
   document.title = `${SECTIONS[section]} – pa10d`;
   const room = await rooms[section]();
-  if (location.hash !== asked) return; // somebody went on meanwhile
+  if (turn !== turns) return; // somebody went on meanwhile
   if (!made.has(section)) {
     const box = el("section", { id: section, "aria-labelledby": `${section}-title` });
     made.set(section, box);
@@ -32,7 +33,7 @@ async function route() {
 }
 
 function place() {
-  const [name, ...rest] = location.hash.replace(/^#\//, "").split("/").map(decodeURIComponent);
+  const [name, ...rest] = inAddress();
   return name in rooms ? { section: name, rest } : { section: "robot", rest: [] };
 }
 

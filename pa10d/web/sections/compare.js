@@ -1,4 +1,5 @@
 // Where does a model fail? Measured over model per joint, sentences that jump to the place, plots.
+import { sayAddress } from "../base/address.js";
 import { el, fill } from "../base/dom.js";
 import { get } from "../base/api.js";
 import { state, watch } from "../base/store.js";
@@ -47,7 +48,7 @@ function ofModel(model) {
   view.id = null;
   parts.work.hidden = true;
   parts.none.hidden = false;
-  history.replaceState(null, "", "#/compare");
+  sayAddress("compare");
   prepare();
 }
 
@@ -57,7 +58,7 @@ export function show([id, joint]) {
   prepare();
   if (id && id !== view.id) open(id, Number(joint) || null).catch((error) => failed("This comparison cannot be shown.", error));
   else if (!id && !view.id && made()) open(made().id, null).catch((error) => failed("This comparison cannot be shown.", error));
-  else if (!id && view.id) history.replaceState(null, "", `#/compare/${view.id}/${view.joint}`);
+  else if (!id && view.id) sayAddress("compare", view.id, view.joint);
 }
 
 /** The newest comparison of the model that is chosen: whoever comes back finds what was there. */
@@ -94,7 +95,7 @@ async function open(id, joint, started = null) {
   view.id = id;
   parts.model.value = nameOfModel(view.model);
   parts.runs.ids = job.request.runs.map((run) => state.runs.find((one) => [one.id, one.name].includes(run))?.id ?? run);
-  history.replaceState(null, "", `#/compare/${id}/${view.joint}`);
+  sayAddress("compare", id, view.joint);
   let whole;
   try {
     whole = await finished(job);
@@ -130,7 +131,7 @@ function choose(joint) {
   view.joint = joint;
   view.place = null;
   tabs();
-  if (view.id) history.replaceState(null, "", `#/compare/${view.id}/${joint}`);
+  if (view.id) sayAddress("compare", view.id, joint);
   if (!changed) return;
   drawTime(parts.zoom.span); // the same seconds of another joint
   drawMaps();

@@ -1,4 +1,5 @@
 // Which effect is missing? Findings as cards, with what to do about them.
+import { sayAddress } from "../base/address.js";
 import { el, fill } from "../base/dom.js";
 import { get, post } from "../base/api.js";
 import { running, whyNot } from "../base/condition.js";
@@ -43,7 +44,7 @@ function ofModel(model) {
   parts.model.value = model;
   parts.fit.ids = parts.judge.ids = shown = null;
   fill(parts.body, empty(`Press 'What is missing?' to ask which physical effect ${model} lacks.`));
-  history.replaceState(null, "", "#/diagnose");
+  sayAddress("diagnose");
 }
 
 /** #/diagnose/ID; without an id the newest one, running or done. */
@@ -55,7 +56,7 @@ export function show([id, model]) {
 
 async function open(id, started = null) {
   shown = id;
-  history.replaceState(null, "", `#/diagnose/${id}`);
+  sayAddress("diagnose", id);
   fill(parts.body, el("p", { class: "muted pad" }, "Every effect of the library is being tried on every joint …"));
   const job = started ?? await get(`diagnoses/${id}`);
   parts.model.value = nameOfModel(job.request.model);

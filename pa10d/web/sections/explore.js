@@ -1,4 +1,5 @@
 // Any channel of any recording, against time or against another, over each other, with one cursor.
+import { sayAddress } from "../base/address.js";
 import { el, fill, say } from "../base/dom.js";
 import { get } from "../base/api.js";
 import { table } from "../base/columns.js";
@@ -56,7 +57,7 @@ const sources = () => [
 /** #/explore/run:ID/MODEL, #/explore/fault:ID; #/explore/fault is the last one. */
 export function show([subject, model]) {
   if (!subject) { if (parts.recordings) parts.again(); return; }
-  history.replaceState(null, "", "#/explore");
+  sayAddress("explore");
   if (model) view.models = swapped(view.models, [model]);
   if (subject !== "fault") return open(subject);
   get("faults").then((found) => {

@@ -1,4 +1,5 @@
 // All of it by one button: from the arm, or recordings, to a model, what it lacks, and a report.
+import { sayAddress } from "../base/address.js";
 import { el, fill, renew } from "../base/dom.js";
 import { get, post } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
@@ -47,7 +48,7 @@ async function refresh() {
   known = (await get("investigations")).items;
   renew(parts.list, known.map((one) => el("button", {
     type: "button", role: "tab", class: "kind", "aria-selected": String(one.id === shown), dataset: { investigation: one.name },
-    onclick: () => { shown = one.id; history.replaceState(null, "", `#/investigate/${one.id}`); refresh(); },
+    onclick: () => { shown = one.id; sayAddress("investigate", one.id); refresh(); },
   }, el("b", {}, one.name), el("small", {}, `${one.status}, ${when(one.created)}`))));
   shown = known.some((one) => one.id === shown) ? shown : known[0]?.id ?? null;
   if (!shown) { sheet = null; return fill(parts.detail); }

@@ -1,4 +1,5 @@
 // Torque models: fit the first one, see the error fall from version to version, use them.
+import { sayAddress } from "../base/address.js";
 import { el, fill } from "../base/dom.js";
 import { download, get, put, remove } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
@@ -39,7 +40,7 @@ function refresh() {
   if (found?.name === wanted) wanted = null;
   fill(parts.list, models.map((model) => el("button", {
     type: "button", role: "tab", class: "kind", "aria-selected": String(model.id === found?.id), dataset: { model: model.name },
-    onclick: () => { chosen = model.id; wanted = null; history.replaceState(null, "", `#/models/${model.name}`); refresh(); },
+    onclick: () => { chosen = model.id; wanted = null; sayAddress("models", model.name); refresh(); },
   }, el("b", {}, model.name), el("small", {}, model.change), el("small", {}, `${model.parent_name ? `from ${model.parent_name}, ` : ""}${when(model.created)}`))));
   if (!found) {
     detailed = null;

@@ -1,4 +1,5 @@
 // Recordings: bring in, look, mark what they are for, take out.
+import { sayAddress } from "../base/address.js";
 import { el, fill, refill } from "../base/dom.js";
 import { download, get, patch, remove } from "../base/api.js";
 import { loadRuns, state, watch } from "../base/store.js";
@@ -31,7 +32,7 @@ export function mount(box) {
   };
   const select = (run) => {
     selected = run.id;
-    history.replaceState(null, "", `#/runs/${run.id}`);
+    sayAddress("runs", run.id);
     refresh();
     fill(detail, details(run));
     detail.scrollIntoView({ block: "start" }); // below a long list nobody would see that it came
