@@ -11,6 +11,7 @@ from fastapi import FastAPI
 
 from pa10d.api import problems, uploads
 from pa10d.api.access import Access, AccessMiddleware
+from pa10d.api.described import describe
 from pa10d.api.held import HeldFiles
 from pa10d.api.packing import PackingMiddleware
 from pa10d.api.repeats import RepeatMiddleware
@@ -35,7 +36,6 @@ from pa10d.api.routes import (
     web,
     weighings,
 )
-from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.daemon.daemon import Daemon, running
 
@@ -106,31 +106,5 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     app.add_middleware(RepeatMiddleware)
     app.add_middleware(PackingMiddleware)
     app.add_middleware(AccessMiddleware, access=access or Access())
-    _document_problems(app)
+    describe(app)
     return app
-
-
-def _document_problems(app: FastAPI) -> None:
-    """Wrong requests are problems too: our schema in the place of FastAPI's own one."""
-    made = app.openapi
-
-    def openapi() -> JsonObject:
-        if app.openapi_schema:
-            return app.openapi_schema
-        schema = made()
-        schemas = schema.setdefault("components", {}).setdefault("schemas", {})
-        schemas["ProblemDocument"] = problems.ProblemDocument.model_json_schema()
-        schemas.pop("HTTPValidationError", None)
-        schemas.pop("ValidationError", None)
-        invalid = problems.responses()[422]
-        anywhere = problems.responses("too-large", "crowded", "busy", "ended", "no-room")
-        anywhere = {str(status): said for status, said in anywhere.items() if status != 422}
-        for path in schema["paths"].values():
-            for operation in path.values():
-                operation["responses"] = anywhere | operation["responses"]
-                if "422" in operation["responses"]:
-                    operation["responses"]["422"] = invalid
-        app.openapi_schema = schema
-        return schema
-
-    app.openapi = openapi  # type: ignore[method-assign]

@@ -123,3 +123,15 @@ def test_any_job_s_result_is_the_one_of_its_kind(client):
     models = importlib.import_module("pa10d_made.models")
     arm, _ = calls(client, JOB)
     assert isinstance(show.sync("j1", client=arm).result, models.Compare)
+
+
+def test_what_an_experiment_takes_has_a_type_with_fields(client):
+    start = importlib.import_module("pa10d_made.api.experiments.start_experiment")
+    models = importlib.import_module("pa10d_made.models")
+    arm, seen = calls(client, {})
+    asked = models.TrackingParameters(amplitude=0.3, period=4.0, joints=[4])
+    start.sync_detailed(client=arm, body=models.ExperimentRequest("tracking", parameters=asked))
+    sent = json.loads(seen[0].content)
+    assert sent["kind"] == "tracking"
+    assert sent["parameters"] == asked.to_dict()
+    assert sent["parameters"]["joints"] == [4]
