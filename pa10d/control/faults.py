@@ -47,6 +47,7 @@ class Fault:
     sequence: int = 0  # the record at which it happened; the ring keeps the seconds before
     device: bool = False  # said by the backend
     hertz: float = 0.0  # of an oscillation
+    was_there: bool = False  # where it should go, since power-up: nothing bars that way
 
     @property
     def dead_axis(self) -> int | None:
@@ -96,15 +97,17 @@ class Fault:
             sequence=int(document.get("sequence", 0)),
             device=bool(document.get("device", False)),
             hertz=float(document.get("hertz", 0.0)),
+            was_there=bool(document.get("was_there", False)),
         )
 
 
 class LoopFault(Exception):
-    """The loop itself saw what may not go on."""
+    """The loop itself saw what may not go on. ``hertz``, ``was_there``: see ``Fault``."""
 
     def __init__(self, kind: str, cause: str, axis: int | None = None, hertz: float = 0.0) -> None:
         super().__init__(cause)
         self.kind, self.cause, self.axis, self.hertz = kind, cause, axis, hertz
+        self.was_there = False
 
 
 LONGEST = 2000  # characters of a cause: it goes through pipe and ring in one piece
@@ -131,20 +134,21 @@ def _missed_us(cause: str) -> bool:
 def fault_from(error: Exception, n: int, state: str, time: float, sequence: int) -> Fault:
     """Any exception as a fault of an arm of ``n`` joints; what a backend says of itself is taken
     as plain text and numbers, whatever it is."""
-    device, axis, hertz = isinstance(error, BackendFault), None, 0.0
+    device, axis, hertz, was_there = isinstance(error, BackendFault), None, 0.0, False
     if isinstance(error, BackendFault):
         kind, cause, remedy = str(error.kind), str(error.cause), str(error.remedy)
         axis = int(error.axis) if isinstance(error.axis, Integral) else None
         axis = None if axis is None or not 0 <= axis < n else axis
     elif isinstance(error, LoopFault):
         kind, cause, remedy = error.kind, error.cause, REMEDIES[error.kind]
-        axis, hertz = error.axis, error.hertz
+        axis, hertz, was_there = error.axis, error.hertz, error.was_there
     elif isinstance(error, BackendBroke | UserError):
         kind, cause, remedy = "backend", str(error), REMEDIES["backend"]
     else:
         kind, cause = "controller", f"{type(error).__name__}: {' '.join(str(error).split())}"
         remedy = REMEDIES[kind]
-    return Fault(kind, _short(cause), axis, _short(remedy), state, time, sequence, device, hertz)
+    cause, remedy = _short(cause), _short(remedy)
+    return Fault(kind, cause, axis, remedy, state, time, sequence, device, hertz, was_there)
 
 
 def _short(text: str) -> str:

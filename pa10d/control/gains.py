@@ -231,12 +231,10 @@ def after_swing(
 def after_fall(
     robot: Robot, figures: JointFigures, gains: PidGains, bound: float, axis: int
 ) -> JointFigures | None:
-    """The same joints, but one that was ``bound`` rad behind and did not swing: half as light as it
-    was thought to be at most. None where it was pressed on strongly enough to move, or is taken for
-    as heavy as it may be."""
+    """The same joints, but one that was ``bound`` rad behind, did not swing and met nothing: half
+    as light as it was thought to be at most. None where it is taken for as heavy as it may be."""
     heaviest = 1.0 / float(figures.doubt[axis])
-    lightly = lightly_pressed(robot, figures, gains, bound, axis)
-    if not lightly or figures.least[axis] <= heaviest:
+    if figures.least[axis] <= heaviest:
         return None
     lighter = figures.least.copy()
     lighter[axis] *= 0.5

@@ -13,6 +13,7 @@ from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Controller, Pid
+from pa10d.control.places import Places
 from pa10d.control.reference import Reference
 from pa10d.control.states import ArmState
 from pa10d.control.torque_exit import TorqueExit
@@ -46,6 +47,7 @@ class TorquePath:
             OscillationWatch(limits, period),
             WrongWayWatch(limits.torque, period),
         )
+        self._places = Places(limits.following_error)
         self._powered_at = -np.inf
 
     @property
@@ -99,6 +101,7 @@ class TorquePath:
         if self.limp:
             return
         if not stopping_for_fault:
+            self._places.see(self.q)
             self._watch_envelope()
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
@@ -111,12 +114,15 @@ class TorquePath:
             raise LoopFault("stop", "does not stop as asked", int(bad[0]))
 
     def _watch_envelope(self) -> None:
-        """A joint that swings is said to, however it leaves its envelope."""
+        """A joint that swings is said to, however it leaves its envelope; of one that is away from
+        its path, whether it has been there before."""
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live)
         except LoopFault as violation:
             axis = violation.axis
             if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):
+                if axis is not None and violation.kind == "following_error":
+                    violation.was_there = self._places.towards(self.reference.q, self.q, axis)
                 raise
             raise self._swings.violation(axis) from violation
 
@@ -146,6 +152,7 @@ class TorquePath:
         self._powered_at = self.time
         self._swings.restart()
         self._wrong_way.restart()
+        self._places.restart(self.q)
         self.exit.restart()
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)

@@ -20,6 +20,7 @@ from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check, Level
 from pa10d.experiments.motion import Whole, measured_torque, whole_motion
 from pa10d.experiments.prediction import DOUBT, PACES, Predicted, predicted
+from pa10d.experiments.slower import AS_ASKED, Slower
 from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import Plan
 
@@ -94,7 +95,13 @@ class Paced:
 
 
 def paced(
-    plan: Plan, start: Array, robot: Robot, limits: ArmLimits, rate: float, joints: Joints
+    plan: Plan,
+    start: Array,
+    robot: Robot,
+    limits: ArmLimits,
+    rate: float,
+    joints: Joints,
+    slower: Slower = AS_ASKED,
 ) -> Paced:
     """The plan itself where it can be followed, else at the first pace at which it can; joints that
     would come close to their position limits turn less far, and so do those that could be followed
@@ -125,17 +132,17 @@ def paced(
             f"{DOUBT * found.error[j]:.2g} rad from its path"
         )
 
-    first = ""
-    for pace in PACES:
-        slower = plan if pace == 1.0 else plan.slowed(pace)
-        whole, found = looked_at(slower, pace)
-        answer = followed(slower, whole, found, Adjusted(pace, first, {}))
+    first = slower.why
+    for pace in (pace for pace in PACES if pace >= slower.pace):
+        slowed = plan if pace == 1.0 else plan.slowed(pace)
+        whole, found = looked_at(slowed, pace)
+        answer = followed(slowed, whole, found, Adjusted(pace, first, {}))
         if isinstance(answer, Paced):
             return answer
         first = first or answer
     share = np.ones(robot.n)
     while (share := share * SMALLER / np.maximum(found.over(limits), SMALLER)).min() >= LEAST:
-        small = slower.narrowed(share, start)  # where what holds the arm is known
+        small = slowed.narrowed(share, start)  # where what holds the arm is known
         whole, found = looked_at(small, pace)
         done = Adjusted(pace, first, {}, _left_out(share))
         tried = followed(small, whole, found, done)

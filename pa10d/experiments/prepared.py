@@ -18,13 +18,15 @@ class CarriedBy:
     law: of control. model: whose torque the motion carries along, the one asked for, or the one
     that is loaded, so that the effects which the loop does not evaluate itself are not lost.
     joints: what was measured of them (JSON, as it is kept), where a plain servo moves them; without
-    gains, of a first motion under way. ahead: the servo is given what was measured.
+    gains, of a first motion under way. ahead: the servo is given what was measured. slower: a
+    ``Slower``, where the motion was tried before.
     """
 
     law: Law = "pid"
     model: str | None = None
     joints: JsonObject | None = None
     ahead: bool = True
+    slower: JsonObject | None = None
 
 
 @dataclass(frozen=True)

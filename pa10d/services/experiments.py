@@ -24,6 +24,7 @@ from pa10d.experiments.margins import margins, poses_of
 from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
+from pa10d.experiments.slower import Slower
 from pa10d.identify.scale import Body
 from pa10d.services.library import open_library
 from pa10d.services.memory import refuse_endless_motion
@@ -84,13 +85,14 @@ def prepare_motion(
     ahead: bool = True,
     law: str = "pid",
     weight: str | None = None,
+    slower: Mapping[str, Any] | None = None,
 ) -> Prepared:
     """The planned motion from where the arm stands, as rows for the loop, with its pre-check.
 
     joints: figures and gains of a plain servo whose joints were measured; without gains, of a first
     motion under way. ahead: the servo is given what was measured. law: of control, for the record.
     weight: one that hangs at the last joint; the arm is checked with it, and given the torque that
-    it asks for.
+    it asks for. slower: a ``Slower``, where the motion was tried before.
     """
     found, bare = load_robot(profile)
     body = None if weight is None else Body.of(weight)
@@ -114,7 +116,7 @@ def prepare_motion(
         (place / PLAN).write_text(json.dumps(told), encoding="utf-8")
     if figures is not None and not under_way:
         known = Joints(figures, gains, ahead)
-        chosen = paced(plan, np.array(start), robot, bounds, rate, known)
+        chosen = paced(plan, np.array(start), robot, bounds, rate, known, Slower(**slower or {}))
         whole, said = chosen.whole, [chosen.check]
         adjusted = None if chosen.adjusted is None else chosen.adjusted.document()
         if chosen.plan is not plan:

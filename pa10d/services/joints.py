@@ -199,17 +199,19 @@ def calmer(data: str, profile: str, known: JsonObject, fault: JsonObject) -> Jso
     known: what was learnt before, with the gains that let it swing.
     """
     before, what = KnownJoints.from_document(known), Fault.from_document(fault)
-    if what.kind == "following_error" and what.axis is not None:
-        found = firmed(*load_robot(profile), before, what.axis)
+    if what.kind == "following_error":
+        found = firmed(*load_robot(profile), before, what)
     else:
         found = _calmed_after(profile, before, what)
     return None if found is None else {**found.known.document(), "note": found.note}
 
 
-def firmed(profile: Profile, robot: Robot, known: KnownJoints, axis: int) -> Calmer | None:
-    """See ``calmer``, of a joint that fell behind; axis: 0-based."""
+def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> Calmer | None:
+    """See ``calmer``, of a joint that fell behind."""
     bound, gains = arm_limits(profile, robot).following_error, known.gains
-    figures, share = known.figures, 0.0
+    figures, share, axis = known.figures, 0.0, fault.axis
+    if axis is None or not _met_nothing(profile, robot, known, fault):
+        return None
     while share < FIRMER:  # half as light may lie within the doubt that there was
         heavier = after_fall(robot, figures, gains, float(bound[axis]), axis)
         if heavier is None:
@@ -242,11 +244,20 @@ def slowed(
 
     speed: share at which it fell behind
     """
-    j, less = fault.axis, SLOWER * speed
-    if part == "friction" or fault.kind != "following_error" or j is None or less < SLOWEST:
+    less = SLOWER * speed
+    if part == "friction" or fault.kind != "following_error" or less < SLOWEST:
         return None
-    bound = float(arm_limits(profile, robot).following_error[j])
-    return less if lightly_pressed(robot, known.figures, known.gains, bound, j) else None
+    return less if _met_nothing(profile, robot, known, fault) else None
+
+
+def _met_nothing(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> bool:
+    """Whether a joint that fell behind cannot have met anything: it had been where it should go, or
+    friction alone may hold it."""
+    if fault.axis is None:
+        return False
+    bound = float(arm_limits(profile, robot).following_error[fault.axis])
+    pressed = robot, known.figures, known.gains, bound, fault.axis
+    return fault.was_there or lightly_pressed(*pressed)
 
 
 def _firmness(gains: PidGains, axis: int) -> float:

@@ -23,6 +23,7 @@ from pa10d.experiments.measured_joints import measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
+from pa10d.experiments.slower import AS_ASKED, slower_after
 from pa10d.profile import load_profile
 from pa10d.services.joints import calmed, firmed, learnt, not_held, slowed, torque_steps
 from pa10d.trajectory.kinds import read_request
@@ -89,16 +90,17 @@ class ArmBench:
             self.arm.cycle()
         return self.arm.fault
 
-    def run(self, plan, ahead=None):
+    def run(self, plan, ahead=None, slower=AS_ASKED):
         """→ rows of the plan as recorded, and the fault."""
         start = self.arm.path.reference.q.copy()
         if self.joints is not None:
-            chosen = paced(plan, start, self.robot, self.limits, self.rate, self.joints)
+            chosen = paced(plan, start, self.robot, self.limits, self.rate, self.joints, slower)
             if chosen.check.level == "error":
                 raise Refused(chosen.check.sentence)
             if chosen.check.level == "warning":
                 self.notes.append(f"{plan.kind}: {chosen.check.sentence}")
             plan, whole, ahead = chosen.plan, chosen.whole, self.joints.figures
+            self.pace = chosen.adjusted.pace
         else:
             unhurried = None
             if ahead is not None:
@@ -119,11 +121,18 @@ class ArmBench:
         return taken[self.ring.layout.get(taken, "recording") > 0], self.arm.fault
 
     def run_on(self, plan):
-        """As an experiment does: with calmer gains where a joint swings."""
+        """As an experiment does: with calmer gains where a joint swings, or slower."""
+        slower = AS_ASKED
         for _ in range(TRIES):
-            rows, fault = self.run(plan)
-            if fault is None or not self._calm(fault):
+            rows, fault = self.run(plan, slower=slower)
+            if fault is None:
                 break
+            if self._calm(fault):
+                continue
+            slower = slower_after(fault, self.joints.figures, self.pace)
+            if slower is None or not self._again():
+                break
+            self.notes.append(f"{slower.why}: it is tried again at half of its speed")
         return rows, fault
 
     def first_motion(self):
@@ -133,7 +142,7 @@ class ArmBench:
         if (reason := not_held(self.profile, self.robot, self.known)) is not None:
             raise Refused(reason)
         self._use_known()
-        if (fault := self.enable()) is not None:
+        if (fault := self.enable()) is not None and not self._calm(fault):
             return fault
         parts, get = {}, self.ring.layout.get
         for part in PARTS:
@@ -179,7 +188,7 @@ class ArmBench:
     def _calm(self, fault) -> bool:
         """Reset with calmer gains, if it swung."""
         if fault.kind == "following_error" and self.joints is None:
-            calmer = firmed(self.profile, self.robot, self.known, fault.axis)
+            calmer = firmed(self.profile, self.robot, self.known, fault)
         elif fault.kind == "oscillation":
             calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
         else:

@@ -13,6 +13,7 @@ from foreign_arms import built as foreign
 from gain_grid import built, drawn
 
 from pa10d.control.envelope import OVERSHOOT
+from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures, first_figures, inertias, presumed_figures
 from pa10d.dynamics import robot_from_profile
 from pa10d.services.joints import firmed, learnt, not_held
@@ -35,6 +36,10 @@ def planned(kind: str, parameters: dict) -> Plan:
     if str(asked) not in PLANS:
         PLANS[str(asked)] = read_request(asked).build(ArmBench().around)
     return PLANS[str(asked)]
+
+
+def fell(axis: int) -> Fault:
+    return Fault("following_error", "is 0.2 rad from where it should be", axis)
 
 
 def fast_wrist() -> Plan:
@@ -194,7 +199,7 @@ def test_firmer_may_mean_more_damping_and_a_quicker_integral():
         doubt=np.full(7, 2.0), coulomb=np.full(7, 9.5), viscous=np.full(7, 4.2)
     )
     known = learnt(arm.profile, arm.robot, figures)
-    again = firmed(arm.profile, arm.robot, known, 2).known.gains
+    again = firmed(arm.profile, arm.robot, known, fell(2)).known.gains
     assert again.kp[2] < 1.1 * known.gains.kp[2]
     assert again.ki[2] > 1.5 * known.gains.ki[2]
 
@@ -204,16 +209,26 @@ def test_a_weak_servo_that_fell_behind_gets_firmer_a_strong_one_does_not():
     arm = ArmBench(100.0)
     home = np.zeros(7)
     known = learnt(arm.profile, arm.robot, first_figures(arm.robot, [home, home]))
-    firmer = firmed(arm.profile, arm.robot, known, 5)
+    firmer = firmed(arm.profile, arm.robot, known, fell(5))
     assert firmer.known.gains.kp[5] > known.gains.kp[5]
     assert firmer.note.startswith("joint 6 fell behind, pressed on with ")
     np.testing.assert_array_equal(np.delete(firmer.known.gains.kp, 5), np.delete(known.gains.kp, 5))
     steps = 1
-    while (more := firmed(arm.profile, arm.robot, firmer.known, 5)) is not None:
+    while (more := firmed(arm.profile, arm.robot, firmer.known, fell(5))) is not None:
         firmer, steps = more, steps + 1
     assert steps < 5
     strong = replace(known, gains=replace(known.gains, kp=known.gains.kp * 100.0))
-    assert firmed(arm.profile, arm.robot, strong, 5) is None
+    assert firmed(arm.profile, arm.robot, strong, fell(5)) is None
+
+
+def test_a_strong_servo_gets_firmer_where_its_joint_came_from(tmp_path):
+    """What it passed freely holds it by friction alone, however hard it was pressed."""
+    arm = foreign(503, tmp_path)
+    places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
+    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    assert firmed(arm.profile, arm.robot, known, fell(5)) is None
+    back = firmed(arm.profile, arm.robot, known, replace(fell(5), was_there=True))
+    assert back.known.gains.kp[5] > known.gains.kp[5]
 
 
 def test_a_step_that_makes_nothing_firmer_is_followed_by_another(tmp_path):
@@ -222,7 +237,7 @@ def test_a_step_that_makes_nothing_firmer_is_followed_by_another(tmp_path):
     arm = foreign(100, tmp_path)
     places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
     known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
-    again = firmed(arm.profile, arm.robot, known, 3).known
+    again = firmed(arm.profile, arm.robot, known, fell(3)).known
     assert again.gains.kp[3] > 1.9 * known.gains.kp[3]
     assert again.gains.ki[3] > known.gains.ki[3]
     assert again.sensitivity[3] <= 2.0

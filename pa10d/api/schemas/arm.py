@@ -29,6 +29,9 @@ class Fault(BaseModel):
     sequence: int
     device: bool = Field(description="Said by a drive or the bus, not by the loop")
     hertz: float = Field(0.0, description="Hz of an oscillation, else 0")
+    was_there: bool = Field(
+        False, description="The joint had been where it should go, so nothing bars that way"
+    )
 
 
 class Axis(BaseModel):

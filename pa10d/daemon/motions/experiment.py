@@ -24,6 +24,7 @@ from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.experiments.prepared import CarriedBy, PlannedMotion, Prepared, wrong_in
 from pa10d.experiments.request import MotionRequest
+from pa10d.experiments.slower import Slower, slower_after
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.1  # s
 SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
-TRIES = 3  # with calmer gains each
+TRIES = 3  # with calmer gains, or slower, each
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 STOPPED = 15.0  # s for the arm to come to rest
@@ -42,7 +43,10 @@ log = logging.getLogger("pa10d.experiment")
 
 
 def carried_by(
-    robot: RobotProcess, request: MotionRequest, figures: JointFigures | None = None
+    robot: RobotProcess,
+    request: MotionRequest,
+    figures: JointFigures | None = None,
+    slower: Slower | None = None,
 ) -> CarriedBy:
     """What this motion will be followed with; figures: see ``Experiment``."""
     asked = request.controller
@@ -53,6 +57,7 @@ def carried_by(
         robot.model if asked is None else request.model,
         _told(measured) if figures is None else {"figures": figures.document()},
         asked is None or figures is not None,
+        None if slower is None else vars(slower),
     )
 
 
@@ -99,6 +104,7 @@ class Experiment:
         """figures: of the joints, where they are not those that the robot keeps; weight: one
         that hangs at the last joint."""
         self._figures, self._weight = figures, weight
+        self._slower: Slower | None = None
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
@@ -106,13 +112,13 @@ class Experiment:
         self.result = Outcome(request.kind)
 
     async def carry_out(self) -> Outcome:
-        """To the end; the arm is left as it was found. An arm that swings is tried with calmer
-        gains, if it was measured."""
+        """To the end; the arm is left as it was found. An arm that was measured is tried with
+        calmer gains where it swings, and slower where it was predicted to follow and did not."""
         for _ in range(TRIES - 1):
             try:
                 return await self._once()
             except UserError:
-                if not await self._calmed():
+                if not (await self._calmed() or await self._slowed()):
                     raise
         return await self._once()
 
@@ -135,9 +141,29 @@ class Experiment:
         await robot.reset()
         await robot.use_gains(measured.known.gains, keep=True)
         robot.joints = measured
-        self.result.runs = []
-        self._request = replace(self._request, replace=self._request.name is not None)
+        self._begin_again()
         return True
+
+    async def _slowed(self) -> bool:
+        """Whether a joint left its path though nothing is in its way, and the next try is slower;
+        the fault is left for that."""
+        fault, joints = self._robot.fault, self._robot.joints
+        law = self._request.controller or self._robot.controller["name"]
+        if fault is None or joints is None or self._figures is not None or law != "pid":
+            return False
+        ran = 1.0 if self.result.adjusted is None else float(self.result.adjusted["pace"])
+        slower = slower_after(fault, joints.known.figures, ran)
+        if slower is None:
+            return False
+        self._slower = slower
+        self.result.notes.append(f"{slower.why}: it is tried again at half of its speed")
+        await self._robot.reset()
+        self._begin_again()
+        return True
+
+    def _begin_again(self) -> None:
+        self.result.runs, self.result.recorded = [], []
+        self._request = replace(self._request, replace=self._request.name is not None)
 
     async def _once(self) -> Outcome:
         was_unpowered = not self._robot.moving
@@ -170,7 +196,7 @@ class Experiment:
     async def _prepare(self) -> Prepared:
         """The way to the plan and the pre-check of both; nothing has moved yet."""
         self._report(PLANNED, "checking limits, torque and collisions")
-        carried = carried_by(self._robot, self._request, self._figures)
+        carried = carried_by(self._robot, self._request, self._figures, self._slower)
         found = await prepare(self._daemon, self._where, carried, self._weight)
         self.result.checks = [*readiness(self._robot), *found.checks]
         if wrong := wrong_in(self.result.checks):
