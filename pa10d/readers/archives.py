@@ -10,12 +10,11 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
 from pa10d.common.errors import UserError
-from pa10d.readers.packed import DAMAGED, ZIP, first_bytes, inner_head, unpacked
+from pa10d.readers.packed import DAMAGED, ZIP, first_bytes, inner_head, of_somebody, unpacked
 from pa10d.store.csv_locate import most_unpacked
 
 TAR, AT = b"ustar", 257  # where every tar of today says that it is one
 MOST = 20_000  # files
-NOISE = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
 ALONE = (
     ".csv", ".tsv", ".parquet", ".feather", ".arrow", ".mat", ".npz", ".npy", ".h5", ".hdf5",
     ".bag", ".blf", ".asc", ".trc", ".mf4",
@@ -32,7 +31,7 @@ def is_archive(path: Path) -> bool:
             return False
         try:
             with zipfile.ZipFile(path) as archive:
-                return len(_of_somebody(archive.namelist())) > 1
+                return len(of_somebody(archive.namelist())) > 1
         except DAMAGED:
             return False  # said by who unpacks it
     try:
@@ -59,7 +58,7 @@ def unpacked_recording(path: Path) -> Iterator[Path]:
 
 def _unzip(path: Path, folder: Path) -> list[str]:
     with zipfile.ZipFile(path) as archive:
-        infos = [i for i in archive.infolist() if _of_somebody([i.filename])]
+        infos = [i for i in archive.infolist() if of_somebody([i.filename])]
         _refuse_bombs(path, [info.file_size for info in infos])
         for info in infos:
             archive.extract(info, folder)  # which leaves out whatever leads out of the folder
@@ -71,7 +70,7 @@ def _untar(path: Path, folder: Path) -> list[str]:
         names: list[str] = []
         sizes: list[int] = []
         for member in archive:
-            if member.isdir() or not _of_somebody([member.name]):
+            if member.isdir() or not of_somebody([member.name]):
                 continue
             sizes.append(member.size)
             _refuse_bombs(path, sizes)
@@ -86,16 +85,6 @@ def _refuse_bombs(path: Path, sizes: Sequence[int]) -> None:
         raise UserError(f"{path}: becomes more than {most} bytes; expected a recording")
     if len(sizes) > MOST:
         raise UserError(f"{path}: an archive of more than {MOST} files; expected a recording")
-
-
-def _of_somebody(names: Sequence[str]) -> list[str]:
-    """Files, without what desktops leave beside them."""
-    return [
-        name
-        for name in names
-        if not name.endswith("/") and not set(PurePosixPath(name).parts) & set(NOISE)
-        and not PurePosixPath(name).name.startswith("._")
-    ]  # fmt: skip
 
 
 def _recording_in(path: Path, names: Sequence[str]) -> str:

@@ -418,6 +418,11 @@ def _read_hdf5(path: Path, joints: Sequence[str]) -> ForeignTable:
 
     def visit(name: str, item: Any) -> None:
         nonlocal size
+        if "pandas_type" in item.attrs:
+            raise UserError(
+                f"{path}: a data frame as pandas' to_hdf stores it; expected arrays by name, or "
+                "read_hdf(…).to_parquet(…)"
+            )
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
         if item.external or item.is_virtual:

@@ -14,7 +14,7 @@ from pa10d.readers.bag_rows import BagTopic, Found
 from pa10d.readers.mcap_stream import McapStream, is_odd_mcap
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
-from pa10d.readers.signatures import MCAP, ROS1, SQLITE
+from pa10d.readers.signatures import MCAP, ROS1, SQLITE, refuse_stand_in
 from pa10d.readers.table import ForeignTable
 from pa10d.store.column_guess import was_asked_for
 
@@ -157,6 +157,8 @@ def _reader(path: Path) -> Any:
     from rosbags.typesys import Stores, get_typestore
 
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+    for file in (*files, *path.glob("*.db3")):
+        refuse_stand_in(file, first_bytes(file, 64))
     if any(map(is_odd_mcap, files)):
         return McapStream(files)
     return AnyReader(_opened(path), default_typestore=get_typestore(Stores.ROS2_HUMBLE))
@@ -170,10 +172,12 @@ def _opened(path: Path) -> list[Path]:
     kinds = [sorted(path.glob(f"*{kind}")) for kind in (".mcap", ".db3", ".bag")]
     there = [files for files in kinds if files]
     if len(there) != 1:
-        count = sum(map(len, there))
+        files = [file.name for file in sorted(path.iterdir()) if file.is_file()]
+        found = f"{', '.join(files[:4])}{' …' if len(files) > 4 else ''}" if files else "no file"
+        bags = "bag files of several kinds" if there else "no bag file"
         raise UserError(
-            f"{path}: no metadata.yaml and {count} bag files"
-            f"{' of several kinds' if there else ''}; expected a bag's folder"
+            f"{path}: no metadata.yaml and {bags}; found {found}; expected a bag's folder, or "
+            "one file"
         )
     return there[0]
 

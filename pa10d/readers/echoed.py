@@ -13,7 +13,8 @@ from pa10d.store.channels import Array
 KINDS = ("position", "velocity", "effort")
 WORDS = ("frame_id", "name.")  # columns of words that rows of joint states have
 _PLOT = "%time,"  # how rostopic echo -p begins
-_PLOT_NAME = re.compile(r"field\.name(\d+)")
+_NAME = re.compile(r"(?:field\.)?name[._\[]?(\d+)\]?")
+_VALUE = re.compile(rf"(?:field\.)?({'|'.join(KINDS)})[._\[]?(\d+)\]?")
 SECOND = 1e9  # ns
 
 
@@ -27,16 +28,22 @@ def bare_header(line: str) -> str:
     return line[1:] if by_rostopic(line) else line
 
 
-def of_rostopic(
+def names_its_joints(header: Sequence[str]) -> bool:
+    """Whether columns of names stand beside columns of values, as ``name_0`` and ``position_0``."""
+    return any(map(_NAME.fullmatch, header)) and any(map(_VALUE.fullmatch, header))
+
+
+def by_their_names(
     path: Path, found: Mapping[str, Array], words: Mapping[str, Sequence[str]]
 ) -> tuple[dict[str, Array], dict[str, list[str]]]:
-    """The columns as joints' names call them, at the stamps of the headers where those have one.
+    """The columns of a joint's values as the joint's name beside them calls them, and what words
+    are left. UserError where the names change on the way.
 
     found, words: columns of numbers, and of words, by the names of the header.
     """
     joints: dict[str, str] = {}
     for name, cells in words.items():
-        if match := _PLOT_NAME.fullmatch(name):
+        if match := _NAME.fullmatch(name):
             other = next((k for k, cell in enumerate(cells) if cell != cells[0]), None)
             if other is not None:
                 raise UserError(
@@ -45,23 +52,24 @@ def of_rostopic(
                 )
             joints[match[1]] = cells[0]
     out: dict[str, Array] = {}
+    for name, values in found.items():
+        match = _VALUE.fullmatch(name)
+        joint = joints.get(match[2]) if match else None
+        out[f"{joint}.{match[1]}" if match and joint else name] = values
+    return out, {name: list(cells) for name, cells in words.items() if not _NAME.fullmatch(name)}
+
+
+def of_rostopic(found: Mapping[str, Array]) -> dict[str, Array]:
+    """What ``rostopic echo -p`` wrote, at the stamps of the headers where those have one."""
+    out: dict[str, Array] = {}
     stamps = found.get("field.header.stamp")
     clock = stamps if stamps is not None and (stamps > 0).all() else found.get("time")
     if clock is not None and len(clock):
         out["time"] = (clock - clock[0] // SECOND * SECOND) / SECOND
     for name, values in found.items():
-        if name in ("time", "field.header.stamp", "field.header.seq"):
-            continue
-        bare = name.removeprefix("field.")
-        kind = bare.rstrip("0123456789")
-        joint = joints.get(bare.removeprefix(kind)) if kind in KINDS else None
-        out[bare if joint is None else f"{joint}.{kind}"] = values
-    left = {
-        name: list(cells)
-        for name, cells in words.items()
-        if not _PLOT_NAME.fullmatch(name) and name != "field.header.frame_id"
-    }
-    return out, left
+        if name not in ("time", "field.header.stamp", "field.header.seq"):
+            out[name.removeprefix("field.")] = values
+    return out
 
 
 def by_ros2_topic(rows: Sequence[Sequence[str]]) -> list[str]:

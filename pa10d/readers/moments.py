@@ -14,6 +14,7 @@ _MOMENT = re.compile(
     r"(?:(?:(?P<y>\d{4})[-/](?P<mo>\d\d?)[-/](?P<d>\d\d?)|"
     r"(?P<d2>\d\d?)\.(?P<mo2>\d\d?)\.(?P<y2>\d{4})|"
     r"(?P<a3>\d\d?)/(?P<b3>\d\d?)/(?P<y3>\d{4}))[T ]\s*)?"
+    r"(?:(?P<run>\d{1,4}) days?,? )?"
     r"(?P<h>\d\d?):(?P<m>\d\d)(?::(?P<s>\d\d)(?:[.,](?P<f>\d{1,9}))?)?"
     r"\s*(?P<half>[AaPp][Mm])?\s*(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
@@ -23,8 +24,8 @@ LONGEST = 10_000  # days between two stamps, as many as 63 bits of ns hold safel
 
 def seconds_since_first(cells: Sequence[str]) -> Array | None:
     """(N,) from ISO 8601, from 31.12.2026 12:00:00,5, from 12/31/2026 or 31/12/2026 with AM and PM
-    or without, or from the time of day, which may pass midnight; None where a cell is none of
-    them."""
+    or without, from the time of day, which may pass midnight, or from ``0 days 00:00:01.5``; None
+    where a cell is none of them."""
     british = _seconds(cells, day_first=True)
     if not cells or "/" not in cells[0]:
         return british
@@ -59,7 +60,7 @@ def _seconds(cells: Sequence[str], *, day_first: bool) -> Array | None:
             if abs(day - first) > LONGEST:
                 return None
             days[date] = (day - first) * DAY
-        hour = _hour(int(match["h"]), match["half"])
+        hour = 24 * int(match["run"] or 0) + _hour(int(match["h"]), match["half"])
         clock = 3600 * hour + 60 * int(match["m"]) + int(match["s"] or 0)
         fine = int((match["f"] or "0").ljust(9, "0"))
         stamps[k] = days[date] + clock * 10**9 + fine - _east(match["zone"] or "Z")

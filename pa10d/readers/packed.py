@@ -9,9 +9,9 @@ import lzma
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import IO, cast
 
 from pa10d.common.errors import UserError
@@ -20,6 +20,7 @@ from pa10d.store.csv_locate import most_unpacked
 GZIP, BZIP, XZ, ZSTD, ZIP = b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"PK\x03\x04"
 DAMAGED = (OSError, EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile)
 PART = 1 << 20  # bytes
+NOISE = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
 
 
 def first_bytes(path: Path, count: int) -> bytes:
@@ -95,8 +96,18 @@ def unpacked_file(path: Path) -> Iterator[Path]:
         yield out
 
 
+def of_somebody(names: Sequence[str]) -> list[str]:
+    """An archive's files, without what desktops leave beside them."""
+    return [
+        name
+        for name in names
+        if not name.endswith("/") and not set(PurePosixPath(name).parts) & set(NOISE)
+        and not PurePosixPath(name).name.startswith("._")
+    ]  # fmt: skip
+
+
 def _only_one(path: Path, archive: zipfile.ZipFile) -> str:
-    there = [name for name in archive.namelist() if not name.endswith("/")]
+    there = of_somebody(archive.namelist())
     if len(there) != 1:
         raise UserError(f"{path}: an archive of {len(there)} files; expected one recording in it")
     return there[0]

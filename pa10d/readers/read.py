@@ -9,7 +9,7 @@ from pathlib import Path
 from pa10d.common.errors import UserError
 from pa10d.dynamics.robot import Robot
 from pa10d.profile import Profile
-from pa10d.readers import archives, packed, text
+from pa10d.readers import archives, decimals, echoed, packed, text, vectors
 from pa10d.readers.part import WHOLE, Part
 from pa10d.readers.signatures import (
     BAGS,
@@ -19,6 +19,7 @@ from pa10d.readers.signatures import (
     STREAM,
     is_can_csv,
     is_can_database,
+    refuse_stand_in,
 )  # fmt: skip
 from pa10d.readers.table import ForeignTable, recording_of
 from pa10d.store.column_mapping import read_mapping
@@ -114,6 +115,7 @@ def _table_of(
 
     kind = path.suffix.lower()
     head = b"" if path.is_dir() else packed.first_bytes(path, 64)
+    refuse_stand_in(path, head)
     if lerobot.is_data_set(path) or (head.startswith(b"PAR1") and lerobot.has_episodes(path)):
         part.only(path, episode=True)
         return lerobot.read_data_set(path, part.episode)
@@ -205,9 +207,13 @@ def _is_plain_csv(path: Path) -> bool:
     below = rest.partition(b"\n")[0].decode("utf-8", "replace")
     if text.numbers(names[:2]):
         return False  # a row, not names
+    if echoed.names_its_joints(names) or any(map(vectors.is_vector, below.split(","))):
+        return False
     if WITHIN.search(rest.decode("utf-8", "replace")):
         return False  # numbers with commas
     cells = below.split(",")
+    if text.repeats(names) and not any(map(decimals.is_number, cells)):
+        return False  # names in two rows
     if len(cells) != len(names) and below.strip() and not text.numbers(cells):
         return False  # lines above the names
     return not (text.stamps_in_two(names) or text.units_or_moments(below))

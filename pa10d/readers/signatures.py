@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+
+from pa10d.common.errors import UserError
 
 MCAP, SQLITE, ROS1 = b"\x89MCAP", b"SQLite format 3", b"#ROSBAG"
 BAGS = (MCAP, SQLITE, ROS1)
@@ -31,3 +34,19 @@ def is_can_database(path: Path) -> bool:
     except sqlite3.Error:
         return False
     return "arbitration_id" in columns
+
+
+POINTER = b"version https://git-lfs.github.com/"
+_PAGE = re.compile(rb"\s*<(!doctype html|html|head)\b", re.I)
+
+
+def refuse_stand_in(path: Path, head: bytes) -> None:
+    """UserError for what a download leaves where the recording itself did not come."""
+    if head.startswith(POINTER):
+        raise UserError(
+            f"{path}: Git LFS' pointer to a recording; expected the file itself, by git lfs pull"
+        )
+    if _PAGE.match(head):
+        raise UserError(
+            f"{path}: a web page; expected the recording that the page offers for download"
+        )

@@ -21,6 +21,7 @@ from pa10d.store.csv_import import (
     CsvRecording,
     timing_sentences,
     unit_since_1970,
+    with_clock,
     wraps_of,
 )
 from pa10d.store.equal_steps import equal_steps
@@ -55,7 +56,7 @@ def recording_of(
     try:
         columns = header.columns(n, constants is not None, robot)
     except UserError as found:
-        error = UserError(_with_clock(str(found), table))
+        error = UserError(with_clock(str(found), table.columns))
         if "c1" not in names:
             by_value = _by_value(table, n) if one_block(names) else ""
             if by_value:
@@ -99,15 +100,6 @@ def recording_of(
         samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said, wraps,
         table.parts.another if table.parts else "",
     )  # fmt: skip
-
-
-def _with_clock(said: str, table: ForeignTable) -> str:
-    """A refusal whose ready mapping knows what the stamps count, as far as they count from 1970."""
-    for name, values in table.columns.items():
-        rule = f" --map {name}=time"
-        if rule in said and len(values) and (told := unit_since_1970(values, name)):
-            return said.replace(rule, told.removeprefix("; perhaps"))
-    return said
 
 
 def _by_value(table: ForeignTable, n: int) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
-from pa10d.readers import decimals, echoed
+from pa10d.readers import decimals, echoed, vectors
 from pa10d.readers.moments import seconds_since_first
 from pa10d.readers.packed import DAMAGED, unpacked
 from pa10d.readers.table import ForeignTable
@@ -69,7 +69,7 @@ def read_text(path: Path) -> ForeignTable:
     if bare and not from_ros2:
         names, units = _names_above(lines[:comments], delimiter, len(first))
     elif not bare:
-        names, body = first, body[1:]
+        names, body = _in_levels(first, body[1:], delimiter)
         units = _units(body[0], delimiter, len(names)) if body else []
         body = body[1:] if units else body
     named = [f"{name}[{unit}]" if unit else name for name, unit in _paired(names, units)]
@@ -82,12 +82,41 @@ def read_text(path: Path) -> ForeignTable:
     if above:
         remarks.append(f"{above} {'line' if above == 1 else 'lines'} above the header left out")
     found, words = _columns(path, body, named, delimiter, below)
+    found, words = echoed.by_their_names(path, found, words)
     if by_rostopic:
-        found, words = echoed.of_rostopic(path, found, words)
-    left = [name for name in words if not (from_ros2 and name.startswith(echoed.WORDS))]
+        found = echoed.of_rostopic(found)
+        words.pop("field.header.frame_id", None)
+    of_vectors, told = vectors.out_of_cells(path, words)
+    found |= of_vectors
+    left = [
+        name for name in words
+        if name not in told and not (from_ros2 and name.startswith(echoed.WORDS))
+    ]  # fmt: skip
     if left:
         remarks.append(f"no numbers in {', '.join(left)}: left out")
     return ForeignTable(found, remarks)
+
+
+def _in_levels(names: list[str], body: list[str], delimiter: str) -> tuple[list[str], list[str]]:
+    """Names in two rows, as a data frame with levels of columns writes them: what a value is, and
+    of which joint. Below them it may name its index. With the rows that are left."""
+    below = [_cells(line, delimiter) for line in body[:2]]
+    if not repeats(names) or not below or not _may_be_names(below[0], len(names)):
+        return names, body
+    joined = [".".join(filter(None, pair)) for pair in zip(names, below[0], strict=True)]
+    if below[1:] and below[1][0] and not any(below[1][1:]):
+        return [below[1][0], *joined[1:]], body[2:]
+    return joined, body[1:]
+
+
+def _may_be_names(cells: list[str], count: int) -> bool:
+    return len(cells) == count and not any(map(decimals.is_number, cells))
+
+
+def repeats(names: list[str]) -> bool:
+    """Whether a name stands over two columns."""
+    named = [name for name in names if name]
+    return len({*named}) < len(named)
 
 
 def _refuse_json(path: Path, line: str) -> None:
@@ -270,7 +299,7 @@ def _columns(
         if all(value is not None for value in values):
             out[name] = np.array(values, dtype=np.float64)
         elif (stamps := seconds_since_first(columns[k])) is not None:
-            out[name] = stamps
+            out[name if name or "time" in names else "time"] = stamps
         elif sum(value is not None for value in values) > len(values) / 2:
             row = next(i for i, value in enumerate(values) if value is None)
             raise UserError(

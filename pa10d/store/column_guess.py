@@ -9,25 +9,35 @@ from pa10d.store.column_choices import Choice, rules_of
 from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
 
 WORDS = {
-    "dq": r"velocit|veloc|\bvel|speed|qdot|\bdq|\bqd\b|omega|geschwindigkeit",
-    "tau": r"effort|torque|\btau|\btrq|moment|\bmom|\beff\b",
+    "dq": r"velocit|veloc|\b(act)?vel|speed|qdot|\bdq|\bqd\b|theta ?d(ot)?\b|omega|geschwindigkeit",
+    "tau": r"effort|torque|\btau|\btrq|\bqfrc|moment|\bmom|\beff\b",
     "i": r"current|\bcur|amp|\bstrom",
     "temp": r"temp",
-    "q": r"position|\bpos|angle|\bang|\bq|theta|phi|winkel",
+    "q": r"position|\b(act)?pos|angle|\bang|\bq|theta|phi|winkel",
 }
-VAGUE = {"q": r"joint|\bstate"}  # where no name says more
+VAGUE = {"q": r"joint|\bstate|\b(axis|axe|achse|ax|j|a) ?\d"}  # where no name says more
+MEASURED_IN = {
+    "q": {"rad", "mrad", "deg", "°", "rev"}, "dq": {"rad/s", "deg/s", "°/s", "rpm", "rev/s"},
+    "tau": {"Nm", "N·m", "N.m", "N*m", "mNm", "Nmm", "kNm", "cNm", "Ncm"}, "i": {"A", "mA"},
+    "temp": {"°C", "degC"},
+}  # fmt: skip
+"""What the unit behind a name tells, where its words tell nothing: A1 [°], M1 [Nm]."""
 DEMANDED = re.compile(
     r"desired|demand|target|command|\bcmd|\bref|set ?point|goal|error|\bdes|\baction|planned|wanted"
     r"|\bsoll|\bd\d*\b",
     re.I,
 )
 """A lone d, too: q_d and tau_J_d are what Franka's arms are asked for."""
-NOT_ALL = re.compile(r"\bext|external|gravity|coriolis|residual|contact|feed ?forward|\bff\b", re.I)
+NOT_ALL = re.compile(
+    r"\bext|external|gravity|coriolis|residual|contact|feed ?forward|\bff\b|passive|constraint"
+    r"|\bbias",
+    re.I,
+)
 """Words of torques that are not, or not all, that the motor gave."""
 AT_MOTOR = re.compile(r"motor|rotor|\braw|\benc(oder)?\b|drive side", re.I)
 TIMES = {
     "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
-    "zeit",
+    "zeit", "ts", "tout", "x_value",
 }  # fmt: skip
 _A_TIME = re.compile(r"time|stamp|zeit|\bdate\b|\bclock\b|elapsed", re.I)
 _NUMBER = re.compile(r"\d+")
@@ -55,8 +65,8 @@ def guessed(
         if name not in taken and was_asked_for(name) == demanded and not _is_a_part(name)
     ]  # fmt: skip
     for field in PER_JOINT:
-        for words in (WORDS[field], VAGUE.get(field)):
-            there = [name for name in open_to if words and _is(field, name, words)]
+        for tells in (_by_words, _by_unit, _by_a_vague_word):
+            there = [name for name in open_to if tells(field, name)]
             found = next(_in_order(field, there, n, joints), None)
             if found is not None:
                 named = enumerate(found, 1)
@@ -114,15 +124,30 @@ def _is_at_the_motor(group: Mapping[int, str]) -> bool:
     return any(AT_MOTOR.search(_plain(name)) for name in group.values())
 
 
-def _is(field: str, name: str, words: str) -> bool:
+def _by_words(field: str, name: str) -> bool:
     """Whether the first field whose words the name has is this one."""
-    plain = _plain(name)
-    if not re.search(words, plain, re.I):
-        return False
-    if words == VAGUE.get(field):
-        return not any(re.search(other, plain, re.I) for other in WORDS.values())
-    before = list(WORDS)[: list(WORDS).index(field)]
-    return not any(re.search(WORDS[other], plain, re.I) for other in before)
+    return next((one for one, words in WORDS.items() if _has(name, words)), "") == field
+
+
+def _by_unit(field: str, name: str) -> bool:
+    """Whether a name that tells nothing has a unit behind it that this field alone is in."""
+    return own_unit(name) in MEASURED_IN[field] and not any(_has(name, w) for w in WORDS.values())
+
+
+def _by_a_vague_word(field: str, name: str) -> bool:
+    """Whether it has one, and neither a word of any field nor a unit of another."""
+    vague = field in VAGUE and _has(name, VAGUE[field])
+    measured = own_unit(name)
+    others = [units for one, units in MEASURED_IN.items() if one != field]
+    return (
+        vague
+        and not any(measured in units for units in others)
+        and not any(_has(name, words) for words in WORDS.values())
+    )
+
+
+def _has(name: str, words: str) -> bool:
+    return bool(re.search(words, _plain(name), re.I))
 
 
 def _plain(name: str) -> str:

@@ -6,7 +6,9 @@ Arrow parses; where it finds fault, the file is read again line by line to say w
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +62,10 @@ def read_csv(
     names = [name.strip() for name in _first_line(path)]
     given = resolve(rules, names, n, f"{path}:1")
     header = Header(f"{path}:1", names, given.fields, joints)
-    columns = header.columns(n, torque_constants is not None, robot)
+    try:
+        columns = header.columns(n, torque_constants is not None, robot)
+    except UserError as error:
+        raise UserError(with_clock(str(error), _first_samples(path, names))) from error
     columns.units = {names.index(name): unit for name, unit in given.units.items()}
     table, warnings = _Table(path, columns), list(columns.warnings)
     t = stamps_of(table.take(columns.time), columns.units.get(columns.time, Unit()))
@@ -126,6 +131,16 @@ def unit_since_1970(t: Array, clock: str) -> str:
         if SINCE_1970[0] < t[-1] * UNITS[unit] < SINCE_1970[1]:
             return f"; perhaps --map '{clock}[{unit}]=time'"
     return ""
+
+
+def with_clock(said: str, columns: Mapping[str, Array]) -> str:
+    """A refusal whose ready mapping knows what the stamps count, as far as they count from 1970.
+    columns: the file's, or as much of them as is known."""
+    for name, values in columns.items():
+        for called in (f" --map {name}=time", f" --map '{name}=time'"):
+            if called in said and len(values) and (told := unit_since_1970(values, name)):
+                return said.replace(called, told.removeprefix("; perhaps"))
+    return said
 
 
 def timing_sentences(timing: Timing) -> list[str]:
@@ -240,6 +255,16 @@ def _first_line(path: Path) -> list[str]:
     if first[0] != 1:
         raise UserError(f"{path}:1: an empty line; expected a header time,q1,…,tau1,…")
     return first[1]
+
+
+def _first_samples(path: Path, names: Sequence[str]) -> dict[str, Array]:
+    """The first row's numbers, each a column of one."""
+    _, cells = next(islice(rows(path), 1, None), (0, []))
+    found = {}
+    for name, cell in zip(names, cells, strict=False):
+        with suppress(ValueError):
+            found[name] = np.array([float(cell)])
+    return found
 
 
 def _refuse_backwards(path: Path, t: Array) -> None:

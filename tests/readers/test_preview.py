@@ -254,7 +254,7 @@ def test_a_can_log_needs_no_mapping(tmp_path, motion, robot):
 
 def test_the_command_line_shows_the_same(tmp_path, motion, robot, capsys):
     t, q, _, tau = motion
-    table = {"t": t, "j1": np.degrees(q[:, 0]), "j2": np.degrees(q[:, 1])}
+    table = {"t": t, "u1": np.degrees(q[:, 0]), "u2": np.degrees(q[:, 1])}
     path = written(tmp_path, table | {"trq1": tau[:, 0], "trq2": tau[:, 1]})
     words = ["--data", str(tmp_path / "data"), "run", "preview", str(path)]
     words += ["--profile", str(tmp_path / "robot.yaml")]
@@ -262,10 +262,10 @@ def test_the_command_line_shows_the_same(tmp_path, motion, robot, capsys):
     told = capsys.readouterr().out
     assert "trq1" in told
     assert "no column q1, q2" in told
-    line = ["--map", "j{n}[deg]=q"]
+    line = ["--map", "u{n}[deg]=q"]
     assert main([*words, *line]) == 0
     told = capsys.readouterr().out
-    assert "--map t=time 'j{n}[deg]=q' 'trq{n}=tau'" in told
+    assert "--map t=time 'u{n}[deg]=q' 'trq{n}=tau'" in told
     assert not (tmp_path / "data" / "runs").exists()
 
 
