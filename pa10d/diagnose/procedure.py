@@ -22,6 +22,7 @@ from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
+from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
@@ -100,6 +101,7 @@ def diagnose(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
     verdict = "missing" if findings else "unknown" if unexplained else "none"
+    kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]
@@ -112,6 +114,7 @@ def diagnose(
         remaining=remaining(left, again, unexplained, units, state.terms[given:], slight, doubt),
         model=versions[-1],
         versions=versions,
+        stored=tuple(kept),
         fitted=tuple(state.train.runs),
         held_out=tuple(state.held.runs),
         judged_on=words,
@@ -170,7 +173,9 @@ def add(
     say(1.0, "done")
     added = ", ".join(t.label for t in state.terms[given:])
     made = snapshot(model, state, len(state.terms), as_given)
-    warnings += [*unseen(made, state, given).values(), *said(made)]
+    warnings += unseen(made, state, given).values()
+    (made,) = fitted_to_all(model, [made], fit, held.runs)
+    warnings += said(made)
     return replace(made, name=name, change=f"added {added}"), warnings
 
 

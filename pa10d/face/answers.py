@@ -141,7 +141,7 @@ class Diagnosis(Answer):
     @property
     def model(self) -> Model:
         """The given model with all findings fitted in."""
-        return Model(self.inner.versions[-1])
+        return Model(self.inner.kept)
 
     @cached_property
     def shown(self) -> tuple[HeldOut, Asked]:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pa10d.diagnose import procedure
 from pa10d.diagnose.asked import adding
+from pa10d.diagnose.search.delivery import delivered
 from pa10d.face.answers import Diagnosis, Improvement
 from pa10d.face.model import Model
 from pa10d.face.questions import Cancel, Progress, heeding, recordings
@@ -52,10 +55,12 @@ def improve(
     )
     last = name or f"{model.name}+"
     steps, parent = [model], model.name
-    for number, version in enumerate(found.versions[1:], 1):
-        own = last if number == len(found.versions) - 1 else f"{last}.{number}"
+    for number, version in enumerate(found.stored, 1):
+        own = last if number == len(found.stored) else f"{last}.{number}"
         steps.append(Model(replace(version, name=own, parent=parent)))
         parent = own
     promised = found.findings[-1].rms_after if found.findings else found.rms
     diagnosis = Diagnosis(found, tuple(fit), tuple(validate))
-    return Improvement(tuple(steps), promised, found.left.rms, diagnosis)
+    achieved = delivered(found.kept).achieved if found.stored else None
+    left = found.left.rms if achieved is None else np.array(achieved)
+    return Improvement(tuple(steps), promised, left, diagnosis)

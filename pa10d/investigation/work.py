@@ -162,7 +162,7 @@ def _keep_versions(found: Diagnosis, folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     for old in folder.glob("*.yaml"):
         old.unlink()
-    for number, version in enumerate(found.versions[1:], 1):
+    for number, version in enumerate(found.stored, 1):
         write_text(folder / f"{number}.yaml", model_text(version, new_info(version, None)))
 
 

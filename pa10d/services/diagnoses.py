@@ -43,7 +43,7 @@ class Improved:
 
     @property
     def _models(self) -> tuple[TorqueModel, ...]:
-        return (*self.diagnosis.versions[1:], *self.maps)
+        return (*self.diagnosis.stored, *self.maps)
 
     def document(self) -> JsonObject:
         """As JSON: the diagnosis, and which models were stored."""
@@ -169,7 +169,7 @@ def _maps_over_unexplained(
     robot = found.model.robot  # the diagnosis has let these runs pass
     runs = read_runs(library, fit, robot, force=True)[1]
     judged = read_runs(library, validate, robot, force=True)[1] if validate else ()
-    versions = [found.versions[-1]]
+    versions = [found.kept]
     for structure in found.mapped:
         made = add_map(
             versions[-1], [structure.joint], structure.variables, runs,
@@ -192,7 +192,7 @@ def store_versions(
     """Every step of a diagnosis, and ``further`` ones, as a stored version, each the parent of the
     next; the last one has the given name, the ones before it NAME.1, NAME.2 …"""
     parent = library.models.find(model).name
-    steps = [*found.versions[1:], *further]
+    steps = [*found.stored, *further]
     infos = []
     for number, version in enumerate(steps, 1):
         own = name if number == len(steps) else f"{name}.{number}"

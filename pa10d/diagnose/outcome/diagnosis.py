@@ -85,7 +85,8 @@ class Diagnosis:
     as_given, left: the given model as it came, and the one with all findings, there
     remaining: what is left on each joint, and what this data can say about it
     model: with all findings fitted in; versions: one model per step, the given one (refitted
-    unless frozen) first; what was judged is what is stored
+    unless frozen) first, as they were judged; stored: those after it as they are kept. They are the
+    same, unless runs were cut into a fitted and a held-out half: then they are fitted to both
     fitted, held_out: the runs of both sides as they were looked at: behind the equation's low-pass,
     with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
@@ -103,6 +104,7 @@ class Diagnosis:
     remaining: tuple[Remaining, ...]
     model: TorqueModel
     versions: tuple[TorqueModel, ...]
+    stored: tuple[TorqueModel, ...]
     fitted: tuple[RunEquation, ...]
     held_out: tuple[RunEquation, ...]
     judged_on: str
@@ -116,6 +118,11 @@ class Diagnosis:
         return self.left.floor.values
 
     @property
+    def kept(self) -> TorqueModel:
+        """The last version as it is kept."""
+        return self.stored[-1] if self.stored else self.model
+
+    @property
     def mapped(self) -> tuple[Structure, ...]:
         """What is unexplained and of which one or two quantities are known that it depends on."""
         return tuple(one for one in self.unexplained if isinstance(one, Structure))
@@ -126,7 +133,7 @@ class Diagnosis:
         found = [finding.term for finding in self.findings]
         own = self._own_runs()
         return (
-            (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.model))
+            (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
             if found
             else own
         )
@@ -165,8 +172,8 @@ class Diagnosis:
                 }
                 for s in self.unexplained
             ],
-            "promised": plain(delivered(self.model).promised),
-            "achieved": plain(delivered(self.model).achieved),
+            "promised": plain(delivered(self.kept).promised),
+            "achieved": plain(delivered(self.kept).achieved),
             "remaining": [line.document() for line in self.remaining],
             "judged_on": self.judged_on,
             "frozen": self.frozen,

@@ -40,10 +40,10 @@ def two_sides(
     both = [r for r in validate if r.name in names]
     shared = list(both) if validate else list(fit)
     shared_names = {r.name for r in shared}
-    train = [_equation(model, r) for r in fit if r.name not in shared_names]
-    held = [_equation(model, r) for r in validate if r.name not in shared_names]
+    train = [equation(model, r) for r in fit if r.name not in shared_names]
+    held = [equation(model, r) for r in validate if r.name not in shared_names]
     for recording in shared:
-        first, second = blocks(_equation(model, recording))
+        first, second = blocks(equation(model, recording))
         train.append(first)
         held.append(second)
     if not shared:
@@ -174,7 +174,8 @@ def _within(run: RunEquation, rows: Mask) -> RunEquation:
     return replace(run, keep=run.keep & whole, moving=run.moving & whole, inside=run.inside & rows)
 
 
-def _equation(model: TorqueModel, recording: Recording) -> RunEquation:
+def equation(model: TorqueModel, recording: Recording) -> RunEquation:
+    """A whole run in the model's band, each joint's equation where that joint moves."""
     if recording.joints != model.robot.n:
         raise UserError(
             f"{recording.name}: {recording.joints} joints, expected {model.robot.n} as in model "
