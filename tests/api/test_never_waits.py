@@ -158,7 +158,7 @@ def test_what_control_tells_of_a_fault_is_what_clients_read(asked):
     fault = {
         "kind": "backend", "cause": "it broke in 'read'", "joint": 2, "remedy": "report it",
         "sentence": "joint 2: it broke in 'read'; report it", "state": "holding",
-        "time": 1.0, "sequence": 0, "device": False, "hertz": 0.0,
+        "time": 1.0, "sequence": 0, "device": False, "hertz": 0.0, "was_there": False,
     }  # fmt: skip
 
     async def scenario(http, daemon, control):

@@ -15,7 +15,7 @@ import { finished } from "../parts/jobs.js";
 import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 
 const view = { id: null, model: "", runs: [], run: "", joint: 1, chosen: false, raw: false, result: null, place: null };
-let parts = null, prepared = "";
+let parts = null, prepared = "", asked = 0;
 
 export function mount(box) {
   const model = modelPicker("Model", () => prepare()), runs = runPicker("Runs", "judge", () => prepare());
@@ -66,6 +66,7 @@ const made = () => parts.none.hidden ? null : state.comparisons.find((one) => on
   && nameOfModel(one.request.model) === parts.model.value);
 
 async function compare(model, runs) {
+  asked += 1; // what was being opened by itself gives way
   begin(model, runs);
   drawTime(); // the first plot needs no more than the model and one run
   const job = await postSound("comparisons", { model, runs });
@@ -85,7 +86,9 @@ function begin(model, runs) {
 }
 
 async function open(id, joint, started = null) {
+  const mine = started ? asked : asked += 1;
   const job = started ?? await get(`comparisons/${id}`);
+  if (mine !== asked) return; // somebody has asked for another one meanwhile
   if (!started) {
     begin(job.request.model, job.request.runs);
     if (joint) Object.assign(view, { joint, chosen: true });

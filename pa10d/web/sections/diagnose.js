@@ -59,6 +59,7 @@ async function open(id, started = null) {
   sayAddress("diagnose", id);
   fill(parts.body, el("p", { class: "muted pad" }, "Every effect of the library is being tried on every joint …"));
   const job = started ?? await get(`diagnoses/${id}`);
+  if (shown !== id) return; // somebody has asked for another one meanwhile
   parts.model.value = nameOfModel(job.request.model);
   const ids = (runs) => runs.map((run) => state.runs.find((one) => [one.id, one.name].includes(run))?.id ?? run);
   parts.fit.ids = ids(job.request.fit);
@@ -71,11 +72,11 @@ async function open(id, started = null) {
     return;
   }
   const sheet = await get(`diagnoses/${id}/sheet`).catch(() => null);
+  if (shown !== id) return;
   if (!sheet) {
     fill(parts.body, empty("The plots of this diagnosis were not kept. Press 'What is missing?' to make it again."));
     return;
   }
-  if (shown !== id) return;
   const [verdict, ...rest] = sheet.sections;
   fill(parts.body, verdict.blocks.map(block), where(whole.result),
     sheet.findings.map((finding, k) => card(finding, whole, k)),
