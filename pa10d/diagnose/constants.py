@@ -93,6 +93,7 @@ STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical streng
 
 # -- policy: what is worth a word, whatever the data -----------------------------------------------
 
+INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it is part of
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)

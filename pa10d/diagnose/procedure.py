@@ -20,6 +20,7 @@ from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
+from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
@@ -39,6 +40,7 @@ from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
+NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
 Progress = Callable[[float, str], None]
 
 
@@ -209,14 +211,22 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     before = versions[index - given].held_out["held out"]
     after = versions[index - given + 1].held_out["held out"]
     size = _size(state, index, judged)
-    rivals = search.rivals_of(term)
+    rivals = [r.candidate for r in search.rivals_of(term)]
     confusions = tuple(_confusion(term, r) for r in rivals)
+    places_named = {(r.effect.id, r.joints) for r in rivals}
+    simpler = [
+        r
+        for r in simpler_inside(search, index, versions[-1])
+        if (r.effect.id, r.joints) not in places_named
+    ]
+    confusions += tuple(Confusion(r.effect.id, r.joints, NOT_BEYOND) for r in simpler)
+    rivals += simpler
     named = {j for t in state.terms if t.effect_id == term.effect_id for j in t.joints}
     others = [j for j in range(state.model.robot.n) if j not in named]
     plan = None
     if rivals:
         own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
-        plan = settle_doubt(state.model, own, [r.candidate for r in rivals])
+        plan = settle_doubt(state.model, own, rivals)
     return Finding(
         term=versions[-1].terms[index],
         parameters=versions[-1].term_values(index),
@@ -256,8 +266,7 @@ def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:
     )
 
 
-def _confusion(term: Term, rival: JudgedCandidate) -> Confusion:
-    other = rival.candidate
+def _confusion(term: Term, other: Candidate) -> Confusion:
     return Confusion(other.effect.id, other.joints, reason(term.effect, other.effect))
 
 
