@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 
 import pytest
@@ -65,6 +66,8 @@ def test_a_control_process_that_stands_still_is_not_said_to_move_the_arm(bench, 
     assert page.locator(".old .axes").count() == 0
     client.cancel(job["id"])
     page.locator("#jobs", has_text="Last: Experiment").wait_for()
+    # stopping takes a moment: what still ran when asked would stay powered for the next test
+    page.locator("#arm-state", has_text=re.compile("^(holding|inactive)$")).wait_for(timeout=LONG)
     if client.robot()["state"] == "holding":
         client.disable()
     client.let_others_command()
