@@ -82,6 +82,7 @@ def recording_of(
         )
     if not t[-1] > t[0]:
         raise UserError(f"{path}: all samples have one stamp; expected a recording of a motion")
+    columns.set_gappy_aside(str(path), cells.gaps)
     samples = _samples(cells, columns, constants)
     cells.forget()
     table.columns = {}  # an hour at 1 kHz is not to be held twice
@@ -122,6 +123,11 @@ class _Cells:
     def forget(self) -> None:
         """Let go of the columns."""
         self._columns = {}
+
+    def gaps(self, column: int) -> int:
+        """Cells of a column that are no finite number."""
+        values = np.asarray(self._columns[self._names[column]], dtype=np.float64)
+        return int((~np.isfinite(values)).sum())
 
     def take(self, column: int) -> Array:
         """One column, every value a finite number, in SI units."""

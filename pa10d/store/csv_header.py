@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from pa10d.common.errors import UserError
@@ -28,6 +28,25 @@ class Columns:
     extra: dict[str, int] = field(default_factory=dict)
     units: dict[int, Unit] = field(default_factory=dict)  # of columns that are not in SI
     warnings: list[str] = field(default_factory=list)
+
+    def set_gappy_aside(self, where: str, gaps: Callable[[int], int]) -> None:
+        """Velocity, temperature and spare currents with cells that are no number become extra
+        channels: a recording is whole without them. gaps: how many such cells a column has."""
+        spare = {"velocity": "dq", "temperature": "temperature"}
+        if None not in self.tau:
+            spare["current"] = "current"
+        for quantity, block in spare.items():
+            held = [k for k in getattr(self, block) or [] if k is not None]
+            counts = {k: count for k in held if (count := gaps(k))}
+            if not counts:
+                continue
+            setattr(self, block, None)
+            self.extra |= {self.names[k]: k for k in held}
+            self.warnings.append(
+                f"{where}: {sum(counts.values())} cells of "
+                f"{', '.join(self.names[k] for k in counts)} are no finite numbers: all columns of "
+                f"the {quantity} are kept as extra channels only"
+            )
 
     def required(self) -> list[int]:
         """Columns in which every cell must be a finite number."""

@@ -67,7 +67,9 @@ def read_csv(
     except UserError as error:
         raise UserError(with_clock(str(error), _first_samples(path, names))) from error
     columns.units = {names.index(name): unit for name, unit in given.units.items()}
-    table, warnings = _Table(path, columns), list(columns.warnings)
+    table = _Table(path, columns)
+    columns.set_gappy_aside(str(path), table.gaps)
+    warnings = list(columns.warnings)
     t = stamps_of(table.take(columns.time), columns.units.get(columns.time, Unit()))
     if len(t) < FEWEST:
         raise UserError(_too_few(path, len(t), "samples"))
@@ -176,6 +178,10 @@ class _Table:
         self.path, self._columns = path, columns
         self.left_out: list[str] = []
         self._table = _parse(path, columns)
+
+    def gaps(self, column: int) -> int:
+        """Cells that are empty or no finite number."""
+        return int((~np.isfinite(self._table[f"c{column}"].to_numpy())).sum())
 
     def take(self, column: int) -> Array:
         """A column in which every cell is a finite number."""

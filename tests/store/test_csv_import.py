@@ -110,6 +110,30 @@ def test_text_and_holes_in_extra_columns_do_no_harm(tmp_path, table):
     np.testing.assert_array_equal(found.samples.extra["flag"], 1.0)
 
 
+@pytest.mark.parametrize("kind", ["dq", "temp", "i"])
+@pytest.mark.parametrize("hole", ["", "nan", "inf"])
+def test_holes_in_what_need_not_be_there_lose_nothing(tmp_path, table, kind, hole):
+    for name in (f"{kind}1", f"{kind}2"):
+        table[name] = ["0.5"] * 400
+    table[f"{kind}2"][100:103] = [hole] * 3
+    found = _read(write_csv(tmp_path / "a.csv", table))
+    [said] = found.header_warnings
+    assert f"3 cells of {kind}2 are no finite numbers" in said
+    assert found.samples.dq is found.samples.temperature is found.samples.current is None
+    assert set(found.samples.extra) == {f"{kind}1", f"{kind}2"}
+    assert not np.isfinite(found.samples.extra[f"{kind}2"][100:103]).any()
+    np.testing.assert_array_equal(found.samples.q[:, 1], table["q2"])
+
+
+def test_a_hole_in_the_only_measure_of_torque_is_refused(tmp_path, table):
+    for j in (1, 2):
+        del table[f"tau{j}"]
+        table[f"i{j}"] = ["0.5"] * 400
+    table["i2"][100] = "nan"
+    with pytest.raises(UserError, match=r":102: column \d+ \(i2\): found 'nan'"):
+        _read(write_csv(tmp_path / "a.csv", table), constants=(1.0, 2.0))
+
+
 def test_an_extra_column_that_turns_to_text_late_is_left_out(tmp_path):
     table = plain_table(*motion(60_000))
     table["note"] = ["1"] * 59_999 + ["end"]
