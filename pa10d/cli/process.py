@@ -8,6 +8,7 @@ not at all, and processes that were started end with the one that started them.
 from __future__ import annotations
 
 import _thread  # one that `threading` counted would keep computations from forking
+import atexit
 import os
 import signal
 import sys
@@ -22,6 +23,7 @@ from pa10d.cli.progress import show_cursor
 
 GRACE = 0.7  # s
 TURN = 0.05  # s
+TURNS = 40  # after which the thread that watches has had one, however busy the machine
 
 
 def run() -> NoReturn:
@@ -34,6 +36,8 @@ def run() -> NoReturn:
     _thread.start_new_thread(_watch, (reading, interrupted, repeated))
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.unraisablehook = partial(_unraisable, repeated)
+    # Python takes its handlers back as it ends; the first that is registered is the last that runs
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     try:
         status = main()
     except BaseException as error:
@@ -42,6 +46,12 @@ def run() -> NoReturn:
         status = INTERRUPTED  # libraries make other errors of an interrupt
     if interrupted or status == INTERRUPTED:
         _leave()
+    _done(status)
+
+
+def _done(status: int) -> NoReturn:
+    """What was asked for is done and told: an interrupt from here on changes its status no more."""
+    signal.signal(signal.SIGINT, lambda *_: os._exit(status))
     sys.exit(status)
 
 
@@ -63,9 +73,11 @@ def _unraisable(repeated: list[float], what: sys.UnraisableHookArgs) -> None:
 
 def _seen(interrupted: list[float]) -> bool:
     """Whether there was an interrupt; the thread that notes it may not have had its turn yet."""
-    if not interrupted:
+    for _ in range(TURNS):
+        if interrupted:
+            return True
         time.sleep(TURN)
-    return bool(interrupted)
+    return False
 
 
 def _watch(reading: int, interrupted: list[float], repeated: list[float]) -> None:

@@ -62,6 +62,49 @@ def main():
 process.main = main
 process.run()
 """
+ENDING = """
+import atexit, os, signal, sys, time
+import pa10d.cli.process as process
+
+def interrupted(kill=os.kill, me=os.getpid(), number=signal.SIGINT, sleep=time.sleep):
+    kill(me, number)
+    sleep(0.2)
+
+class Late:
+    def __del__(self, interrupted=interrupted):
+        interrupted()
+
+def main():
+    if "late" in sys.argv:  # as the last modules go
+        sys.modules["late"] = Late()
+    else:
+        atexit.register(interrupted)
+    print("done")
+    return 0
+
+process.main = main
+process.run()
+"""
+LIBRARY = """
+import os, signal, time
+import pa10d.cli.process as process
+
+watch = process._watch
+
+def late(*given):
+    time.sleep(0.3)
+    watch(*given)
+
+def main():
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(60)
+    except KeyboardInterrupt:
+        raise RuntimeError("made of an interrupt") from None
+
+process._watch, process.main = late, main
+process.run()
+"""
 PATIENT = """
 import pa10d.cli.process as process
 
@@ -208,6 +251,23 @@ def test_an_interrupt_that_falls_into_a_callback_ends_the_command_all_the_same()
         process = subprocess.run(command, capture_output=True, text=True, timeout=SOON)
         assert process.returncode == 130
         assert process.stderr in ("", "interrupted\n")
+
+
+@pytest.mark.parametrize("when", ["early", "late"])
+def test_an_interrupt_after_the_work_is_done_takes_nothing_back(when):
+    process = subprocess.run(
+        [sys.executable, "-c", ENDING, when], capture_output=True, text=True, timeout=SOON
+    )
+    assert (process.returncode, process.stdout, process.stderr) == (0, "done\n", "")
+
+
+def test_an_interrupt_that_a_library_makes_an_error_of_is_no_traceback():
+    """However late the thread that notes it has its turn."""
+    process = subprocess.run(
+        [sys.executable, "-c", LIBRARY], capture_output=True, text=True, timeout=SOON
+    )
+    assert process.returncode == 130
+    assert process.stderr in ("", "interrupted\n")
 
 
 @pytest.mark.long
