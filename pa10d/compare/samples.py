@@ -69,7 +69,10 @@ def bins(quantity: Quantity, x: Array, use: Mask) -> Bins | None:
     if len(at) < 4 * BINS:
         return None
     edges = np.unique(np.quantile(x[at], np.linspace(0, 1, BINS + 1)))
-    number = len(edges) - 1
+    visited = np.unique(np.searchsorted(edges[1:-1], x[at], side="right"))
+    # a quantity that takes few values has quantiles between them, and nothing there
+    edges = np.append(edges[visited], edges[-1])
+    number = len(visited)
     if number < 4:
         return None
     index = np.searchsorted(edges[1:-1], x[at], side="right")
