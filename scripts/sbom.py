@@ -9,9 +9,9 @@ the packages of scripts/locked.txt, or the bill as it was. Added here: the JavaS
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -57,5 +57,13 @@ def bill(environment: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def main() -> None:
+    """The bill on standard output."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("environment", type=argparse.FileType(encoding="utf-8"))
+    environment = json.load(parser.parse_args().environment)
+    print(json.dumps(bill(environment), indent=1, sort_keys=True))
+
+
 if __name__ == "__main__":
-    print(json.dumps(bill(json.loads(Path(sys.argv[1]).read_text())), indent=1, sort_keys=True))
+    main()
