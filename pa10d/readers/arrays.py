@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+import warnings
 import zipfile
 import zlib
 from collections import Counter
@@ -82,7 +83,12 @@ def read_mat(path: Path, joints: Sequence[str] = ()) -> ForeignTable:
     try:
         told = sum(NUMBER * math.prod(shape) for _, shape, _ in whosmat(path))
         refuse_growth(path, max(told, size_of_mat(path)))
-        content = loadmat(path, simplify_cells=True)
+        with (
+            warnings.catch_warnings()
+        ):  # sparse ones are left out, whatever they are
+            warnings.simplefilter("ignore", DeprecationWarning)
+            warnings.simplefilter("ignore", FutureWarning)
+            content = loadmat(path, simplify_cells=True)
     except UserError:
         raise
     except Exception as error:  # whatever a damaged file makes of SciPy

@@ -8,6 +8,7 @@ import sqlite3
 import struct
 import tarfile
 import zipfile
+from contextlib import closing
 
 import can
 import numpy as np
@@ -45,7 +46,7 @@ def frames(ending):
 
     def write(folder, motion):
         path, _ = can_log(".blf")(folder, motion)
-        with can.LogReader(path) as log, sqlite3.connect(folder / "bus.db") as base:
+        with can.LogReader(path) as log, closing(sqlite3.connect(folder / "bus.db")) as base, base:
             kinds = "ts REAL, arbitration_id INTEGER, extended INTEGER, remote INTEGER"
             base.execute(f"CREATE TABLE messages ({kinds}, error INTEGER, dlc INTEGER, data BLOB)")
             rows = [(m.timestamp, m.arbitration_id, 0, 0, 0, m.dlc, bytes(m.data)) for m in log]
