@@ -83,9 +83,7 @@ def read_mat(path: Path, joints: Sequence[str] = ()) -> ForeignTable:
     try:
         told = sum(NUMBER * math.prod(shape) for _, shape, _ in whosmat(path))
         refuse_growth(path, max(told, size_of_mat(path)))
-        with (
-            warnings.catch_warnings()
-        ):  # sparse ones are left out, whatever they are
+        with warnings.catch_warnings():  # sparse ones are left out, whatever they are
             warnings.simplefilter("ignore", DeprecationWarning)
             warnings.simplefilter("ignore", FutureWarning)
             content = loadmat(path, simplify_cells=True)
