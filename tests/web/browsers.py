@@ -46,17 +46,19 @@ def chromium() -> Iterator:
             browser.close()
 
 
-def until(page, condition: str, seconds: float = 30.0) -> None:
+def until(page, condition: str, seconds: float = 30.0, among=lambda: "") -> None:
     """Wait for a JavaScript condition. Asked from here, because the page's own policy forbids
-    evaluating strings in it, which is how Playwright would wait."""
+    evaluating strings in it, which is how Playwright would wait. among: what else to tell of
+    the page where it never becomes true."""
     end = time.monotonic() + seconds
     while not page.evaluate(condition):
-        assert time.monotonic() < end, f"never true: {condition}"
+        assert time.monotonic() < end, f"never true: {condition} {among()}"
         page.wait_for_timeout(30)
 
 
 class Visitor:
-    """One browser window with a session of its own. ``asked``: every address it fetched."""
+    """One browser window with a session of its own. ``asked``: every address it fetched;
+    ``refused``: those that were answered by an error."""
 
     def __init__(self, browser, url: str, **options) -> None:
         self.url = url
@@ -65,11 +67,13 @@ class Visitor:
         self.page.set_default_timeout(60_000)
         self.page.set_default_navigation_timeout(150_000)  # a browser may come from a cold disk
         self.asked: list[str] = []
+        self.refused: list[str] = []
         self.errors: list[str] = []
         self._open: set = set()
         self.page.on("request", self._asks)
         for end in ("requestfinished", "requestfailed"):
             self.page.on(end, lambda request: self._open.discard(request))
+        self.page.on("response", self._answered)
         self.page.on("websocket", lambda socket: self.asked.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._heard)
@@ -77,6 +81,10 @@ class Visitor:
     def _asks(self, request) -> None:
         self.asked.append(request.url)
         self._open.add(request)
+
+    def _answered(self, answer) -> None:
+        if answer.status >= 400:
+            self.refused.append(f"{answer.status} {answer.url}")
 
     def _heard(self, message) -> None:
         if message.type == "error" and "Failed to load resource" not in message.text:

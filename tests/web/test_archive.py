@@ -28,8 +28,12 @@ def test_compare_is_quick_with_long_runs(archive, visit, record_property, pytest
     page.click("#compare-start")
     page.locator("#compare .canvas .main-svg").first.wait_for()
     first = time.monotonic() - began
-    page.get_by_label("every sample, unfiltered").click()
-    until(page, "document.querySelector('#compare .canvas')._fullData[0].y.length > 2900")
+    page.get_by_label("every sample, unfiltered").check()
+    until(
+        page,
+        "document.querySelector('#compare .canvas')._fullData[0].y.length > 2900",
+        among=lambda: (visitor.refused, visitor.asked[-12:], page.inner_text("#compare")),
+    )
     took = page.evaluate(
         """async () => {
           const canvas = document.querySelector("#compare .canvas");
@@ -112,6 +116,24 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
 
 LARGE = """addEventListener("DOMContentLoaded",
   () => { document.documentElement.style.fontSize = "200%"; })"""
+
+
+def test_a_plot_says_itself_why_it_cannot_be_drawn(archive, visit):
+    """The next result fills the sentences beside it, which took the error with them."""
+    url, _ = archive
+    visitor = visit(url)
+    page = visitor.page
+    visitor.open("compare")
+    page.locator("#compare-start:enabled").wait_for()
+    page.click("#compare-start")
+    page.locator("#compare .sentence").first.wait_for()
+    problem = '{"title": "busy", "status": 429, "detail": "32 tasks wait for a process"}'
+    page.route("**/plots/torque*raw=true*", lambda asked: asked.fulfill(status=429, body=problem))
+    page.get_by_label("every sample, unfiltered").check()
+    page.locator("#compare figure .bad", has_text="32 tasks wait").wait_for()
+    assert page.locator("#compare .sentence").count(), "what was found stays"
+    page.get_by_label("every sample, unfiltered").uncheck()
+    page.locator("#compare figure .bad").first.wait_for(state="hidden")
 
 
 def lay_a_model_over_a_run(page) -> None:

@@ -77,38 +77,50 @@ export class Zoomable {
   /** `load({begin, end})` fetches what is seen; `point(x)` is told where the cursor is. */
   constructor(height, load, point = null) {
     this.point = point;
-    this.box = el("div", { class: "canvas" });
-    this.box.style.height = `${height}px`;
+    this.canvas = el("div", { class: "canvas" });
+    this.canvas.style.height = `${height}px`;
+    this.trouble = el("p", { class: "bad pad", role: "alert", hidden: true });
+    this.box = el("div", {}, this.trouble, this.canvas);
     this.load = load;
     this.asked = 0;
     this.span = null; // what is looked at, [begin, end]; null: the whole
   }
 
-  /** Draw the whole, or a stretch of it. */
+  /** Draw the whole, or a stretch of it; what was loaded, or null: the plot itself says what went wrong. */
   async show(span = null) {
     const mine = ++this.asked;
     this.span = span;
-    this.box.classList.add("waiting");
+    this.canvas.classList.add("waiting");
     try {
       const found = await this.load(span ? { begin: span[0], end: span[1] } : {});
       if (mine !== this.asked) return null;
-      await draw(this.box, found.figure);
+      this.trouble.hidden = true;
+      await draw(this.canvas, found.figure);
       this.listen();
       return found;
+    } catch (error) {
+      if (mine === this.asked) this.say(error.message);
+      return null;
     } finally {
-      if (mine === this.asked) this.box.classList.remove("waiting");
+      if (mine === this.asked) this.canvas.classList.remove("waiting");
     }
+  }
+
+  /** What is drawn below is not what was asked for last. */
+  say(text) {
+    this.trouble.textContent = text;
+    this.trouble.hidden = false;
   }
 
   listen() {
     if (this.listening) return;
     this.listening = true;
-    this.box.on("plotly_relayout", (changed) => {
+    this.canvas.on("plotly_relayout", (changed) => {
       const span = spanOf(changed);
       if (span !== undefined) this.show(span);
     });
-    if (this.point) this.box.on("plotly_hover", (event) => this.point(Number(event.points[0].x)));
-    this.box.on("plotly_doubleclick", () => { this.show(); return false; });
+    if (this.point) this.canvas.on("plotly_hover", (event) => this.point(Number(event.points[0].x)));
+    this.canvas.on("plotly_doubleclick", () => { this.show(); return false; });
   }
 }
 

@@ -112,7 +112,7 @@ function details(run) {
     return found;
   }, (time) => arm.point(time - start));
   arm.open({ run: run.id }, run.name, run.joints.length).catch((error) => failed("The arm cannot follow this run.", error));
-  plot.show().catch((error) => fill(plot.box, el("p", { class: "bad pad" }, error.message)));
+  plot.show();
   const name = el("input", { value: run.name, "aria-label": "name of the run" });
   const rename = el("button", { type: "button", class: "small", onclick: guarded("It keeps its name.", async () => {
     await patch(`runs/${run.id}`, { name: name.value.trim() });
