@@ -10,7 +10,7 @@ from pa10d.figures.memory import memory
 from pa10d.figures.of_comparison import comparison_figures, joint_figures, units
 from pa10d.figures.overview import overview
 from pa10d.figures.spectra import spectra
-from pa10d.figures.staircase import staircase
+from pa10d.figures.staircase import staircase, staircase_text
 from pa10d.figures.texts import TEXTS, Reading
 from pa10d.figures.time import torque_over_time, torque_plot
 
@@ -27,6 +27,7 @@ __all__ = [
     "ranking",
     "spectra",
     "staircase",
+    "staircase_text",
     "torque_over_time",
     "torque_plot",
     "units",

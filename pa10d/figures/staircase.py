@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.figures.plotly import JOINTS, NOISE, Figure, Trace, axis, layout, log_axis, mark
+from pa10d.figures.texts import TEXTS, Reading
 
 Array = NDArray[np.float64]
 
@@ -32,12 +33,24 @@ def least_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | N
     return np.fmin.reduce(known) if known and np.any(np.isfinite(known)) else None
 
 
+def shared_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | None:
+    """(n,) N·m that the errors are drawn as multiples of; None where the data hide that of a joint,
+    which could not be drawn so."""
+    least = least_floor(steps, floor)
+    return least if least is not None and np.all(np.isfinite(least)) else None
+
+
+def staircase_text(steps: Sequence[Stair], floor: Array | None = None) -> Reading:
+    """How to read the staircase of these steps: in its units, or in multiples of the noise."""
+    known = shared_floor(steps, floor) is not None
+    return TEXTS["staircase"].told(True) if known else TEXTS["staircase_in_units"]
+
+
 def staircase(steps: Sequence[Stair], joints: Sequence[str], floor: Array | None = None) -> Figure:
     """One line per joint from version to version; with a noise floor (n,) N·m of every joint as
     multiples of it, so that all share one scale whose bottom is 1. Where the data hide the floor
-    of one, the scale is N·m, or that joint could not be drawn."""
-    floor = least_floor(steps, floor)
-    floor = floor if floor is not None and np.all(np.isfinite(floor)) else None
+    of one, the scale is N·m."""
+    floor = shared_floor(steps, floor)
     names = [step.name for step in steps]
     rms = np.array([step.rms for step in steps])
     shown = rms if floor is None else rms / np.maximum(floor, 1e-300)

@@ -25,6 +25,15 @@ NOT_KNOWN = (
 )
 
 
+_STEPS = (
+    "Each step is a version of the model, each line a joint, judged on the same runs. Down is "
+    "better."
+)
+_NO_GAIN = (
+    "A step that does not go down bought nothing: go back to its parent. A line that goes up at "
+    "one joint while others fall is a wrong explanation."
+)
+
 TEXTS = {
     "overview": Reading(
         "Each bar is a joint's error divided by the noise that its sensors leave in the same band. "
@@ -74,11 +83,14 @@ TEXTS = {
         "a better model will not remove it. If they are not flat, look for the effect first.",
     ),
     "staircase": Reading(
-        "Each step is a version of the model, each line a joint, judged on the same runs. Down is "
-        "better.",
-        "A step that does not go down bought nothing: go back to its parent. A line that goes up "
-        "at one joint while others fall is a wrong explanation.",
+        _STEPS,
+        _NO_GAIN,
         "Errors are divided by the noise: 1 (dashed) is as good as it gets.",
+    ),
+    "staircase_in_units": Reading(
+        f"{_STEPS} The noise is not known of every joint from these runs, so errors stand in their "
+        "units and nothing marks how low a line can come: record one motion twice.",
+        _NO_GAIN,
     ),
     "versus": Reading(
         "For every joint the error of both models on the same runs.",

@@ -19,7 +19,7 @@ from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
 from pa10d.figures.plotly import Figure
 from pa10d.figures.recorded import recorded
-from pa10d.figures.staircase import Stair, least_floor, staircase
+from pa10d.figures.staircase import Stair, least_floor, staircase, staircase_text
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
 from pa10d.judgement import Judgement, RunResidual, common_band, in_band, judged, run_residual
@@ -90,7 +90,7 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(
         figure,
-        TEXTS["staircase"].told(bool(np.any(np.isfinite(floor)))),
+        staircase_text(steps, floor),
         steps=told,
         noise_floor=plain(floor),
         units=_units(model_of(data, line[-1].id)),

@@ -91,6 +91,12 @@ def test_staircase_in_units_of_the_noise():
     one_unknown = strict(figures.staircase(steps, ["a", "b"], np.array([0.5, np.nan])))
     assert [trace["y"] for trace in one_unknown["data"]] == [[2.0, 0.5], [1.0, 1.0]]
     assert "N·m" in one_unknown["layout"]["yaxis"]["title"]["text"]
+    for floor, said in (
+        (np.array([0.5, 0.25]), "divided by the noise"),
+        (np.array([0.5, np.nan]), "errors stand in their units"),
+        (None, "errors stand in their units"),
+    ):
+        assert said in figures.staircase_text(steps, floor).read
 
 
 def test_staircase_measures_with_the_least_noise_that_any_version_sees():

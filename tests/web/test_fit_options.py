@@ -84,4 +84,6 @@ def test_parameters_are_sorted_by_what_is_pressed(archive, visit):
     sorted_by = table.locator("th[aria-sort]")
     assert (sorted_by.count(), sorted_by.get_attribute("aria-sort")) == (1, "descending")
     assert any(cell not in ("–", "") for cell in column(5)), "the URDF's value beside it"
+    page.get_by_label("show what each is made of").check()
+    table.locator("th small, td small", has_text=" + ").first.wait_for()
     assert not visitor.errors

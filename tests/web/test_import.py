@@ -76,6 +76,8 @@ def test_a_guess_is_corrected_and_imported(page, archive, strange):
     assert page.get_by_label("stamp: unit").input_value() == "ms"
     assert page.get_by_label("axis_7_torque_cmd: read as").input_value() == ""
     assert box.locator("tbody svg polyline").count() == 29
+    ink = "getComputedStyle(document.querySelector('.preview polyline')).stroke"
+    assert page.evaluate(ink).startswith("rgb"), "the course of a column is to be seen"
     row = box.locator("tbody tr", has_text="axis_1_pos")
     assert "-1.047 … 1.047 rad" in row.inner_text()
     assert "--map 'stamp[ms]=time' 'axis_{n}_pos[deg]=q'" in box.locator("code").text_content()
@@ -223,6 +225,13 @@ def test_a_file_that_is_dropped_while_another_is_read_waits_for_it(page, strange
     first.continue_()
     page.unroute("**/api/v1/recordings?*")
     assert "Before a.txt" in shown(page).locator("h2").inner_text()
+    kept = []
+    page.route("**/api/v1/recordings/*/import", lambda route: kept.append(route))
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.locator(".drop", has_text="Importing a.txt").wait_for()
+    kept[0].abort()
+    page.locator(".drop", has_text="a.txt waits for you below").wait_for()
+    page.locator(".notice.error").get_by_label("Close this message").click()
     page.get_by_role("button", name="Leave it").click()
     page.locator(".drop", has_text="Drop recordings here").wait_for()
     page.evaluate(DROP, ["b.txt", strange])

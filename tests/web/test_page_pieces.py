@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 PIECES = """async () => {
   const { el, renew, fill } = await import("/assets/any/base/dom.js");
   const { fixed } = await import("/assets/any/base/units.js");
@@ -116,5 +118,80 @@ def test_after_the_night_the_guide_asks_what_it_has_brought(archive, visit):
     assert "Ask what has changed since m0" in told
     page.locator("#models .guide a", has_text="Investigate").click()
     page.locator("#story", has_text="day 2").wait_for()
+    asked = page.get_by_label("Ask").locator("option:checked")
+    assert asked.inner_text() == "what has changed since m0?", "what the guide says to ask"
     assert page.get_by_role("button", name="Let a night pass").count() == 0
+    assert not visitor.errors
+
+
+def answer(body):
+    """A route that is answered with this document."""
+    text = json.dumps(body)
+    return lambda route: route.fulfill(body=text, content_type="application/json")
+
+
+TELL = """([state]) => {
+  const { change } = globalThis.pa10dModules.get("base/store.js");
+  change(state);
+  return document.querySelector("section:not([hidden]) .guide").textContent;
+}"""
+
+
+def test_an_arm_that_is_being_connected_is_waited_for(archive, visit):
+    """Not sent away to recordings for the first seconds."""
+    page = visit(archive[0]).page
+    robot = json.loads(page.request.get(f"{archive[0]}/api/v1/robot").text())
+    robot |= {"offline_reason": "the control process is starting", "offline_passes": True}
+    page.route("**/api/v1/robot", answer(robot))
+    page.route("**/api/v1/robot/shape", lambda route: None)  # it, too, may take a while
+    page.goto(archive[0])
+    page.locator("#robot .guide", has_text="The arm is not there yet").wait_for()
+    assert "some seconds" in page.locator("#robot .state-head").inner_text()
+    assert "position, rad" in page.locator("#robot thead").inner_text(), "heads from the start"
+
+
+def test_an_investigation_that_is_planned_is_the_next_step(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    planned = {"id": "x", "name": "investigation", "status": "waiting", "created": "2026-01-01"}
+    said = visitor.page.evaluate(TELL, [{"investigations": [planned]}])
+    assert "investigation is planned; nothing has moved for it yet" in said
+
+
+KNOWN = """async (known) => {
+  const { notice } = globalThis.pa10dModules.get("base/notices.js");
+  notice("m1 is fitted.", { known });
+}"""
+
+
+def test_much_to_know_lies_behind_one_line_until_it_is_closed(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    page = visitor.page
+    page.evaluate(KNOWN, ["one thing " * 40] * 9)
+    message = page.locator(".notice", has_text="m1 is fitted.")
+    assert message.bounding_box()["height"] < 120
+    page.wait_for_timeout(6500)  # longer than other messages stay
+    message.get_by_text("9 things to know of it").click()
+    assert message.locator("li:visible").count() == 9
+    message.get_by_label("Close this message").click()
+    message.wait_for(state="detached")
+    assert not visitor.errors
+
+
+def test_what_the_fit_said_stands_with_its_model(archive, visit):
+    visitor = visit(archive[0])
+    page = visitor.page
+    [model] = json.loads(page.request.get(f"{archive[0]}/api/v1/models").text())["items"]
+    job = {
+        "id": "fit", "kind": "identify", "status": "succeeded", "progress": 1, "message": "",
+        "error": None, "created": "2026-01-01T00:00:00Z", "request": {"name": "m0"},
+    }  # fmt: skip
+    listed = {"total": 1, "next": None, "items": [job]}
+    whole = job | {"result": {"id": model["id"], "name": "m0", "warnings": ["the fit is bold"]}}
+    page.route("**/api/v1/jobs?*", answer(listed))
+    page.route("**/api/v1/jobs/fit", answer(whole))
+    visitor.open("models")
+    page.locator("#models").get_by_text("1 thing to know of it").click()
+    page.get_by_text("The fit is bold.").wait_for()
     assert not visitor.errors

@@ -66,6 +66,7 @@ class RobotState(BaseModel):
     state: StateName
     fault: Fault | None
     offline_reason: str | None
+    offline_passes: bool = Field(description="It is offline, and needs nothing but some seconds")
     controller: Law
     model: str | None = Field(description="The model that the control law uses")
     model_parameters: Literal["feasible", "free"] | None = Field(

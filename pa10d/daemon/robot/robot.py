@@ -22,7 +22,7 @@ from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
 from pa10d.daemon.events import Events
-from pa10d.daemon.offline import AGAIN, LEFT, RENEWED, STARTING
+from pa10d.daemon.offline import AGAIN, LEFT, RENEWED, STARTING, passes
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.awaited import AwaitedRuns
@@ -165,6 +165,7 @@ class RobotProcess:
             "profile": self.profile.name,
             **self.brief,
             "offline_reason": self.why_offline if self.state == "offline" else None,
+            "offline_passes": self.state == "offline" and passes(self.why_offline),
             "controller": self._told.controller,
             "model": self._told.model,
             "model_parameters": model.get("parameters"),

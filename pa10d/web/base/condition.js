@@ -45,6 +45,10 @@ function judged() {
     return { ...found, meaning: `${cause} ${way}`,
              next: { go: "robot", text: `A fault has stopped the arm: ${closed(inShort(cause))} ${way}`, label: mayCommand(client) ? "Reset" : "Look" } };
   }
+  if (robot.offline_passes) {
+    const text = `The arm is not there yet: ${robot.offline_reason ?? "it is being connected"}. That takes some seconds.`;
+    return { ...found, meaning: text, next: { text } };
+  }
   if (robot.state === "offline") {
     found.meaning = `No drive answers: ${closed(robot.offline_reason ?? "it is not known why")} You can work with recordings all the same: import them in Runs.`;
   }

@@ -4,19 +4,25 @@ import { el } from "./dom.js";
 const SHOWN = 6000, MOST = 3; // ms, messages that are seen at once
 const region = () => document.getElementById("notices");
 
-export function notice(text, { kind = "info", detail = "", action } = {}) {
+/** `known`: sentences that are told behind one line; such a message stays until it is closed. */
+export function notice(text, { kind = "info", detail = "", action, known = [] } = {}) {
   const same = [...region().children].find((one) => one.dataset.said === text + detail);
   same?.remove();
   const times = Number(same?.dataset.times ?? 0) + 1;
   const gone = () => { box.remove(); tidy(); };
   const box = el("div", { class: `notice ${kind}`, role: kind === "error" ? "alert" : "status", dataset: { said: text + detail, times } },
-    el("p", {}, el("b", {}, text), detail ? ` ${detail}` : "", times > 1 ? el("small", {}, ` (${times} times)`) : null),
+    el("p", {}, el("b", {}, text), detail ? ` ${detail}` : "", times > 1 ? el("small", {}, ` (${times} times)`) : null, toKnow(known)),
     action ? el(action.href ? "a" : "button", { class: "button", type: action.href ? null : "button", href: action.href, onclick: () => { gone(); action.do?.(); } }, action.label) : null,
     el("button", { class: "quiet", type: "button", "aria-label": "Close this message", onclick: gone }, "×"));
   region().append(box);
   tidy();
-  if (kind !== "error" && !action?.do) setTimeout(gone, SHOWN);
+  if (kind !== "error" && !action?.do && !known.length) setTimeout(gone, SHOWN);
 }
+
+/** Sentences that belong to something, behind the number of them. */
+export const toKnow = (sentences) => sentences.length
+  ? el("details", { class: "to-know" }, el("summary", {}, `${sentences.length} thing${sentences.length > 1 ? "s" : ""} to know of it`), el("ul", {}, sentences.map((one) => el("li", {}, `${one[0].toUpperCase()}${one.slice(1)}.`))))
+  : null;
 
 /** The newest few; the others wait behind one line. */
 function tidy() {

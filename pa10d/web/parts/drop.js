@@ -6,6 +6,7 @@ import { failed, notice } from "../base/notices.js";
 
 const FILES = ".csv,.gz,.bz2,.zst,.xz,.zip,.txt,.tsv,.dat,.mcap,.db3,.bag,.parquet,.feather,.arrow,.arrows,.mat,.h5,.hdf5,.npz,.npy,.blf,.asc,.trc,.log";
 const LARGEST = 512 * 2 ** 20; // bytes, as the daemon takes them
+const waits = ({ name }) => `${name} waits for you below. `;
 const WORDS = "Drop recordings here (CSV with time, q1 …, tau1 …; ROS bag, Parquet, MAT …), or ";
 
 /** Every episode of a data set: what was stored, and why the others were not. */
@@ -43,14 +44,16 @@ export function dropZone(id, then = () => {}) {
       try {
         if (file.size > LARGEST) throw new Error(`${Math.ceil(file.size / 1e6)} MB, at most ${Math.floor(LARGEST / 1e6)} MB come through the page: on the machine of the daemon, pa10d run import ${file.name} takes it.`);
         let held = await send(file);
-        text.textContent = `${file.name} waits for you below. `;
+        text.textContent = waits(file);
         let runs = alike && await bring(held, alike).catch(() => null);
         while (!runs) {
           const answer = await decide(asked, held, files.length - k - 1);
           if (!answer) break;
+          text.textContent = `Importing ${file.name} … `;
           held = answer.seen; // asked again, it stands as it was left
           alike = answer.alike ? answer : alike;
           runs = await bring(held, answer).catch((error) => { failed(`${file.name} was not imported.`, error); });
+          if (!runs) text.textContent = waits(file);
         }
         if (runs) brought.push(...runs);
       } catch (error) {

@@ -61,6 +61,7 @@ function lastInvestigation(newest) {
   const [last] = state.investigations;
   if (!last) return null;
   const step = { go: "investigate", at: last.id };
+  if (last.status === "waiting") return { ...step, text: `${last.name} is planned; nothing has moved for it yet. Look at what will be done, then start it.`, label: "Start" };
   if (last.status === "running") return { ...step, text: `${last.name} is under way.`, label: "Watch" };
   if (["paused", "stopped", "failed"].includes(last.status)) return { ...step, text: `${last.name} is ${last.status}; what is done stays done. Go on with it.`, label: "Go on" };
   const own = newest?.name.startsWith(`${last.name}-m`);
@@ -147,7 +148,7 @@ function afterDiagnosis(model, diagnosis) {
 const NEXT_DAY = { go: "investigate", label: "Investigate" };
 
 /** A virtual arm's night has passed, and nobody has asked what it brought. */
-const changesUnasked = () => state.story?.hides && state.story.day === 2 && !state.story.hidden
+export const changesUnasked = () => state.story?.hides && state.story.day === 2 && !state.story.hidden
   && !state.investigations.some((one) => one.question === "changed") && !state.diagnoses.some((one) => one.request.frozen);
 
 const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);

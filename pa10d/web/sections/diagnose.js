@@ -175,8 +175,7 @@ async function addTo(diagnosis, k) {
     await loadModels();
   }
   if (!made) return;
-  for (const text of made.warnings) notice(text, { kind: "error" });
-  notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
+  notice(`${made.name}: ${made.change}.`, { known: made.warnings, action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
 }
 
 const mapOf = (structure) => ({ effect: `smooth_map J${structure.joint} over ${structure.depends_on.join(", ")}`, joints: [] });
@@ -206,8 +205,7 @@ async function removeByMap(diagnosis, k) {
   const { fit } = diagnosis.request;
   const made = (await finished(await postSound(`models/${model.id}/effects`, { effect: "smooth_map", joints: [joint], over, fit, name }))).result;
   await loadModels();
-  for (const text of made.warnings) notice(text, { kind: "error" });
-  notice(`${made.name}: ${made.change}.`, { action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
+  notice(`${made.name}: ${made.change}.`, { known: made.warnings, action: { href: `#/models/${made.name}`, label: "See how far the error fell" } });
 }
 
 async function settleIt(finding) {

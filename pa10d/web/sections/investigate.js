@@ -9,7 +9,7 @@ import { number, seconds, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
 import { table } from "../parts/blocks.js";
 import { courses } from "../parts/courses.js";
-import { heading } from "../parts/guide.js";
+import { changesUnasked, heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { runPicker } from "../parts/picker.js";
 import { fileLink } from "../parts/report.js";
@@ -29,7 +29,7 @@ let parts = null, shown = null, sheet = null, known = [];
 
 export function mount(box) {
   parts = { list: el("div", { class: "versions", role: "tablist", "aria-label": "investigations" }), detail: el("div", { class: "grow" }) };
-  fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'." }), storyPanel(), form(), setAside("investigations"),
+  fill(box, heading("investigate", "Investigate", { Investigate: "Press 'Show what will be done'.", Start: "The button is below." }), storyPanel(), form(), setAside("investigations"),
     el("div", { class: "columns" }, parts.list, parts.detail));
   watch(["jobs", "ready"], soon);
   watch(["robot", "condition"], () => { if (sheet && state.section === "investigate") draw(sheet.found); }); // whether it may go on
@@ -85,6 +85,7 @@ function form() {
     fill(question, el("option", { value: "" }, "what is missing in its model?"), current().map((model) => el("option", { value: model.name }, `what has changed since ${model.name}?`)));
     question.value = [...question.options].some((one) => one.value === before) ? before : "";
   });
+  watch(["story", "models"], () => { if (changesUnasked() && current().length) question.value ||= current()[0].name; }); // what the guide says to ask
   return el("div", { class: "panel" }, el("div", { class: "row pickers" }, el("h2", {}, "New investigation"),
     el("label", { class: "picker" }, el("span", {}, "Ask"), question), el("label", { class: "picker" }, el("span", {}, "From"), source), moved, given, plan),
   el("p", { class: "muted below" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));

@@ -5,7 +5,7 @@ import { download, get, put, remove } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
 import { current, loadModels, loadRobot, state, watch } from "../base/store.js";
 import { ask } from "../parts/dialog.js";
-import { guarded, notice } from "../base/notices.js";
+import { guarded, notice, toKnow } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
@@ -62,7 +62,7 @@ function fitForm() {
     const job = await postSound("models", { runs: runs.ids, name: name.value.trim(), ...how.read() });
     const made = (await finished(job)).result;
     wanted = made.name;
-    notice(`${made.name} is fitted.`, { detail: made.warnings.join(" "), action: { href: `#/compare/of/${made.name}`, label: "See where it fails" } });
+    notice(`${made.name} is fitted.`, { known: made.warnings, action: { href: `#/compare/of/${made.name}`, label: "See where it fails" } });
   }) }, "Fit");
   how = fitOptions(runs);
   function allow() {
@@ -102,6 +102,8 @@ function details(model) {
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
   }, load);
   parts.exports = el("div", { class: "row" });
+  const known = el("div", {});
+  madeBy(model).then((job) => fill(known, toKnow(job?.result.warnings ?? [])), () => {});
   const report = reportButton(() => model.name, () => parts.judge.ids);
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
@@ -109,10 +111,17 @@ function details(model) {
     el("p", { class: "muted" }, `Rigid bodies, ${grouped(model.effects)}. Fitted to ${model.runs.length} run${model.runs.length === 1 ? "" : "s"}, low-passed at ${number(model.cutoff_hz)} Hz. ${model.feasible
       ? "Every link is a body that can exist."
       : "No possible bodies are known for its links: it predicts torque, but makes no URDF. Diagnose what is missing, or fit to richer motion."}`),
-    parts.judge.box),
+    known, parts.judge.box),
     parts.delivered, parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters ", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
+}
+
+/** The job that made it, with its result; undefined where it is not remembered. */
+async function madeBy(model) {
+  const candidates = [...state.jobs.values()].filter((job) => ["identify", "add"].includes(job.kind) && job.status === "succeeded" && job.request.name === model.name);
+  const whole = await Promise.all(candidates.map((job) => get(`jobs/${job.id}`)));
+  return whole.find((job) => job.result.id === model.id);
 }
 
 const exporters = (model) => Object.entries(model.formats).map(([format, ending]) => el("button", {
@@ -223,13 +232,17 @@ function parameters(model) {
     by = column;
     refresh();
   } }, name)));
+  const made = el("input", { type: "checkbox", onchange: () => refresh() });
   const refresh = () => {
     heads.forEach((head, column) => (by === column ? head.setAttribute("aria-sort", way > 0 ? "ascending" : "descending") : head.removeAttribute("aria-sort")));
     const rows = [...model.parameters];
     if (by !== null) rows.sort((a, b) => { const [x, y] = [a, b].map(PARAMETERS[by][1]); return way * (x < y ? -1 : x > y ? 1 : 0); });
-    fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show]) => el("td", {}, show(one))))));
+    fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show], column) => el("td", {}, show(one),
+      column === 0 && made.checked && one.meaning !== one.name ? el("small", {}, one.meaning) : null)))));
   };
   refresh();
-  return [el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "parameters" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body)),
-    el("p", { class: "muted" }, "Weak: the standard error is above 30 % of the value. Not determined: this motion leaves it open. Press a head to sort by it; point at a line to read what the parameter is.")];
+  return [el("p", { class: "muted" }, "A motion shows sums of what links are made of, not each link: a mass here is the mass that is felt, with all that moves alike, and can be negative. ",
+    el("label", {}, made, " show what each is made of")),
+  el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": "parameters" }, el("table", { class: "parameters" }, el("thead", {}, el("tr", {}, heads)), body)),
+    el("p", { class: "muted" }, "Weak: the standard error is above 30 % of the value. Not determined: this motion leaves it open. Press a head to sort by it.")];
 }

@@ -16,8 +16,8 @@ export function mount(box) {
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
   const commands = buttons();
   const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
-  const axes = el("tbody", {}), heads = el("tr", {});
-  shapeOnce().then((shape) => fill(heads, headings(shape)), () => fill(heads, headings(null)));
+  const axes = el("tbody", {}), heads = el("tr", {}, headings(null));
+  shapeOnce().then((shape) => fill(heads, headings(shape)), () => {});
   const table = el("div", { class: "panel grow" }, age, el("div", { class: "scroll bare", tabIndex: 0, role: "region", "aria-label": "joints, now" }, el("table", { class: "axes" },
     el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),

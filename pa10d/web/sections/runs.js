@@ -111,7 +111,7 @@ function details(run) {
     if (!span.begin) start = found.figure.data[0].x0;
     return found;
   }, (time) => arm.point(time - start));
-  arm.open({ run: run.id }, run.name, run.joints.length).catch((error) => failed("The arm cannot follow this run.", error));
+  arm.open({ run: run.id }, run.name, run.joints.length).catch((error) => { if (selected === run.id) failed("The arm cannot follow this run.", error); });
   plot.show();
   const name = el("input", { value: run.name, "aria-label": "name of the run" });
   const rename = el("button", { type: "button", class: "small", onclick: guarded("It keeps its name.", async () => {
