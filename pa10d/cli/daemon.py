@@ -83,6 +83,10 @@ def add_commands(commands: Subcommands) -> None:
     experimenting.add_argument("--controller", choices=LAWS)
     experimenting.add_argument("--model", help="for the laws with a model")
     experimenting.add_argument("--check", action="store_true", help="the pre-check only")
+    experimenting.add_argument(
+        "--recover", action="store_true",
+        help="bring an arm that stands outside its position limits back inside first, slowly",
+    )  # fmt: skip
     replace_option(experimenting, "the run of this name")
     robot_options(experimenting)
     controlling = commands.add(
@@ -161,7 +165,7 @@ def experiment(options: argparse.Namespace) -> Answer:
     from pa10d.cli.progress import progress_line
 
     plan = read_plan(options.kind, options.plan, options.settings)
-    keys = ("name", "tags", "controller", "model", "replace")
+    keys = ("name", "tags", "controller", "model", "replace", "recover")
     chosen = {key: getattr(options, key) for key in keys if getattr(options, key)}
 
     def before() -> None:

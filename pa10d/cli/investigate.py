@@ -58,6 +58,10 @@ def add_commands(commands: Subcommands) -> None:
     parser.add_argument(
         "--resume", metavar="NAME", help="go on with one that was stopped, failed or paused"
     )
+    parser.add_argument(
+        "--recover", action="store_true",
+        help="bring an arm that stands outside its position limits back inside first, slowly",
+    )  # fmt: skip
     file_option(parser, "report", "a copy of the HTML report, what settles doubts beside it")
     force_option(parser)
 
@@ -125,13 +129,13 @@ def _by_daemon(options: argparse.Namespace, found: JsonObject) -> JsonObject:
     current.patient = True  # it may have started a daemon
     with daemon_for(options) as client:
         try:
-            return follow(client, found["id"])
+            return follow(client, found["id"], options.recover)
         except JobFailed:
             return client.investigation(found["id"])
 
 
-def follow(client: Client, investigation: str) -> JsonObject:
-    """Carry it out by the daemon, telling each step."""
+def follow(client: Client, investigation: str, recover: bool = False) -> JsonObject:
+    """Carry it out by the daemon, telling each step. recover: see ``Client.investigate``."""
     known: dict[str, str] = {}
 
     def tell_news(state: JsonObject) -> None:
@@ -140,7 +144,7 @@ def follow(client: Client, investigation: str) -> JsonObject:
                 known[step["id"]] = step["status"]
                 _tell_step(step)
 
-    return client.investigate(investigation, progress_line(), tell_news)
+    return client.investigate(investigation, progress_line(), tell_news, recover)
 
 
 def _tell_step(step: JsonObject) -> None:

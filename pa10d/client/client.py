@@ -34,9 +34,10 @@ class Client(Connection):
         """The arm's state."""
         return self._ask("GET", "/api/v1/robot")
 
-    def enable(self) -> JsonObject:
-        """Power on and hold."""
-        return self._ask("POST", "/api/v1/robot/enable")
+    def enable(self, recover: bool = False) -> JsonObject:
+        """Power on and hold. recover: an arm that stands outside its position limits is brought
+        back inside, slowly."""
+        return self._ask("POST", "/api/v1/robot/enable", json={"recover": recover})
 
     def disable(self) -> JsonObject:
         """Rest, brakes on, power off."""
@@ -183,7 +184,7 @@ class Client(Connection):
         """Run one to its end → result: ``runs`` (ids), ``analysis``, ``recommendation``, …
 
         ``plan`` takes a diagnosis' ``next_experiment`` as it stands. options: name, tags,
-        controller, model.
+        controller, model, replace, recover.
         """
         body = dict(plan) if plan is not None else {"kind": kind, "parameters": parameters or {}}
         job = self.start("experiments", {**body, **options})
@@ -229,16 +230,17 @@ class Client(Connection):
         investigation: str,
         progress: Progress | None = None,
         news: Callable[[JsonObject], None] = lambda state: None,
+        recover: bool = False,
     ) -> JsonObject:
         """Carry one out, or go on with it, to its end or its pause. news: gets its document when
-        it is looked at."""
+        it is looked at; recover: as ``enable`` has it, before each motion."""
 
         def told(share: float, message: str) -> None:
             news(self.investigation(investigation))
             if progress is not None:
                 progress(share, message)
 
-        return self._result(f"investigations/{investigation}/start", None, told)
+        return self._result(f"investigations/{investigation}/start", {"recover": recover}, told)
 
     # -- weighings ----------------------------------------------------------------------------
 

@@ -23,6 +23,7 @@ from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
+from pa10d.control.outside import outside, why_not_powered
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
@@ -106,12 +107,15 @@ class Arm:
         self.journal.publish(self.path, self.state, self.motion, faulty=self.fault is not None)
         return wrong
 
-    def enable(self) -> None:
-        """inactive → enabling → holding at the measured position."""
+    def enable(self, recover: bool = False) -> None:
+        """inactive → enabling → holding at the measured position. recover: also where a joint
+        stands outside its position limits, from where it goes inward only."""
         if self.state in (ArmState.ENABLING, ArmState.HOLDING):
             return
         require("enable", self.state, ArmState.INACTIVE)
-        self._require_inside()
+        found = outside(self.path.q, self.path.limits.lower, self.path.limits.upper)
+        if (why := why_not_powered(found, recover)) is not None:
+            raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
         self.path.power_up(self._holding_torque(self.path.q))
         self._stood_at = self.path.q.copy()
@@ -418,12 +422,3 @@ class Arm:
         if np.abs(q - there).max() > NEAR:
             return gravity
         return torque + gravity - self._gravity(there)
-
-    def _require_inside(self) -> None:
-        q, limits = self.path.q, self.path.limits
-        for j in np.flatnonzero((q < limits.lower) | (q > limits.upper)):
-            why = (
-                f"joint {j + 1} stands at {q[j]:.4f} rad, expected {limits.lower[j]:.4f} to "
-                f"{limits.upper[j]:.4f}: move it inside by hand, or correct its zero_offset"
-            )
-            raise Refused("enable", self.state, (ArmState.INACTIVE,), why)

@@ -17,6 +17,7 @@ from pa10d.control.messages import (
     Command,
     Do,
     FollowRows,
+    PowerUp,
     UseGains,
     UseLaw,
     read_command,
@@ -67,6 +68,8 @@ class Commands:
             case AskErrors():
                 found = self._arm.drive_errors(clear=command.clear)
                 return {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}
+            case PowerUp():
+                self._arm.enable(recover=command.recover)
             case Do():
                 said = getattr(self._arm, command.what)()
                 return {} if said is None else {"said": said}

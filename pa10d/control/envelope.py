@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
+from pa10d.control.outside import Reach
 
 Array = NDArray[np.float64]
 
@@ -28,12 +29,12 @@ _SAYS = {
 class Envelope:
     """Position with braking distance, speed, following error and freshness of every live axis."""
 
-    def __init__(self, limits: ArmLimits, period: float) -> None:
-        self.limits = limits
+    def __init__(self, limits: ArmLimits, period: float, reach: Reach) -> None:
+        """reach: positions that are allowed now; whoever owns it has it follow the arm."""
+        self.limits, self._reach = limits, reach
         self._persists = max(FEWEST, round(PERSISTS / period))  # cycles
         self._fast = OVERSPEED * limits.velocity
         self._brake = 0.5 / limits.acceleration
-        self._lower, self._upper = limits.lower - OVERSHOOT, limits.upper + OVERSHOOT
         self._counts = np.zeros((2, len(limits.torque)), dtype=np.int64)
         still = np.zeros(len(limits.torque))
         self.watch(still, still, still.astype(np.int64), still, np.zeros(len(still), dtype=bool))
@@ -43,7 +44,7 @@ class Envelope:
     ) -> None:
         """Violation where a live axis has left the envelope; (n,) rad, rad/s, cycles, rad."""
         kind, axis, value = _first_violation(
-            q, dq, age, wanted, live, self._lower, self._upper, self._fast, self._brake,
+            q, dq, age, wanted, live, self._reach.lower, self._reach.upper, self._fast, self._brake,
             self.limits.following_error, self.limits.stale_cycles, self._persists, self._counts,
         )  # fmt: skip
         if kind != _FINE:
@@ -59,7 +60,8 @@ def _first_violation(
     for j in range(len(q)):
         counts[0, j] = counts[0, j] + 1 if abs(dq[j]) > fast[j] else 0
         stop = q[j] + dq[j] * abs(dq[j]) * brake[j]
-        outside = (stop > upper[j] and dq[j] >= 0) or (stop < lower[j] and dq[j] <= 0)
+        above, below = stop > upper[j] + OVERSHOOT, stop < lower[j] - OVERSHOOT
+        outside = (above and dq[j] >= 0) or (below and dq[j] <= 0)
         counts[1, j] = counts[1, j] + 1 if outside else 0
         error = wanted[j] - q[j]
         if not live[j] or found != _FINE:

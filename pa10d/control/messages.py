@@ -11,7 +11,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.laws import Law
 from pa10d.control.live_model import LiveModel
 
-Switch = Literal["connect", "disconnect", "enable", "disable", "stop", "reset"]
+Switch = Literal["connect", "disconnect", "disable", "stop", "reset"]
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,20 @@ class AskErrors:
 
 
 @dataclass(frozen=True)
+class PowerUp:
+    """recover: also where a joint stands outside its position limits, to go back inside."""
+
+    recover: bool
+
+
+@dataclass(frozen=True)
 class Do:
     """What needs no more than its name."""
 
     what: Switch
 
 
-Command = FollowRows | UseLaw | UseGains | AskErrors | Do
+Command = FollowRows | UseLaw | UseGains | AskErrors | PowerUp | Do
 
 
 def read_command(message: Mapping[str, Any]) -> Command:
@@ -72,6 +79,8 @@ def read_command(message: Mapping[str, Any]) -> Command:
             return UseGains(PidGains.from_document(message["gains"]))
         case "errors":
             return AskErrors(bool(message.get("clear")))
+        case "enable":
+            return PowerUp(bool(message.get("recover")))
         case what if what in SWITCHES:
             return Do(what)
         case what:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.limits import ArmLimits
+from pa10d.control.outside import ROUNDING, wrong_on_the_way_in
 
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-6
 START_TOLERANCE = 2e-3  # rad between where the arm is held and where a motion begins
 JUMP = 0.02  # of the speed limit, by which a step may differ from what the speeds say
 CHANGE = 2.0  # of the acceleration limit, by which speeds may differ from one row to the next
@@ -36,7 +36,8 @@ def wrong_with_rows(
 ) -> str | None:
     """rows (N, 4n) as ``MotionUnderWay`` has them, to begin at held (n,) rad → one line, or None.
 
-    The line names joint, second, what was found and what is allowed.
+    The line names joint, second, what was found and what is allowed. A joint that is held outside
+    its limits may go from there inward, slowly.
     """
     n = len(held)
     if rows.ndim != 2 or rows.shape[1] != 4 * n or not len(rows) or rows.dtype != np.float64:
@@ -46,8 +47,9 @@ def wrong_with_rows(
     seen = np.asarray(rows).view()
     seen.flags.writeable = False  # as rows in a file are: one compiled version serves all
     kind, row, joint, value, limit = _first_wrong(
-        seen, n, period, limits.lower, limits.upper, limits.velocity, limits.acceleration,
-        limits.torque,
+        seen, n, period, np.where(held < limits.lower, -np.inf, limits.lower),
+        np.where(held > limits.upper, np.inf, limits.upper), limits.velocity,
+        limits.acceleration, limits.torque,
     )  # fmt: skip
     if kind != _FINE:
         says = _SAYS[kind].format(value=value, limit=limit)
@@ -64,7 +66,7 @@ def wrong_with_rows(
             f"the motion begins with joint {worst + 1} at {rows[0, worst]:.4f} rad, it is held at "
             f"{held[worst]:.4f}; plan again from where the arm is"
         )
-    return None
+    return wrong_on_the_way_in(seen, held, limits)
 
 
 def compile_motion_check(limits: ArmLimits) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pa10d.control.envelope import Envelope
 from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
+from pa10d.control.outside import Reach
 from pa10d.control.states import POWERED, ArmState
 
 Array = NDArray[np.float64]
@@ -24,8 +25,10 @@ class TorqueExit:
         self.limits = limits
         self.sent = np.zeros_like(limits.torque)
         self._step = limits.torque_rate * period
-        self._envelope = Envelope(limits, period)
-        self._standing = Envelope(replace(limits, velocity=STANDING * limits.velocity), period)
+        self.reach = Reach(limits)
+        self._envelope = Envelope(limits, period, self.reach)
+        standing = replace(limits, velocity=STANDING * limits.velocity)
+        self._standing = Envelope(standing, period, self.reach)
 
     def watch(
         self,
@@ -37,8 +40,9 @@ class TorqueExit:
         standing: bool = False,
     ) -> None:
         """Raise Violation where a live axis has left the envelope of the motion, or of ``standing``
-        where nothing may move by itself."""
-        envelope = self._standing if standing else self._envelope
+        where nothing may move by itself; nor is any axis faster while one is outside its limits."""
+        self.reach.follow(q)
+        envelope = self._standing if standing or self.reach.widened else self._envelope
         envelope.watch(q, dq, age, wanted_q, live)
 
     def send(self, wanted: Array, state: ArmState, live: NDArray[np.bool_]) -> Array:

@@ -154,6 +154,7 @@ class TorquePath:
         self._wrong_way.restart()
         self._places.restart(self.q)
         self.exit.restart()
+        self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)
 

@@ -104,6 +104,6 @@ def chapter(arm: Client, tell: Tell, progress: Progress, **asked: Any) -> JsonOb
                 if step["status"] in OVER and step["kind"] != "report":
                     tell(f"   {step['title']}. {step['said']}")
 
-    done = arm.investigate(planned["id"], progress, news)
+    done = arm.investigate(planned["id"], progress, news, recover=True)
     news(done)
     return done

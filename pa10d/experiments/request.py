@@ -17,7 +17,8 @@ class MotionRequest:
     """One experiment. parameters: as the kind's own schema says (JSON: who builds the plan parses
     it); controller: None for the one in use; model: the id of the one that its law takes.
 
-    replace: the run of this name, if there is one."""
+    replace: the run of this name, if there is one; recover: an arm that stands outside its position
+    limits is brought back inside first."""
 
     kind: str
     parameters: JsonObject = field(default_factory=dict)
@@ -26,6 +27,7 @@ class MotionRequest:
     controller: Law | None = None
     model: str | None = None
     replace: bool = False
+    recover: bool = False
 
     @classmethod
     def of_plan(cls, plan: Mapping[str, Any], tags: Sequence[str] = ()) -> MotionRequest:

@@ -13,6 +13,7 @@ from pa10d.control.build import build_arm
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import first_figures
 from pa10d.control.limits import arm_limits
+from pa10d.control.outside import outside
 from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
@@ -24,6 +25,7 @@ from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_mot
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
 from pa10d.experiments.slower import AS_ASKED, slower_after
+from pa10d.experiments.way_back import rows_back
 from pa10d.profile import load_profile
 from pa10d.services.joints import calmed, firmed, learnt, not_held, slowed, torque_steps
 from pa10d.trajectory.kinds import read_request
@@ -209,7 +211,23 @@ class ArmBench:
         self._use_known()
         if self.joints is not None:
             self._take_joints()
-        return self.enable() is None
+        return self._inside() and self.enable() is None
+
+    def _inside(self) -> bool:
+        """Brought back inside where it stands outside its limits, as for an experiment that has
+        ``recover``."""
+        if not outside(self.arm.path.q, self.limits.lower, self.limits.upper):
+            return True
+        self.arm.enable(recover=True)
+        for _ in range(int(self.rate) + 50):
+            self.arm.cycle()
+        if self.arm.fault is None:
+            self.notes.append("brought back inside its limits")
+            rows = rows_back(self.robot, self.arm.path.reference.q.copy(), self.rate)
+            self.arm.run(MotionUnderWay(1, rows))
+            while self.arm.state in (ArmState.RUNNING, ArmState.STOPPING):
+                self.arm.cycle()
+        return self.arm.fault is None
 
     def error(self, rows):
         """(n,) rad, the largest."""

@@ -9,6 +9,7 @@ from pa10d.control.arm import Arm
 from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
+from pa10d.control.outside import SLOW
 from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
@@ -73,4 +74,15 @@ def swing(start: np.ndarray, amplitude: float = 0.8, seconds: float = 3.0) -> Mo
     q = start + amplitude * one * ((1 - np.cos(w * t)) / 2)[:, None]
     dq = amplitude * one * (w * np.sin(w * t) / 2)[:, None]
     ddq = amplitude * one * (w * w * np.cos(w * t) / 2)[:, None]
+    return MotionUnderWay(1, np.hstack([q, dq, ddq, 0 * q]))
+
+
+def way_in(start, end, share: float = 0.9) -> MotionUnderWay:
+    """From rest to rest, the fastest joint at this share of the speed allowed outside."""
+    start, span = np.array(start), np.array(end) - np.array(start)
+    seconds = max(0.3, 1.875 * np.abs(span).max() / (share * SLOW * limits().velocity[0]))
+    s = np.append(np.arange(0.0, seconds, PERIOD) / seconds, 1.0)[:, None]
+    q = start + span * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    dq = span * (30 * s**2 - 60 * s**3 + 30 * s**4) / seconds
+    ddq = span * (60 * s - 180 * s**2 + 120 * s**3) / seconds**2
     return MotionUnderWay(1, np.hstack([q, dq, ddq, 0 * q]))

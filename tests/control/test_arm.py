@@ -237,7 +237,7 @@ def test_enabling_outside_the_limits_is_refused():
     backend._q = backend.plant.q.copy()
     arm.connect()
     cycles(arm, 3)
-    with pytest.raises(Refused, match=r"joint 1 stands at 2\.5"):
+    with pytest.raises(Refused, match=r"joint 1 stands 0\.5000 rad beyond"):
         arm.enable()
     assert not backend.powered
 

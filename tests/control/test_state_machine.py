@@ -1,7 +1,8 @@
 """No sequence of commands and faults gives torque where none may be, or leaves a fault alone.
 
 Nor is there torque in a cycle in which nobody looked whether the arm is where it may be, and none
-acts on a joint that has been outside for longer than docs/faults.md says.
+acts on a joint that has been outside for longer than docs/faults.md says. An arm beyond its
+position limits is powered on request only, and goes no further out.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from arms import flywheel_arm, limits, servo, swing
+from arms import flywheel_arm, limits, servo, swing, way_in
 from how_often import how_often
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -24,6 +25,8 @@ from hypothesis.stateful import (
 )
 
 from backends.protocol import BackendFault
+from pa10d.control.envelope import OVERSHOOT
+from pa10d.control.outside import FARTHEST, outside
 from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused
 from pa10d.control.torque_path import RUNAWAY
 
@@ -77,6 +80,7 @@ class Commander(RuleBasedStateMachine):
         self.astray: list[object] = []  # torque that came where none may be
         write, step = self.backend.write, self.backend.plant.step
         self.looked, self.outside, self.longest = False, np.zeros(2, dtype=int), 0
+        self.nearest = np.zeros(2)  # rad beyond its limits, that each joint was at least
         self.step = step
         path = self.arm.path
         for name in ("watch", "watch_standing"):
@@ -98,6 +102,7 @@ class Commander(RuleBasedStateMachine):
             self.longest = max(self.longest, int(self.outside.max()))
             if self.outside.max() > OUTSIDE:
                 self.astray.append(("outside", self.arm.state, torque))
+            self.nearest = np.minimum(self.nearest, self.beyond())
 
         self.backend.write, self.backend.plant.step = watched_write, watched_step
         self.arm.connect()
@@ -114,12 +119,20 @@ class Commander(RuleBasedStateMachine):
         """By what the plant knows, not by what the loop estimates."""
         path, limits, plant = self.arm.path, self.arm.path.limits, self.backend.plant
         far = np.abs(plant.q - path.reference.q) > RUNAWAY * limits.following_error
-        return far | (np.abs(plant.dq) > RUNAWAY * limits.velocity)
+        far |= np.abs(plant.dq) > RUNAWAY * limits.velocity
+        if self.arm.state in (ArmState.HOLDING, ArmState.RUNNING):
+            further = self.beyond() - self.nearest > RUNAWAY * OVERSHOOT
+            far |= further & (plant.dq * np.sign(plant.q) >= 0.0)
+        return far
 
-    def ask(self, command, *arguments):
+    def beyond(self):
+        """(n,) rad that each joint is beyond its position limits, 0 inside."""
+        return np.maximum(np.abs(self.backend.plant.q) - self.arm.path.limits.upper, 0.0)
+
+    def ask(self, command, *arguments, **more):
         before, refused = self.arm.state, None
         try:
-            command(*arguments)
+            command(*arguments, **more)
         except Refused as refusal:
             refused = refusal
         assert refused is None or (refused.remedy and self.arm.state == before)
@@ -165,13 +178,16 @@ class Commander(RuleBasedStateMachine):
     @rule()
     def power_up(self):
         """Whatever it takes, as far as the faults that wait allow it."""
+        self.leave_fault()
+        self.ask(self.arm.enable)
+        self.settle()
+
+    def leave_fault(self):
         if self.arm.state == ArmState.FAULT:
             self.ask(self.arm.reset)
         if self.arm.state == ArmState.OFFLINE:
             self.ask(self.arm.connect)
         self.cycle(2)
-        self.settle()
-        self.ask(self.arm.enable)
         self.settle()
 
     @rule(amplitude=st.sampled_from([0.1, 0.3, 1.0, 1.5, 4.0]), cycles=st.integers(0, 60))
@@ -184,6 +200,37 @@ class Commander(RuleBasedStateMachine):
     @rule()
     def enable(self):
         self.ask(self.arm.enable)
+
+    @rule(
+        axis=AXES, by=st.sampled_from([0.01, 0.05, 0.15, 0.5]), side=st.sampled_from([-1, 1]),
+        recover=st.sampled_from([True, True, False]), inward=st.sampled_from([True, True, False]),
+        cycles=st.integers(0, 1500),
+    )  # fmt: skip
+    def come_back(self, axis, by, side, recover, inward, cycles):
+        """Somebody turns a joint of an unpowered arm beyond its limit; it is powered only where
+        that is asked for and it is not too far, and goes nowhere but inside."""
+        self.ask(self.arm.disable)
+        self.wait()
+        self.leave_fault()
+        if self.arm.state != ArmState.INACTIVE:
+            return
+        high = limits().upper
+        self.backend.plant.q[axis] = side * (high[axis] + by)
+        self.cycle(2)
+        seen, before = outside(self.arm.path.q, -high, high), self.arm.state
+        self.ask(self.arm.enable, recover=recover)
+        if before == ArmState.INACTIVE and self.arm.state == ArmState.ENABLING:
+            self.nearest = self.beyond()
+            self.seen["powered outside"] += bool(seen)
+            assert not seen or (recover and max(one.beyond for one in seen) <= FARTHEST)
+        self.settle()
+        at = self.arm.path.reference.q.copy()
+        there = np.clip(at, 0.03 - high, high - 0.03) if inward else at + 0.03 * np.sign(at)
+        self.ask(self.arm.run, way_in(at, there))
+        if self.arm.state == ArmState.RUNNING and (np.abs(at) > high).any():
+            assert inward
+            self.seen["way in"] += 1
+        self.cycle(cycles)
 
     @rule()
     def disable(self):
@@ -348,6 +395,8 @@ def assert_thorough(seen, steps):
     for state in ArmState:
         floor = 0 if state == ArmState.OFFLINE else steps // 40
         assert seen[f"cycle {state.label}"] >= floor, (state, seen)
+    for place in ("powered outside", "way in"):
+        assert seen[place] >= max(3, steps // 1000), (place, seen)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
         assert seen[f"done {command}"] >= max(3, steps // 500), (command, seen)
     for kind in (

@@ -52,7 +52,7 @@ def test_a_plan_is_a_whole_request():
     asked = MotionRequest.of_plan({"kind": "step", "parameters": None, "why": "…"}, ["fit"])
     assert asked.document() == {
         "kind": "step", "parameters": {}, "name": None, "tags": ["fit"], "controller": None,
-        "model": None, "replace": False,
+        "model": None, "replace": False, "recover": False,
     }  # fmt: skip
 
 

@@ -41,7 +41,7 @@ class PaperDaemon:
         ]  # fmt: skip
         return {"id": f"i{len(self.asked)}", "steps": steps}
 
-    def investigate(self, investigation, progress, news):
+    def investigate(self, investigation, progress, news, recover):
         found = self.answers.pop(0)
         verdict = "missing" if found["findings"] else "unknown" if found["unexplained"] else "none"
         question = "changed" if self.asked[-1].get("since") else "missing"

@@ -76,7 +76,7 @@ async def start_experiment(
     """
     may_replace(request.replace)
     asked = await _checked(daemon, request)
-    require_ready(daemon)
+    require_ready(daemon, request.recover)
     return accepted(experiment_job(daemon, asked), response)
 
 
@@ -96,7 +96,7 @@ async def start_series(
     """Run several, one after the other; the job's result has all ``runs`` (ids)."""
     may_replace(any(one.replace for one in request.experiments))
     asked = [await _checked(daemon, one) for one in request.experiments]
-    require_ready(daemon)
+    require_ready(daemon, request.experiments[0].recover)
     return accepted(series_job(daemon, asked), response)
 
 

@@ -19,6 +19,7 @@ from pa10d.api.schemas.investigations import (
     InvestigationDocument,
     InvestigationPage,
     InvestigationRequest,
+    StartRequest,
 )
 from pa10d.api.schemas.jobs import Job
 from pa10d.api.schemas.motions import MotionList
@@ -88,11 +89,15 @@ async def show_motions(daemon: TheDaemon, investigation: str) -> Any:
     responses=responses("not-found", "refused", "state", "held", "conflict", "not-ready"),
 )
 async def start_investigation(
-    daemon: TheDaemon, client: Client, investigation: str, response: Response
+    daemon: TheDaemon,
+    client: Client,
+    investigation: str,
+    response: Response,
+    request: StartRequest | None = None,
 ) -> Any:
     """Begin it, or go on where it was paused, stopped, or ended by a fault. One that moves the arm
     needs its command, and holds it until it ends."""
-    state = await _find(daemon, investigation)
+    state, recover = await _find(daemon, investigation), request is not None and request.recover
     if state.status == "done":
         raise Problem("conflict", f"{state.name} is done; its report is there")
     if state.status == "running":
@@ -103,8 +108,8 @@ async def start_investigation(
         )
     if state.moves:
         take_command(daemon, client)
-        require_ready(daemon)
-    return accepted(investigation_job(daemon, state), response)
+        require_ready(daemon, recover)
+    return accepted(investigation_job(daemon, state, recover), response)
 
 
 @router.post(

@@ -9,11 +9,20 @@ from fastapi import APIRouter, Query
 from pa10d.api.deps import Client, Commander, TheDaemon
 from pa10d.api.problems import Problem, responses
 from pa10d.api.routes.models import find_model
-from pa10d.api.schemas.arm import ControllerRequest, DriveMemories, Lease, LeaseRequest, RobotState
+from pa10d.api.schemas.arm import (
+    ControllerRequest,
+    DriveMemories,
+    EnableRequest,
+    Lease,
+    LeaseRequest,
+    RobotState,
+)
 from pa10d.daemon.daemon import Daemon
+from pa10d.daemon.motions.way_back import bring_inside
 
 router = APIRouter(prefix="/robot", tags=["robot"])
 COMMAND = responses("state", "held", "not-ready")
+POWER = responses("state", "held", "not-ready", "conflict", "refused")
 
 
 @router.get("")
@@ -22,10 +31,21 @@ async def show_robot(daemon: TheDaemon) -> RobotState:
     return describe(daemon)
 
 
-@router.post("/enable", responses=COMMAND)
-async def enable(daemon: TheDaemon, _client: Commander) -> RobotState:
-    """Power on, release the brakes, hold the arm where it is."""
-    await daemon.robot.enable()
+@router.post("/enable", responses=POWER)
+async def enable(
+    daemon: TheDaemon, _client: Commander, request: EnableRequest | None = None
+) -> RobotState:
+    """Power on, release the brakes, hold the arm where it is.
+
+    One that stands outside its position limits is refused; with ``recover`` it is powered and
+    brought back inside at a tenth of its speed, and the answer comes once it is held there.
+    """
+    if request is not None and request.recover:
+        if (busy := daemon.busy()) is not None:
+            raise Problem("conflict", busy, remedy="wait for it, or cancel it")
+        await bring_inside(daemon)
+    else:
+        await daemon.robot.enable()
     return describe(daemon)
 
 

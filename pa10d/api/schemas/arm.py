@@ -52,6 +52,27 @@ class Axis(BaseModel):
     silent: bool = Field(description="It does not answer: its values are no news")
 
 
+class Outside(BaseModel):
+    """A joint that stands outside its position limits."""
+
+    joint: Joint
+    position: float = Field(description="rad")
+    limit: float = Field(description="rad, the one that it is beyond")
+    beyond: float = Field(description="rad")
+    too_far: bool = Field(description="Not even powered to go back: it is moved by hand")
+    sentence: str
+
+
+class EnableRequest(Strict):
+    """How the arm is powered."""
+
+    recover: bool = Field(
+        False,
+        description="Where joints stand outside their position limits: power the arm all the same "
+        "and bring them back inside, slowly. Without it that is refused",
+    )
+
+
 class Lease(BaseModel):
     """Who commands the arm."""
 
@@ -81,6 +102,7 @@ class RobotState(BaseModel):
         description="s since the control process last gave a sign of life; all else is that old"
     )
     axes: list[Axis]
+    outside: list[Outside] = Field(description="Joints outside their position limits")
     lease: Lease
 
 

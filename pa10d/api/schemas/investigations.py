@@ -24,6 +24,16 @@ class InvestigationRequest(Strict):
     force: Force = False
 
 
+class StartRequest(Strict):
+    """How an investigation moves the arm."""
+
+    recover: bool = Field(
+        False,
+        description="Bring an arm back inside that stands outside its position limits, before a "
+        "motion or after one that led there",
+    )
+
+
 class InvestigationDocument(BaseModel):
     """How far it is; further fields as ``pa10d schema investigate`` has them."""
 

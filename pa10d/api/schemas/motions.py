@@ -34,6 +34,11 @@ class ExperimentRequest(BaseModel):
     controller: Law | None = Field(None, description="Default: the one in use")
     model: Name | None = Field(None, description="For the laws with a model")
     replace: bool = False
+    recover: bool = Field(
+        False,
+        description="Bring an arm back inside first that stands outside its position limits, also "
+        "where this motion has led there and is tried again",
+    )
 
 
 class KindAbout(BaseModel):

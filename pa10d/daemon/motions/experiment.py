@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import itertools
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,6 +17,8 @@ from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.laws import Law
 from pa10d.daemon.jobs.jobs import Progress, part
+from pa10d.daemon.motions.numbers import NUMBERS, SHIFTED, STOPPED
+from pa10d.daemon.motions.way_back import bring_inside
 from pa10d.daemon.robot.readiness import readiness
 from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.daemon.robot.robot import RobotProcess
@@ -32,11 +33,9 @@ if TYPE_CHECKING:
     from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
-SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
 TRIES = 3  # with calmer gains, or slower, each
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
-STOPPED = 15.0  # s for the arm to come to rest
 PLANNED, CHECKED, MOVED = 0.1, 0.15, 0.9  # progress after each step
 
 log = logging.getLogger("pa10d.experiment")
@@ -91,8 +90,6 @@ async def prepare(
 class Experiment:
     """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check."""
 
-    numbers = itertools.count(1)
-
     def __init__(
         self,
         daemon: Daemon,
@@ -107,7 +104,7 @@ class Experiment:
         self._slower: Slower | None = None
         self._daemon, self._robot = daemon, daemon.robot
         self._request, self._report = request, report
-        self._folder = daemon.runtime / f"experiment-{next(self.numbers)}"
+        self._folder = daemon.runtime / f"experiment-{next(NUMBERS)}"
         self.moved = False
         self.result = Outcome(request.kind)
 
@@ -169,6 +166,9 @@ class Experiment:
         was_unpowered = not self._robot.moving
         self._folder.mkdir(exist_ok=True)
         try:
+            if self._request.recover and self._robot.outside():
+                self._report(0.0, "bringing the arm back inside")
+                await bring_inside(self._daemon)
             await self._plan()
             prepared = await self._prepare()
             prepared = await self._power_up(prepared)
@@ -236,7 +236,7 @@ class Experiment:
 
     async def _run(self, motion: PlannedMotion, name: str | None, report: Progress) -> None:
         """One motion, recorded."""
-        number, robot = next(self.numbers), self._robot
+        number, robot = next(NUMBERS), self._robot
         announced = await robot.announce(
             motion=number, rows=motion.last, name=name,
             kind=self._request.kind, plan_file=motion.plan_file, tags=list(self._request.tags),

@@ -33,19 +33,21 @@ SPENT = "The motions before it took longer than expected: it is beyond the budge
 STOPPED = "it was stopped; what is done stays done"
 
 
-def investigation_job(daemon: Daemon, state: Investigation) -> Job:
-    """Begin it, or go on with it, as a job; its result is that of ``pa10d investigate``."""
+def investigation_job(daemon: Daemon, state: Investigation, recover: bool = False) -> Job:
+    """Begin it, or go on with it, as a job; its result is that of ``pa10d investigate``. recover:
+    see ``MotionRequest``."""
 
     async def work(report: Report) -> Any:
-        return await _Carrier(daemon, state.id, report).carry_out()
+        return await _Carrier(daemon, state.id, report, recover).carry_out()
 
     kind = MOVES if state.moves else RECORDINGS
     return daemon.jobs.start(kind, {"investigation": state.id, "name": state.name}, work)
 
 
 class _Carrier:
-    def __init__(self, daemon: Daemon, investigation: str, report: Report) -> None:
+    def __init__(self, daemon: Daemon, investigation: str, report: Report, recover: bool) -> None:
         self._daemon, self._id, self._report = daemon, investigation, report
+        self._recover = recover
         self._archive = daemon.investigations
 
     async def carry_out(self) -> JsonObject:
@@ -99,7 +101,8 @@ class _Carrier:
         """A motion that the pre-check refuses is left out; a fault or a stop ends the job."""
         assert step.motion is not None
         tags = [*TAGS.get(step.motion.purpose, []), state.name]
-        request = MotionRequest(step.motion.kind, step.motion.parameters, tags=tags)
+        asked = step.motion
+        request = MotionRequest(asked.kind, asked.parameters, tags=tags, recover=self._recover)
         experiment = experiment_of(self._daemon, request, told)
         try:
             found = await experiment.carry_out()

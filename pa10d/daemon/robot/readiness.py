@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pa10d.daemon.robot.refusals import CommandRefused
+from pa10d.control.outside import why_not_powered
+from pa10d.daemon.robot.refusals import CommandRefused, stands_outside
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.checks import Check
 
@@ -14,14 +15,18 @@ def readiness(robot: RobotProcess) -> list[Check]:
     try:
         refuse_unless_ready(robot)
     except CommandRefused as refusal:
-        text = f"{refusal}; {refusal.answer['remedy']}"
+        remedy = refusal.answer["remedy"]
+        text = str(refusal) if remedy in str(refusal) else f"{refusal}; {remedy}"
         return [Check("error", "state", text)]
     return [Check("ok", "state", f"the arm is {robot.state}"), *_bus(robot), *_drives(robot)]
 
 
-def refuse_unless_ready(robot: RobotProcess) -> None:
-    """Before a job is made of it: CommandRefused where the arm's state does not allow motion."""
+def refuse_unless_ready(robot: RobotProcess, recover: bool = False) -> None:
+    """Before a job is made of it: CommandRefused where the arm's state does not allow motion.
+    recover: it is brought back inside first, where it stands outside its position limits."""
     if robot.state in ("inactive", "holding"):
+        if (stray := why_not_powered(robot.outside(), recover)) is not None:
+            raise CommandRefused(stands_outside("experiment", robot.state, stray))
         return
     remedies = {
         "offline": "wait until the robot is connected, or connect it",

@@ -41,6 +41,11 @@ def not_unpowered(state: str, why_offline: str) -> Message:
     }
 
 
+def stands_outside(do: str, state: str, why: str) -> Message:
+    """A joint is outside its position limits; why: says how to get back, too."""
+    return {"state": state, "needed": [state], "detail": f"{do}: {why}", "remedy": why}
+
+
 def being_started(do: str, state: str) -> Message:
     """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
     return _unheard(do, state, "the drives are being started", "wait a few seconds, then ask again")

@@ -18,6 +18,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
+from pa10d.control.outside import Outside, outside
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
@@ -176,6 +177,7 @@ class RobotProcess:
             "time": None if offline or last is None else float(get(last, "time")),
             "quiet": self._liveness.quiet if self.control is not None else 0.0,
             "axes": axes,
+            "outside": [one.document() for one in self.outside()],
         }
 
     def pose(self) -> Array:
@@ -185,6 +187,14 @@ class RobotProcess:
             return np.zeros(self.robot.n)
         field = "q_ref" if self.moving else "q"
         return np.array(self.ring.layout.get(last, field))
+
+    def outside(self) -> list[Outside]:
+        """Joints that stand outside their position limits, as they were read last."""
+        last = self.ring.last()
+        if last is None or self.state == "offline":
+            return []
+        q = self.ring.layout.get(last, "q")
+        return outside(np.asarray(q), self.robot.lower, self.robot.upper)
 
     async def until(self, *states: str, timeout: float) -> str:
         """Wait for one of the states; the state that there is when it came or time was over."""
@@ -213,9 +223,10 @@ class RobotProcess:
     def _no_control(self, do: str) -> Message:
         return no_control(do, self.state, self.why_offline, kept=bool(self._keepers))
 
-    async def enable(self) -> None:
-        """Until the arm is held, or in fault, or somebody has stopped that."""
-        await self._switch("enable")
+    async def enable(self, recover: bool = False) -> None:
+        """Until the arm is held, or in fault, or somebody has stopped that. recover: also where it
+        stands outside its position limits."""
+        await self._switch("enable", recover=recover)
         await self._take_up_law()
 
     async def disable(self) -> None:
@@ -223,8 +234,8 @@ class RobotProcess:
         await self.command("disable")
         await self.until("inactive", "fault", "offline", timeout=SWITCHED + self.braking_time)
 
-    async def _switch(self, do: str) -> None:
-        await self.command(do, timeout=SWITCHED)
+    async def _switch(self, do: str, **fields: bool) -> None:
+        await self.command(do, timeout=SWITCHED, **fields)
         await self.until(*_SETTLED, timeout=SWITCHED)
 
     async def reset(self) -> None:

@@ -5,6 +5,7 @@ import { mayCommand } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
+import { ask } from "../parts/dialog.js";
 import { armView, inWords, shapeOnce, unitOfAll } from "../parts/arm.js";
 import { lawInWords, lawOf, lawsWith, valueOf } from "../parts/laws.js";
 import { heading } from "../parts/guide.js";
@@ -14,7 +15,7 @@ import { memories } from "../parts/memories.js";
 export function mount(box) {
   const word = el("strong", { class: "state-word" }), meaning = el("p", {}), age = el("p", { class: "warn", hidden: true });
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
-  const commands = buttons();
+  const commands = buttons(), stray = wayBack();
   const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
   const axes = el("tbody", {}), heads = el("tr", {}, headings(null));
   shapeOnce().then((shape) => fill(heads, headings(shape)), () => {});
@@ -22,7 +23,7 @@ export function mount(box) {
     el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
-      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
+      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, stray.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
     el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
@@ -34,6 +35,7 @@ export function mount(box) {
     notes.hidden = !robot.notes.length;
     fill(notes.lastChild, robot.notes.map((note) => el("li", {}, note)));
     commands.refresh();
+    stray.refresh();
     last.hidden = condition.kind !== "fault";
     showAxes(axes, robot.axes);
     const lost = condition.kind === "lost";
@@ -82,6 +84,29 @@ function buttons() {
         button.classList.toggle("primary", allowed && fits && state.robot.state === "fault");
         button.title = nobody ? nobody : !allowed ? `${state.robot.lease.holder} commands the arm` : fits ? "" : `needs: ${states.join(" or ")}`;
       }
+    },
+  };
+}
+
+/** Joints outside their position limits: the arm is not enabled there, but for the way back. */
+function wayBack() {
+  const said = el("p", {}), button = el("button", { type: "button", onclick: guarded("The arm is not back inside.", async () => {
+    const where = state.robot.outside.map((one) => one.sentence).join("; ");
+    const go = await ask("Bring the arm back inside?", `${where}. It is powered there and moves inside at a tenth of its speed, straight. Is nobody within its reach, and nothing in its way?`, "Move it inside", { danger: true });
+    if (!go) return;
+    await post("robot/enable", { recover: true });
+    await loadRobot();
+    notice("The arm is back inside its limits.", { detail: "It is held there." });
+  }) }, "Bring it back inside …");
+  const box = el("div", { class: "doubt", hidden: true }, said, button);
+  return {
+    box,
+    refresh() {
+      const { outside, state: now } = state.robot, far = outside.some((one) => one.too_far);
+      box.hidden = !outside.length || !["inactive", "holding"].includes(now);
+      say(said, `${outside.map((one) => one.sentence).join("; ")}.${far ? " That is too far to be powered there: move it inside by hand, or correct its zero_offset." : ""}`);
+      button.hidden = far;
+      button.disabled = !mayCommand(client);
     },
   };
 }
