@@ -114,6 +114,10 @@ def test_the_page_can_be_used_by_keyboard(archive, visit):
     assert not unnamed
 
 
+SECTIONS = (
+    "robot", "investigate", "experiments", "tune", "runs", "compare", "diagnose", "models",
+    "explore",
+)  # fmt: skip
 LARGE = """addEventListener("DOMContentLoaded",
   () => { document.documentElement.style.fontSize = "200%"; })"""
 
@@ -153,7 +157,7 @@ def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):
     visitor = visit(url, viewport={"width": width, "height": 768})
     if text == 2:
         visitor.page.add_init_script(LARGE)
-    for section in ("robot", "experiments", "runs", "compare", "diagnose", "models", "explore"):
+    for section in SECTIONS:
         visitor.open(section)
         if section == "models":
             visitor.page.locator("#models summary", has_text="Options").click()

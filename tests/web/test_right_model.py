@@ -116,3 +116,34 @@ def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, v
     assert page.locator("#models .panel h2").nth(1).text_content().split()[0] == "m0"
     assert page.locator(".undo:visible").count() == 0
     assert not visitor.errors
+
+
+def answered(body: str):
+    return lambda route: route.fulfill(body=body, content_type="application/json")
+
+
+def test_each_finding_can_be_seen_on_the_arm_alone(versions, visit):
+    url, _ = versions
+    visitor = visit(url)
+    page = visitor.page
+    _searched(page)
+    text = {"block": "text", "text": "…", "muted": False}
+    finding = {"mark": "", "blocks": [text] * 3}
+    sheet = {
+        "sections": [{"block": "section", "title": "Verdict", "blocks": [text]}],
+        "findings": [
+            {**finding, "title": "Stribeck friction in joint 4"},
+            {**finding, "title": "Backlash in joint 2"},
+        ],
+        "unexplained": [],
+    }
+    whole = {**SEARCH, "result": {"verdict": "missing", "findings": FINDINGS, "unexplained": []}}
+    for address, document in ((f"diagnoses/{SEARCH['id']}/sheet", sheet), ("jobs/2026*", whole)):
+        page.route(f"**/api/v1/{address}", answered(json.dumps(document)))
+    visitor.open("diagnose")
+    view = page.locator("#diagnose figure.arm")
+    view.get_by_text("All findings: joint 4, 2.").wait_for()
+    view.get_by_role("button", name="Backlash in joint 2").click()
+    view.get_by_text("Backlash in joint 2: joint 2.").wait_for()
+    assert view.locator("[aria-pressed=true]").all_inner_texts() == ["Backlash in joint 2"]
+    assert not visitor.errors

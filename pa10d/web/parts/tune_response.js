@@ -22,8 +22,14 @@ export function tunedResponse() {
   const size = el("input", { id: "tune-size", type: "number", step: "any", min: 0.001, max: 0.2, value: 0.05, inputMode: "decimal" });
   const law = el("select", { id: "tune-law" }), start = el("button", { type: "submit", class: "primary" }, "Record");
   const labelled = (input, text, hint) => el("div", { class: "field" }, el("label", { htmlFor: input.id }, text), input, el("small", {}, hint));
+  const stepSays = el("span", {}), sinesSay = el("span", {});
+  const inUnit = () => {
+    const unit = units[joint.value - 1] ?? "rad";
+    stepSays.textContent = `${unit}, of the step, 0.2 at most`;
+    sinesSay.textContent = `sines: ${SINES.amplitude} ${unit} in ${SINES.period} s, twice`;
+  };
   const form = el("form", { onsubmit: (event) => { event.preventDefault(); record(); } }, el("div", { class: "fields" },
-    labelled(joint, "joint", "it moves alone"), labelled(motion, "motion", "sines: 0.1 rad in 3 s, twice"), labelled(size, "size", "of the step, 0.2 at most"),
+    labelled(joint, "joint", "it moves alone"), labelled(motion, "motion", sinesSay), labelled(size, "size", stepSays),
     labelled(law, "moved by", "with a model: its torque goes ahead")), el("div", { class: "row" }, start));
   const runs = choices("Recordings", items, chosen, () => { own = true; draw(); });
   const said = el("p", { class: "muted" }), chart = new Chart(HEIGHT), error = new Chart(HEIGHT), table = el("div", {});
@@ -44,7 +50,7 @@ export function tunedResponse() {
     const job = await post("experiments", { kind, parameters, ...lawOf(law.value) });
     finished(job).then((whole) => {
       const { name } = whole.result.recorded[0];
-      notice(`Recorded ${name}.`, { detail: whole.result.recommendation[0] });
+      notice(`Recorded ${name}.`, { detail: "Its figures are below, beside those of the others." });
       for (const id of whole.result.runs) chosen.add(id);
       own = true;
     }).catch((problem) => failed("The motion did not end well.", problem)).finally(refresh);
@@ -70,6 +76,7 @@ export function tunedResponse() {
       const { moved } = found.at(-1);
       if (!ownJoint && moved.length && !moved.includes(Number(joint.value))) {
         joint.value = moved[0]; // nobody has asked for a joint: one that there is something to see of
+        inUnit();
         return draw();
       }
       const color = (k) => COLOURS[k % COLOURS.length], met = new Set();
@@ -97,7 +104,7 @@ export function tunedResponse() {
     start.title = why;
   });
   motion.addEventListener("change", () => { size.disabled = motion.value !== "step"; });
-  joint.addEventListener("change", () => { ownJoint = true; draw(); });
+  joint.addEventListener("change", () => { ownJoint = true; inUnit(); draw(); });
   return {
     box,
     show(names, ofJoints) {
@@ -105,6 +112,7 @@ export function tunedResponse() {
       const before = joint.value || "1";
       fill(joint, names.map((name, j) => el("option", { value: j + 1 }, `${j + 1} ${name}`)));
       joint.value = before;
+      inUnit();
       refresh();
     },
   };
@@ -125,7 +133,7 @@ function figures(found, unit) {
   const most = (one) => (one.steps.length ? Math.max(...one.steps.map((step) => step.worst)) : one.worst);
   const against = (value, first, k) => (k && first > 0 ? ` (${value > first ? "+" : ""}${number(100 * (value / first - 1), 2)} %)` : "");
   const never = (value) => (value === null ? "never" : number(value, 3));
-  const heads = ["recording", "moved by", "kp", "ki", "kd", "rise, s", "target's rise, s", "overshoot", "settling, s", `RMS error, ${unit}`, `largest error, ${unit}`];
+  const heads = ["recording", "moved by", "kp", "ki", "kd", "mean rise, s", "target's rise, s", "most overshoot", "longest settling, s", `RMS error, ${unit}`, `largest error, ${unit}`];
   return el("div", { class: "scroll bare", tabIndex: 0, role: "region", "aria-label": "figures of the responses" }, el("table", { class: "answers" },
     el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col" }, head)))),
     el("tbody", {}, found.map((one, k) => {

@@ -78,19 +78,25 @@ async function open(id, started = null) {
     return;
   }
   const [verdict, ...rest] = sheet.sections;
-  fill(parts.body, verdict.blocks.map(block), where(whole.result),
+  fill(parts.body, verdict.blocks.map(block), where(whole.result, sheet.findings.map((one) => one.title)),
     sheet.findings.map((finding, k) => card(finding, whole, k)),
     (sheet.unexplained ?? []).map((one, k) => unexplained(one, whole, k)), rest.map((one) => sectionOf(one)));
 }
 
-/** The joints that the findings are about, lit on the arm. */
-function where({ findings, unexplained }) {
-  const joints = [...findings.flatMap((one) => one.joints), ...unexplained.map((one) => one.joint)];
+/** The joints that the findings are about, lit on the arm: all of them, or those of one. */
+function where({ findings, unexplained }, titles) {
+  const places = [...findings.map((one, k) => ({ title: titles[k], joints: one.joints })), ...unexplained.map((one) => ({ title: `Unexplained in joint ${one.joint}`, joints: [one.joint] }))];
+  const joints = [...new Set(places.flatMap((one) => one.joints))];
   if (!joints.length) return null;
-  const view = armView("Where it is");
-  const said = [...findings.filter((one) => one.joints.length).map((one) => `${one.effect.replaceAll("_", " ")}: joint ${one.joints.join(" and ")}`),
-                ...unexplained.map((one) => `unexplained: joint ${one.joint}`)];
-  view.show({ q: state.pose ?? undefined, lit: [...new Set(joints)], words: `${said.join("; ")}.` });
+  const chips = el("div", { class: "chips pad", role: "group", "aria-label": "findings shown on the arm" }), view = armView("Where it is", chips);
+  const light = (chosen) => {
+    [...chips.children].forEach((chip, k) => chip.setAttribute("aria-pressed", String(k === chosen)));
+    const lit = chosen ? places[chosen - 1].joints : joints, { title } = places[chosen - 1] ?? {};
+    view.show({ q: state.pose ?? undefined, lit, words: `${title ?? "All findings"}: ${lit.length ? `joint ${lit.join(", ")}` : "the whole arm"}.` });
+  };
+  fill(chips, ["all", ...places.map((one) => one.title)].map((title, k) => el("button", { type: "button", class: "chip", onclick: () => light(k) }, title)));
+  chips.hidden = places.length < 2;
+  light(0);
   return view.box;
 }
 
