@@ -6,6 +6,8 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from math import inf
 
+from pa10d.common.urdf_joints import movable_joints
+from pa10d.common.urdf_xml import urdf_root
 from pa10d.profile import Profile
 
 MOVABLE = ("revolute", "prismatic", "continuous")
@@ -46,11 +48,11 @@ def axis_limits(profile: Profile) -> list[AxisLimits]:
 def _urdf_limits(profile: Profile, axes: int) -> list[tuple[float, float, float, float]]:
     unknown = (-inf, inf, inf, inf)
     try:
-        root = ET.parse(profile.urdf).getroot()
-    except (OSError, ET.ParseError):
+        root = urdf_root(profile.urdf)
+    except (OSError, ValueError):
         return [unknown] * axes
     found: dict[str, tuple[float, float, float, float]] = {}
-    for joint in root.iter("joint"):
+    for joint in root.findall("joint"):
         limit = joint.find("limit")
         if joint.get("type") in MOVABLE:
             has_range = limit is not None and joint.get("type") != "continuous"
@@ -60,8 +62,8 @@ def _urdf_limits(profile: Profile, axes: int) -> list[tuple[float, float, float,
                 _number(limit, "velocity", inf) or inf,
                 _number(limit, "effort", inf) or inf,
             )
-    names = profile.joints or (list(found) if len(found) == axes else [])
-    return [found.get(name, unknown) for name in names] or [unknown] * axes
+    names = profile.joints or movable_joints(root)
+    return [found.get(name, unknown) for name in names] if len(names) == axes else [unknown] * axes
 
 
 def _number(limit: ET.Element | None, key: str, default: float) -> float:

@@ -2,19 +2,27 @@
 
 The arm's geometry alone tells a sign: the textbook model has the lengths and axes of the URDF, not
 its masses, and fits a recording with a joint turned round worse than the same recording with that
-joint turned back. What the torque is measured in needs the URDF's bodies: their weight.
+joint turned back. Only what joints do to each other tells: a joint may have a spring of its own,
+which on a standing arm outweighs gravity as if the joint were turned. Which of two joints is
+turned round, where either would do, and what the torque is measured in, the URDF's bodies tell.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
-from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
+from pa10d.checks.textbook_fit import (
+    blocks_of,
+    fit_textbook,
+    springs,
+    steady_sign,
+    textbook_columns,
+)
 from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
@@ -28,6 +36,9 @@ BETTER = 0.7  # of what the textbook model leaves, that a joint turned round mus
 SURE = 5.0  # standard errors, over blocks: 21 questions to seven joints leave one false in 10^4
 OFF = 40.0  # times: real URDFs have links that weigh a twentieth of the true ones, not a fortieth
 TOLD = 0.5  # of the torque that weight must explain before its size is believed
+ALIKE = 1e-3  # share of what is left by which two ways to turn joints are equally good
+Way = tuple[int, tuple[int, int]]
+"""A joint, and the signs of its q and its tau."""
 TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
 
 
@@ -86,11 +97,31 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
         }
         if not shares:
             return
-        (j, signs), share = min(shares.items(), key=lambda item: item[1])
-        yield j, (signs, share)
+        j, signs = _likeliest(shares, part, robot)
+        yield j, (signs, shares[j, signs])
         part = _with_signs(part, j, signs)
         view, left = TextbookView.of(part, robot, kept) or view, found[j, signs]
         asked.remove(j)
+
+
+def _likeliest(shares: Mapping[Way, float], part: Recording, robot: Robot) -> Way:
+    """The way that leaves least. Turning one of two joints is as good as turning the other with
+    everything mirrored or of negative mass; of such the one nearest to the URDF's bodies."""
+    least = min(shares.values())
+    alike = [way for way, share in shares.items() if share <= (1 + ALIKE) * least]
+    if len(alike) == 1:
+        return alike[0]
+    return max(alike, key=lambda way: _likeness(_with_signs(part, *way), robot))
+
+
+def _likeness(part: Recording, robot: Robot) -> float:
+    """Correlation of the torques with those of the URDF's bodies, over all joints."""
+    run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
+    c = run.context
+    bodies = run.lowpass(inverse_dynamics(robot, robot.parameters, c.q, c.dq, c.ddq))
+    scale = np.maximum(run.tau.std(axis=0), 1e-9)
+    a, b = (each * run.keep for each in (run.tau / scale, bodies / scale))
+    return float((a * b).sum() / max(np.linalg.norm(a) * np.linalg.norm(b), 1e-300))
 
 
 def surely_less(new: Array, old: Array) -> bool:
@@ -123,8 +154,8 @@ def _with_signs(part: Recording, joint: int, signs: tuple[int, int]) -> Recordin
 
 @dataclass(frozen=True)
 class TextbookView:
-    """Both sides of the textbook equation: columns (M, n, p), tau (M, n), which samples count, and
-    the block (M,) that each lies in."""
+    """Both sides of the textbook equation, with a spring in each joint: columns (M, n, p), tau
+    (M, n), which samples count, and the block (M,) that each lies in."""
 
     columns: Array
     tau: Array
@@ -135,7 +166,7 @@ class TextbookView:
     def of(part: Recording, robot: Robot, kept: NDArray[np.int64]) -> TextbookView | None:
         """None where there is too little motion."""
         run = prepare(replace(part, dq=None), robot, min(CUTOFF, part.rate / 8))
-        columns = textbook_columns(run, kept)
+        columns = np.concatenate([textbook_columns(run, kept), springs(run)], axis=2)
         keep = run.keep & steady_sign(run)
         if keep.sum() < 3 * columns.shape[2]:
             return None

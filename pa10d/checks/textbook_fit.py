@@ -17,13 +17,21 @@ def textbook_columns(run: RunEquation, kept: NDArray[np.int64]) -> Array:
     """(M, n, p): rigid bodies' base parameters ``kept``, and per joint rotor inertia, Coulomb,
     viscous friction, offset."""
     c = run.context
-    rigid = run.rigid_columns(kept)
-    parts = (c.ddq, np.sign(c.dq), c.dq, np.ones_like(c.dq))
-    n = c.robot.n
-    joint = np.zeros((run.lowpass.kept, n, len(parts) * n))
-    for k, part in enumerate(parts):
-        joint[:, range(n), range(k * n, (k + 1) * n)] = run.lowpass(part)
-    return np.concatenate([rigid, joint], axis=2)
+    own = [_own(run, part) for part in (c.ddq, np.sign(c.dq), c.dq, np.ones_like(c.dq))]
+    return np.concatenate([run.rigid_columns(kept), *own], axis=2)
+
+
+def springs(run: RunEquation) -> Array:
+    """(M, n, n): a spring of each joint's own."""
+    return _own(run, run.context.q)
+
+
+def _own(run: RunEquation, part: Array) -> Array:
+    """(M, n, n): a column per joint for what it does by itself."""
+    n = run.context.robot.n
+    out = np.zeros((run.lowpass.kept, n, n))
+    out[:, range(n), range(n)] = run.lowpass(part)
+    return out
 
 
 def steady_sign(run: RunEquation) -> NDArray[np.bool_]:

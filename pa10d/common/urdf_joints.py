@@ -11,7 +11,7 @@ MOVING = ("revolute", "continuous", "prismatic")
 def movable_joints(root: ET.Element) -> list[str]:
     """Names of those that move by themselves, in the order of the file; from the base to the tip
     where the file has a joint before one that carries it."""
-    written = [joint.get("name", "") for joint in root.iter("joint") if _moves(joint)]
+    written = [joint.get("name", "") for joint in root.findall("joint") if _moves(joint)]
     hung: dict[str, list[ET.Element]] = {}
     for joint in root.findall("joint"):
         hung.setdefault(_link(joint, "parent"), []).append(joint)
@@ -23,6 +23,32 @@ def movable_joints(root: ET.Element) -> list[str]:
     place = {name: k for k, name in enumerate(written)}
     upright = all(place[above] < place[name] for name, carriers in found for above in carriers)
     return written if upright else names
+
+
+def followers(root: ET.Element) -> dict[str, str]:
+    """Joints that do not move by themselves -> the one that moves them, through others as well."""
+    mimics = [(joint.get("name", ""), joint.find("mimic")) for joint in root.findall("joint")]
+    leads = {name: mimic.get("joint", "") for name, mimic in mimics if mimic is not None}
+    found = {}
+    for name in leads:
+        lead, seen = leads[name], {name}
+        while lead in leads and lead not in seen:
+            seen.add(lead)
+            lead = leads[lead]
+        found[name] = lead
+    return found
+
+
+def carried_by(root: ET.Element, joint: str) -> set[str]:
+    """Names of the joints, of whatever kind, that hang on the link that a joint moves."""
+    joints = root.findall("joint")
+    links = {_link(one, "child") for one in joints if one.get("name") == joint}
+    found: set[str] = set()
+    while links:
+        hung = [one for one in joints if _link(one, "parent") in links]
+        links = {_link(one, "child") for one in hung if one.get("name", "") not in found}
+        found |= {one.get("name", "") for one in hung}
+    return found
 
 
 def tell_apart(root: ET.Element) -> None:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.common.urdf_joints import movable_joints, tell_apart
+from pa10d.common.urdf_joints import carried_by, followers, movable_joints, tell_apart
+from pa10d.common.urdf_xml import urdf_root
 from pa10d.dynamics.environment import EMPTY, Box, Environment
 from pa10d.dynamics.urdf_check import check_urdf
 
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}")  # of its elements
+XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
+"""Of its elements: the address of the name space has changed over the years."""
 IS_XACRO = "{0}: a xacro file; expected the URDF that 'xacro {0} > robot.urdf' makes"
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 USUAL_GAIN_ERROR = 0.05  # share of its value to which a torque constant is known unless stated
@@ -140,6 +142,7 @@ def robot_from_urdf(
         raise UserError(f"{where}: no movable joint; expected revolute or prismatic joints")
     if len(set(chosen)) != len(chosen):
         raise UserError(f"{where}: joints: a name stands twice in {', '.join(chosen)}")
+    _refuse_what_others_move(root, chosen, where)
     clean = _without_meshes(root)
     try:
         model, names = _reduced_model(clean, tuple(chosen))
@@ -219,26 +222,40 @@ def _per_joint(profile: Profile, key: str, values: Any, n: int) -> Array:
     return np.array(values, dtype=float)
 
 
-def _read(urdf: str | Path) -> tuple[str, str]:
+def _read(urdf: str | Path) -> tuple[str | bytes, str]:
+    """Bytes of a file: XML says itself how its letters are written."""
     if isinstance(urdf, str) and urdf.lstrip().startswith("<"):
         return urdf, "URDF"
     try:
-        return Path(urdf).read_text(encoding="utf-8"), str(urdf)
-    except (OSError, UnicodeDecodeError) as error:
+        return Path(urdf).read_bytes(), str(urdf)
+    except OSError as error:
         raise UserError(f"{urdf}: cannot be read as a URDF; expected an XML text file") from error
 
 
-def _parse(text: str, where: str) -> ET.Element:
+def _parse(text: str | bytes, where: str) -> ET.Element:
     try:
-        root = ET.fromstring(text)
-    except ET.ParseError as error:
-        if "<xacro:" in text:
+        root = urdf_root(text)
+    except ValueError as error:
+        if "<xacro:" in (text if isinstance(text, str) else text.decode("latin-1")):
             raise UserError(IS_XACRO.format(where)) from error
         raise UserError(f"{where}: not well-formed XML: {error}; expected a URDF") from error
-    if any(str(element.tag).startswith(XACRO) for element in root.iter()):
+    if any(XACRO.match(str(element.tag)) for element in root.iter()):
         raise UserError(IS_XACRO.format(where))
     check_urdf(root, where)
     return root
+
+
+def _refuse_what_others_move(root: ET.Element, chosen: Sequence[str], where: str) -> None:
+    """Joints that follow others are held still, which is right for the far side of a gripper; not
+    where they carry what is asked for: the arm's geometry would be another."""
+    for name, lead in followers(root).items():
+        beyond = [joint for joint in chosen if joint in carried_by(root, name)]
+        if lead in chosen and beyond:
+            raise UserError(
+                f"{where}: joint {name!r} follows {lead!r} (mimic) and carries {beyond[0]!r}; "
+                "expected an arm whose joints move by themselves: parallel linkages are not "
+                "modelled"
+            )
 
 
 def _without_meshes(root: ET.Element) -> str:

@@ -33,8 +33,11 @@ def _faults(root: ET.Element) -> Iterator[str]:
     for link in root.findall("link"):
         yield from _link(link, f"link {link.get('name')!r}")
     links = {link.get("name", "") for link in root.findall("link")}
+    joints = {joint.get("name", "") for joint in root.findall("joint")}
     for joint in root.findall("joint"):
-        yield from _joint(joint, f"joint {joint.get('name')!r}", links)
+        label = f"joint {joint.get('name')!r}"
+        yield from _joint(joint, label, links)
+        yield from _mimic(joint, label, joints)
     yield from _tree(root, links)
 
 
@@ -92,6 +95,17 @@ def _joint(joint: ET.Element, label: str, links: set[str]) -> Iterator[str]:
         lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
         if lower > upper:
             yield f"{label}: found limits {lower:g} … {upper:g}, expected the lower one first"
+
+
+def _mimic(joint: ET.Element, label: str, joints: set[str]) -> Iterator[str]:
+    mimic = joint.find("mimic")
+    if mimic is None:
+        return
+    lead = mimic.get("joint")
+    if lead not in joints:
+        yield f"{label}: found <mimic joint={lead!r}>, expected a joint that it follows"
+    for name in ("multiplier", "offset"):
+        yield from _number(mimic, name, label)
 
 
 def _origin(element: ET.Element, label: str) -> Iterator[str]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.urdf_xml import urdf_root
 from pa10d.dynamics import Robot
 from pa10d.dynamics.environment import Box
 from pa10d.figures.coarse import coarser
@@ -102,8 +103,7 @@ def mesh(data: str, profile: str, number: int) -> str:
 def _meshes(profile: str) -> tuple[tuple[LinkShape, ...], tuple[str, ...]]:
     """Visual bodies of the URDF, and what could not be read."""
     found, robot = load_profile(profile), load_robot(profile)[1]
-    text = found.urdf.read_text(encoding="utf-8")
-    root = ET.fromstring(text)
+    root = urdf_root(found.urdf)
     notes = _forget_missing(root, found.urdf)
     if next(root.iter("visual"), None) is None:
         return (), tuple(notes)

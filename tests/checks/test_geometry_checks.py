@@ -11,6 +11,7 @@ from one_ur5e import recorded, ur5e
 
 from pa10d.checks import check_recording
 from pa10d.checks.geometry import check_geometry
+from pa10d.dynamics import inverse_dynamics, robot_from_urdf
 from pa10d.measurement.counters import lost_sign, upper_half
 from pa10d.measurement.recording import Recording
 from pa10d.readers import read_recording
@@ -54,6 +55,36 @@ def test_a_clean_recording_is_silent(clean, robot):
 )
 def test_a_joint_turned_round_is_named_with_its_line(clean, robot, joint, q, tau, line):
     assert _said(_turned(clean, joint, q, tau), robot) == [("turned", joint, line)]
+
+
+STANDING = """<robot name="two"><link name="base"/>
+<joint name="a" type="continuous"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/></joint>
+<link name="l1"><inertial><mass value="3"/><origin xyz="0.04 0 0.2"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="b" type="continuous"><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/>
+<origin xyz="0 0 0.4"/></joint>
+<link name="l2"><inertial><mass value="2"/><origin xyz="0.02 0 0.15"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("joint", "q", "tau"), [(None, 1, 1), (1, 1, -1), (2, 1, -1), (1, -1, -1), (2, -1, -1)]
+)
+def test_a_spring_that_outweighs_gravity_turns_no_joint_round(joint, q, tau):
+    """Gravity pulls both links down with the sum of their angles; a spring in the elbow that is
+    twice as strong looks like gravity with the difference."""
+    robot = robot_from_urdf(STANDING)
+    rng = np.random.default_rng(1)
+    t = np.arange(4000) / 200.0
+    w, a, p = 2 * np.pi * rng.uniform(0.08, 0.9, (6, 2)), *rng.uniform(0.1, 0.3, (2, 6, 2))
+    angle = w * t[:, None, None] + 20 * p
+    angles, speeds = (a * np.sin(angle)).sum(1), (a * w * np.cos(angle)).sum(1)
+    pushes = -(a * w**2 * np.sin(angle)).sum(1)
+    torques = inverse_dynamics(robot, robot.parameters, angles, speeds, pushes) + 2 * speeds
+    torques += rng.normal(0, 0.05, torques.shape) + angles * [0, 6]
+    run = Recording("sprung", t, angles, torques, None)
+    found = _said(run if joint is None else _turned(run, joint, q, tau), robot)
+    assert [(code, which) for code, which, _ in found] == [("turned", joint)] * (joint is not None)
 
 
 def test_torques_of_the_motor_side_are_named_with_their_factor(clean, robot):

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
+from backends.limits import axis_limits
 from backends.virtual.plant.arm import reduced_model
-from pa10d.dynamics import inverse_dynamics, robot_from_urdf
+from pa10d.common.errors import UserError
+from pa10d.dynamics import inverse_dynamics, robot_from_profile, robot_from_urdf
+from pa10d.profile import load_profile
 
 BODY = (
     '<inertial><mass value="{m}"/><origin xyz="0.1 0 0.2"/>'
@@ -82,3 +87,79 @@ def test_a_joint_that_follows_another_does_not_move_by_itself(tmp_path):
     assert robot_from_urdf(text).joint_names == ("pan", "lift")
     (tmp_path / "arm.urdf").write_text(text)
     assert list(reduced_model(tmp_path / "arm.urdf", None).names)[1:] == ["pan", "lift"]
+
+
+def test_what_carries_the_arm_and_follows_is_no_joint_to_hold_still():
+    """A linkage that keeps the tool level: held at zero it would be an arm of another geometry."""
+    level = joint("level", "l2", "l3", more='<mimic joint="lift" multiplier="-1"/>')
+    tool = joint("roll", "l3", "l4")
+    with pytest.raises(UserError, match=r"'level' follows 'lift' \(mimic\) and carries 'roll'"):
+        robot_from_urdf(urdf(*CHAIN[:2], level, tool, *LINKS, link("l4", 1)))
+    through = joint("level", "l2", "l3", more='<mimic joint="other"/>')
+    other = joint("other", "l1", "l5", more='<mimic joint="lift"/>')
+    with pytest.raises(UserError, match="'level' follows 'lift'"):
+        robot_from_urdf(
+            urdf(*CHAIN[:2], through, other, tool, *LINKS, link("l4", 1), link("l5", 1))
+        )
+
+
+@pytest.mark.parametrize(
+    ("mimic", "said"),
+    [
+        ("<mimic/>", "joint 'finger': found <mimic joint=None>"),
+        ('<mimic joint="gone"/>', "joint 'finger': found <mimic joint='gone'>"),
+        ('<mimic joint="lift" multiplier="x"/>', "found <mimic multiplier='x'>, expected a number"),
+    ],
+)
+def test_who_follows_nobody_is_named(mimic, said, capfd):
+    with pytest.raises(UserError, match=re.escape(said)):
+        robot_from_urdf(urdf(*CHAIN[:2], joint("finger", "l2", "l3", more=mimic), *LINKS))
+    assert capfd.readouterr() == ("", "")  # the parser's own words stay away
+
+
+def test_joints_of_a_simulator_s_part_are_none_of_the_arm():
+    loop = (
+        '<gazebo><joint name="loop" type="revolute"><parent>l3</parent><child>base</child>'
+        "<axis><xyz>0 1 0</xyz></axis></joint></gazebo>"
+    )
+    assert robot_from_urdf(urdf(*CHAIN, *LINKS, loop)).joint_names == ("pan", "lift", "roll")
+
+
+@pytest.mark.parametrize(
+    ("declared", "encoding"),
+    [("UTF-16", "utf-16"), ("ISO-8859-1", "latin-1"), ("UTF-8", "utf-8-sig"), ("", "utf-16")],
+)
+def test_letters_are_as_the_file_says(tmp_path, declared, encoding):
+    head = f'<?xml version="1.0" encoding="{declared}"?>\n' if declared else ""
+    text = head + urdf(*CHAIN, *LINKS).replace('"arm"', '"Ärmchen"')
+    (tmp_path / "arm.urdf").write_bytes(text.encode(encoding))
+    assert robot_from_urdf(tmp_path / "arm.urdf").name == "Ärmchen"
+    assert reduced_model(tmp_path / "arm.urdf", None).nq == 3
+
+
+def test_a_blank_line_above_the_declaration_and_a_wrong_encoding(tmp_path):
+    (tmp_path / "arm.urdf").write_text("\n" + '<?xml version="1.0"?>' + urdf(*CHAIN, *LINKS))
+    assert robot_from_urdf(tmp_path / "arm.urdf").n == 3
+    (tmp_path / "arm.urdf").write_text('<?xml version="1.0" encoding="nix"?>' + urdf())
+    with pytest.raises(UserError, match=r"not well-formed XML: unknown encoding"):
+        robot_from_urdf(tmp_path / "arm.urdf")
+
+
+@pytest.mark.parametrize("address", ["http://wiki.ros.org/xacro", "https://www.ros.org/wiki/xacro"])
+def test_xacro_by_whatever_address(address):
+    text = urdf('<xacro:property name="m" value="1"/>', *CHAIN, *LINKS)
+    with pytest.raises(UserError, match="a xacro file"):
+        robot_from_urdf(text.replace("<robot", f'<robot xmlns:xacro="{address}"'))
+
+
+def test_drives_have_the_limits_of_their_own_joint(tmp_path):
+    """Whatever the file's order is, and whatever else is called a joint in it."""
+    follows = joint("finger", "l3", "l4", more='<mimic joint="roll"/>')
+    fast = CHAIN[0].replace('velocity="2"', 'velocity="7"')
+    parts = urdf(*reversed((fast, *CHAIN[1:])), follows, *LINKS, link("l4", 1))
+    (tmp_path / "arm.urdf").write_text(parts)
+    drives = ", ".join(f"{{node: {k}, counts_per_rev: 1000, rated_torque: 1}}" for k in range(1, 4))
+    (tmp_path / "arm.yaml").write_text(f"urdf: arm.urdf\ndrives: [{drives}]\n")
+    profile = load_profile(tmp_path / "arm.yaml")
+    assert robot_from_profile(profile).velocity.tolist() == [7, 2, 2]
+    assert [one.velocity for one in axis_limits(profile)] == [7, 2, 2]

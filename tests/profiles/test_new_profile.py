@@ -172,6 +172,36 @@ def test_a_gripper_s_fingers_are_left_out_and_said(folder, capsys):
     assert load_robot(place / "arm.yaml")[1].joint_names == ("a", "b")
 
 
+def _with_jaws(text, first="l1", second="l1"):
+    """A driven jaw behind the last link, and one that follows it."""
+    jaws = JOINT.format("jaw", "revolute", first, "l7", FULL, 0.1) + LINK.format("l7", 0.1, 0.1)
+    far = JOINT.format("far", "revolute", second, "l8", FULL + '<mimic joint="jaw"/>', 0.1)
+    return text.replace("</robot>", f"{jaws}{far}{LINK.format('l8', 0.1, 0.1)}</robot>")
+
+
+def test_a_gripper_of_two_jaws_is_left_out_and_said(folder, capsys):
+    folder(_with_jaws(robot(("a", "revolute", FULL), ("b", "revolute", FULL))))
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    said = capsys.readouterr().err
+    assert "warning: jaw left out, which far follows (mimic): taken for a gripper" in said
+    assert load_robot("arm.yaml")[1].joint_names == ("a", "b")
+
+
+def test_a_part_that_follows_the_arm_is_missing_in_it_and_said(folder, capsys):
+    folder(_with_jaws(robot(("a", "revolute", FULL), ("b", "revolute", FULL)), second="l7"))
+    assert main(["profile", "new", "robot.urdf"]) == 0
+    assert "warning: far follows jaw (mimic): held where it is zero" in capsys.readouterr().err
+    assert load_robot("arm.yaml")[1].joint_names == ("a", "b", "jaw")
+
+
+def test_limits_in_degrees_are_doubted(folder):
+    degrees = '<limit lower="-170" upper="170" effort="40" velocity="90"/>'
+    place = folder(robot(("a", "revolute", degrees), ("b", "continuous", "")))
+    doubts = [doubt for doubt in _doubts(place) if "degrees" in doubt]
+    assert len(doubts) == 1
+    assert "joint 1 (a) may turn from -170 to 170 rad" in doubts[0]
+
+
 def test_a_tree_is_asked_which_arm_it_is(folder, capsys):
     text = robot(("a", "revolute", FULL), ("b", "revolute", FULL))
     head = JOINT.format("head", "revolute", "l0", "l9", FULL, 0.3) + LINK.format("l9", 1, 0.01)

@@ -12,6 +12,7 @@ import pinocchio as pin
 from backends.virtual.plant.records import Array, Ints
 from pa10d.common.errors import UserError
 from pa10d.common.urdf_joints import movable_joints, tell_apart
+from pa10d.common.urdf_xml import urdf_root
 from pa10d.profile import Profile
 
 
@@ -37,11 +38,11 @@ class Arm(NamedTuple):
 def reduced_model(urdf: Path, joints: list[str] | None) -> pin.Model:
     """Pinocchio's model of the profile's joints, all others locked at zero."""
     try:
-        root = ET.parse(urdf).getroot()
+        root = urdf_root(urdf)
         wanted = movable_joints(root) if joints is None else joints
         tell_apart(root)
         full = pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
-    except (ValueError, ET.ParseError) as error:
+    except ValueError as error:
         raise UserError(f"{urdf}: cannot be read as a URDF: {error}") from error
     movable = list(full.names)[1:]
     if missing := [name for name in wanted if name not in movable]:

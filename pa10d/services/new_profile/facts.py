@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.urdf_joints import carried_by, followers
+from pa10d.common.urdf_xml import urdf_root
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.dynamics.regressor import inverse_dynamics
 from pa10d.dynamics.robot import STANDARD_GRAVITY, Robot, robot_from_urdf
@@ -19,6 +22,7 @@ Array = NDArray[np.float64]
 
 TRIES = 2000  # poses among which one is looked for that meets nothing
 POSES = 200  # drawn at random, to see how heavy the arm is
+IN_DEGREES = 50.0  # rad either way, eight turns: more than any joint with a limit has
 TRIANGLE = 1e-6  # share by which rounded digits may break the triangle of principal moments
 
 
@@ -47,13 +51,14 @@ def facts_of(urdf: Path, joints: Sequence[str] | None = None) -> ArmFacts:
     still = np.zeros_like(poses)
     weight = np.abs(inverse_dynamics(robot, robot.parameters, poses, still, still)).max(axis=0)
     turned = np.diagonal(mass_matrices(robot, poses), axis1=1, axis2=2).max(axis=0)
-    return ArmFacts(robot, weight, turned, [*doubts, *_doubts(robot)], _home(robot))
+    doubts += [*_follow(urdf, robot), *_doubts(robot)]
+    return ArmFacts(robot, weight, turned, doubts, _home(robot))
 
 
 def _that_can_move(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:
     """Without joints that no plan has room for, such as the fingers of a gripper; and what to ask
     whoever has a robot of several arms."""
-    said = []
+    robot, said = _without_grippers(urdf, robot)
     narrow = robot.upper - robot.lower <= 2 * POSITION_MARGIN
     if narrow.any() and not narrow.all():
         left = [name for name, flag in zip(robot.joint_names, narrow, strict=True) if flag]
@@ -70,6 +75,43 @@ def _that_can_move(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:
             "a head or a second arm? --joints names those of the arm"
         )
     return robot, said
+
+
+def _without_grippers(urdf: Path, robot: Robot) -> tuple[Robot, list[str]]:
+    """Without the one joint of a gripper that moves by itself: it carries no other that does, and
+    the far side of the gripper follows it."""
+    root = urdf_root(urdf)
+    names, kept, said = robot.joint_names, [*robot.joint_names], []
+    for lead, parts in _led(root).items():
+        carried = carried_by(root, lead)
+        if lead not in names or carried & {*names} or carried >= {*parts} or len(kept) == 1:
+            continue
+        kept.remove(lead)
+        said.append(
+            f"{lead} left out, which {', '.join(parts)} follows (mimic): taken for a gripper, it "
+            "is held where it is zero; --joints names others"
+        )
+    if said:
+        robot = robot_from_urdf(urdf, kept, STANDARD_GRAVITY)
+    return robot, said
+
+
+def _follow(urdf: Path, robot: Robot) -> Iterator[str]:
+    """Parts that move along with the arm, and are held still by every model of it."""
+    for lead, parts in _led(urdf_root(urdf)).items():
+        if lead in robot.joint_names:
+            yield (
+                f"{', '.join(parts)} follows {lead} (mimic): held where it is zero, so what it "
+                "moves is missing in every model of this arm"
+            )
+
+
+def _led(root: ET.Element) -> dict[str, list[str]]:
+    """Joints -> those that follow them."""
+    found: dict[str, list[str]] = {}
+    for part, lead in followers(root).items():
+        found.setdefault(lead, []).append(part)
+    return found
 
 
 def _home(robot: Robot) -> Array | None:
@@ -108,6 +150,12 @@ def _doubts(robot: Robot) -> Iterator[str]:
             "and a simulated arm weighs nothing"
         )
         return
+    for j in np.flatnonzero(np.abs([robot.lower, robot.upper]).max(axis=0) > IN_DEGREES):
+        if np.isfinite(robot.upper[j]) and not robot.prismatic[j]:
+            yield (
+                f"joint {j + 1} ({robot.joint_names[j]}) may turn from {robot.lower[j]:g} to "
+                f"{robot.upper[j]:g} rad: a URDF's limits in degrees?"
+            )
     carried = robot.carries() @ mass
     for j in np.flatnonzero(carried <= 0):
         yield f"joint {j + 1} ({robot.joint_names[j]}) carries no mass in the URDF"
