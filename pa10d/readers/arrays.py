@@ -301,7 +301,7 @@ def _called(place: Place) -> str:
 def _samples_in(leaves: Sequence[tuple[Place, Array]]) -> int:
     """As many as there are stamps; without any as the longest array has."""
     clocks = [len(v) for place, v in leaves if place[-1].lower() in CLOCKS and v.ndim == 1]
-    return max(clocks or [len(v) for _, v in leaves if v.ndim], default=0)
+    return max(clocks or [max(v.shape) for _, v in leaves if v.ndim], default=0)
 
 
 def _rows(values: Array, length: int) -> Array | None:
@@ -339,14 +339,15 @@ def _seconds(moments: Any) -> Array:
 
 
 def _listed(name: str, values: Any) -> dict[str, Any]:
-    """An array of structs: each by its number, Simulink's signals by their labels."""
+    """An array of structs: each by its number, Simulink's signals and those of its data sets
+    by their labels."""
     each = list(np.ravel(np.asarray(values, dtype=object)))
     if (rows := _one_a_sample(each)) is not None:
         return rows
     out: dict[str, Any] = {}
     for k, value in enumerate(each, 1):
         if isinstance(value, Mapping):
-            label = str(value.get("label") or "")
+            label = str(value.get("label") or value.get("Name") or "")
             out[label or f"{name}{k}"] = value.get("values", value)
     return out
 

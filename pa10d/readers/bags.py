@@ -42,8 +42,9 @@ def read_bag(
     is meant, or several with commas between them, whatever the others hold.
     """
     seen: dict[str, BagTopic] = {}
+    remarks: list[str] = []
     try:
-        with _as_called(path) as named, _reader(named) as reader:
+        with _as_called(path) as named, _reader(named, remarks) as reader:
             wanted = [c for c in reader.connections if c.msgtype in TAKES]
             if not wanted and getattr(reader, "cut", []):
                 raise UserError(
@@ -82,10 +83,10 @@ def read_bag(
     others = ", ".join(sorted(set(seen) - set(taken)))
     kept = {name: seen[name] for name in taken}
     seen.clear()
-    remarks = []
+    unlisted = [] if remarks else _unlisted(path)
     if cut:
         remarks.append(f"{', '.join(cut)}: cut off or damaged, read as far as it is whole")
-    if unlisted := _unlisted(path):
+    if unlisted:
         remarks.append(f"{', '.join(unlisted)}: not in metadata.yaml, left out")
     if len(taken) > 1:
         each = (f"{_listed(kept[name].joints(joints), joints)} from {name}" for name in taken)
@@ -151,23 +152,42 @@ def _listed(some: set[str], joints: Sequence[str]) -> str:
     return ", ".join(joint for joint in joints if joint in some)
 
 
-def _reader(path: Path) -> Any:
-    """rosbags' own, or one for MCAP files that it leaves alone."""
-    from rosbags.highlevel import AnyReader
+@contextmanager
+def _reader(path: Path, remarks: list[str]) -> Iterator[Any]:
+    """rosbags' own, or one for MCAP files that it leaves alone. remarks: is told where a bag's
+    metadata are damaged, or of a version that rosbags does not know: its files say the same."""
+    from rosbags.highlevel import AnyReader, AnyReaderError
     from rosbags.typesys import Stores, get_typestore
 
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     for file in (*files, *path.glob("*.db3")):
         refuse_stand_in(file, first_bytes(file, 64))
     if any(map(is_odd_mcap, files)):
-        return McapStream(files)
-    return AnyReader(_opened(path), default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        with McapStream(files) as stream:
+            yield stream
+        return
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    described = (path / "metadata.yaml").is_file()
+    reader = AnyReader([path] if described else _opened(path), default_typestore=types)
+    try:
+        reader.open()
+    except AnyReaderError as error:
+        if not described or not any(any(path.glob(f"*{kind}")) for kind in KINDS):
+            raise
+        said = str(error).strip().splitlines()[0][:120]
+        remarks.append(f"its metadata.yaml cannot be used ({said}): read without it")
+        reader = AnyReader(_opened(path), default_typestore=types)
+        reader.open()
+    try:
+        yield reader
+    finally:
+        reader.close()
 
 
 def _opened(path: Path) -> list[Path]:
-    """rosbags opens single files of both kinds, and folders by their metadata; a folder that has
-    lost it is all of its files, of one kind."""
-    if not path.is_dir() or (path / "metadata.yaml").is_file():
+    """rosbags opens single files of both kinds; a folder that has lost its metadata is all of its
+    files, of one kind."""
+    if not path.is_dir():
         return [path]
     kinds = [sorted(path.glob(f"*{kind}")) for kind in (".mcap", ".db3", ".bag")]
     there = [files for files in kinds if files]

@@ -3,6 +3,8 @@ profile is not ROS 2's, which rosbags leaves alone."""
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +18,30 @@ END = b"\x89MCAP0\r\n"
 PROFILE = "ros2"
 FORMS = {"cdr": "deserialize_cdr", "ros1": "deserialize_ros1"}
 """How messages are encoded -> how rosbags reads them."""
+JSON = "json"
+ABSENT = {"name", "joint_names", "position", "velocity", "effort", "positions", "velocities"}
+"""Lists that a message in JSON may leave away."""
+FINE = ("nanosec", "nsec", "nsecs")
+
+
+class JsonMessage:
+    """A message of ROS that somebody wrote in JSON: its fields are attributes, as rosbags has
+    them; stamps have the names of ROS 2; null is nan."""
+
+    def __init__(self, fields: dict[str, Any]) -> None:
+        if "secs" in fields:
+            fields["sec"] = fields["secs"]
+        for name in FINE:
+            if name in fields:
+                fields["nanosec"] = fields[name]
+        for name, value in fields.items():
+            bare = isinstance(value, list) and None in value
+            setattr(self, name, [math.nan if v is None else v for v in value] if bare else value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ABSENT:
+            return []
+        raise UserError(f"a message in JSON has no field {name}; expected those of ROS")
 
 
 @dataclass(frozen=True)
@@ -79,13 +105,14 @@ class McapStream:
         store = Stores.EMPTY if definitions else Stores.ROS2_HUMBLE
         self._types = get_typestore(store)
         self._types.register(definitions)
-        strange = sorted({c.encoding for c in self.connections} - {*FORMS})
-        self.connections = [c for c in self.connections if c.encoding in FORMS]
+        known = {*FORMS, JSON}
+        strange = sorted({c.encoding for c in self.connections} - known)
+        self.connections = [c for c in self.connections if c.encoding in known]
         if strange and not self.connections:
             raise UserError(
-                f"messages in {', '.join(strange)}; expected cdr or ros1, as ROS has it"
+                f"messages in {', '.join(strange)}; expected cdr or ros1, as ROS has it, or json"
             )
-        self._forms = {c.msgtype: FORMS[c.encoding] for c in self.connections}
+        self._forms = {c.msgtype: c.encoding for c in self.connections}
         return self
 
     def __exit__(
@@ -109,7 +136,10 @@ class McapStream:
 
     def deserialize(self, raw: bytes, msgtype: str) -> Any:
         """The message."""
-        return getattr(self._types, self._forms[msgtype])(raw, msgtype)
+        form = self._forms[msgtype]
+        if form == JSON:
+            return json.loads(raw, object_hook=JsonMessage)
+        return getattr(self._types, FORMS[form])(raw, msgtype)
 
     def _records(self) -> Iterator[tuple[int, Any]]:
         from mcap.stream_reader import StreamReader
@@ -125,6 +155,9 @@ class McapStream:
 
 
 def _full(name: str) -> str:
-    """sensor_msgs/JointState, as ROS 1 calls it -> sensor_msgs/msg/JointState."""
+    """sensor_msgs/JointState, as ROS 1 calls it -> sensor_msgs/msg/JointState; names that are none
+    of ROS stay."""
+    if "/" not in name:
+        return name
     package, _, kind = name.partition("/")
     return name if "/" in kind else f"{package}/msg/{kind}"

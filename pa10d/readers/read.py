@@ -22,9 +22,10 @@ from pa10d.readers.signatures import (
     refuse_stand_in,
 )  # fmt: skip
 from pa10d.readers.table import ForeignTable, recording_of
+from pa10d.store.column_guess import tells_time
 from pa10d.store.column_mapping import read_mapping
 from pa10d.store.csv_import import CsvRecording, read_columns, read_csv
-from pa10d.store.csv_locate import is_gzip
+from pa10d.store.csv_locate import is_comment, is_gzip
 from pa10d.store.run_info import BAG
 from pa10d.store.run_reader import read_run
 
@@ -199,7 +200,7 @@ def _is_plain_csv(path: Path) -> bool:
         line = first.decode("utf-8-sig")
     except UnicodeDecodeError:
         return False
-    if "\0" in line or "\r" in line.rstrip("\r") or line.lstrip().startswith(text.COMMENT):
+    if "\0" in line or "\r" in line.rstrip("\r") or is_comment(line):
         return False
     names = [cell.strip() for cell in line.split(",")]
     if len(names) < 3 or any(sign in line for sign in (";", "\t")) or text.numbers(names):
@@ -207,6 +208,8 @@ def _is_plain_csv(path: Path) -> bool:
     below = rest.partition(b"\n")[0].decode("utf-8", "replace")
     if text.numbers(names[:2]):
         return False  # a row, not names
+    if not names[0] and not any(map(tells_time, names)):
+        return False  # an index, which may be the time
     if echoed.names_its_joints(names) or any(map(vectors.is_vector, below.split(","))):
         return False
     if WITHIN.search(rest.decode("utf-8", "replace")):

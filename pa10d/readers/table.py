@@ -14,11 +14,13 @@ from pa10d.readers.part import Parts
 from pa10d.readers.value_guess import guessed_by_value, one_block
 from pa10d.store.channels import Array, Samples
 from pa10d.store.column_choices import rules_of
-from pa10d.store.column_mapping import Rule, Unit, resolve, stamps_of
+from pa10d.store.column_mapping import Rule, Unit, of_strange_units, resolve, stamps_of
 from pa10d.store.csv_header import Columns, Header
 from pa10d.store.csv_import import (
     FEWEST,
     CsvRecording,
+    begins_anew,
+    of_others,
     timing_sentences,
     unit_since_1970,
     with_clock,
@@ -66,6 +68,9 @@ def recording_of(
             f"{path}:1: found numbers, expected a header time,q1,…,tau1,… above them, or "
             f"--map {_by_value(table, n)} ({len(names)} columns)"
         ) from error
+    table.columns, others = _with_motion(table.columns, [names[k] for k in columns.of_the_motion()])
+    columns.warnings += [of_others(str(path), others)] if others else []
+    columns.warnings += of_strange_units(resolved, str(path))
     cells = _Cells(path, names, table.columns, resolved.units)
     t = stamps_of(cells.take(columns.time), resolved.units.get(names[columns.time], Unit()))
     if len(t) < FEWEST:
@@ -77,8 +82,9 @@ def recording_of(
     if len(back):
         row = int(back[0]) + 1
         raise UserError(
-            f"{path}: column {names[columns.time]}: sample {row + 1} is at {t[row]:.9g} s after "
-            f"{t[row - 1]:.9g} s, expected stamps that rise"
+            f"{path}: column {names[columns.time]}: sample {row + 1} is at {t[row]:.15g} s after "
+            f"{t[row - 1]:.15g} s, expected stamps that rise"
+            + begins_anew(t, row, names[columns.time], resolved.units.get(names[columns.time]))
         )
     if not t[-1] > t[0]:
         raise UserError(f"{path}: all samples have one stamp; expected a recording of a motion")
@@ -101,6 +107,17 @@ def recording_of(
         samples, zero, timing, [*remarks, *columns.warnings], said, called, resolved.said, wraps,
         table.parts.another if table.parts else "",
     )  # fmt: skip
+
+
+def _with_motion(
+    columns: Mapping[str, Array], motion: Sequence[str]
+) -> tuple[Mapping[str, Array], int]:
+    """Without the rows in which all of ``motion`` is nan, and how many those are."""
+    there = [np.asarray(columns[name], dtype=np.float64) for name in motion]
+    if len({len(values) for values in there}) != 1 or not np.isnan(there[0]).any():
+        return columns, 0
+    keep = ~np.logical_and.reduce([np.isnan(values) for values in there])
+    return {name: np.asarray(v)[keep] for name, v in columns.items()}, int((~keep).sum())
 
 
 def _by_value(table: ForeignTable, n: int) -> str:

@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
-from pa10d.readers import decimals, echoed, vectors
+from pa10d.readers import decimals, echoed, labview, vectors
 from pa10d.readers.moments import seconds_since_first
 from pa10d.readers.packed import DAMAGED, unpacked
 from pa10d.readers.table import ForeignTable
 from pa10d.store.channels import Array
+from pa10d.store.column_guess import tells_time
 from pa10d.store.column_mapping import UNITS
-from pa10d.store.csv_locate import most_unpacked
+from pa10d.store.csv_locate import is_comment, most_unpacked
 
 DELIMITERS = (";", "\t", "|", ",")
-COMMENT = ("#", "%", "//")
 FINE = {
     "nanosec": 1e-9, "nsec": 1e-9, "nsecs": 1e-9, "nanosecs": 1e-9, "usec": 1e-6, "usecs": 1e-6,
     "microsec": 1e-6,
@@ -44,11 +44,11 @@ _EXCEL = re.compile(r"sep=(.)", re.I)
 def read_text(path: Path) -> ForeignTable:
     """Every column that holds numbers, and what stands for them."""
     text = _decoded(path)
-    lines = text.splitlines()
+    lines = labview.bare_table(text.splitlines())
     by_rostopic = bool(lines) and echoed.by_rostopic(lines[0])
     lines[:1] = [echoed.bare_header(line) for line in lines[:1]]
     comments = 0
-    while comments < len(lines) and _is_comment(lines[comments]):
+    while comments < len(lines) and is_comment(lines[comments]):
         comments += 1
     body = lines[comments:]
     while body and not body[0].strip():
@@ -213,10 +213,6 @@ def _wide(raw: bytes) -> str | None:
     return None
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(COMMENT)
-
-
 def _delimiter(line: str) -> str:
     counts = {sign: line.count(sign) for sign in DELIMITERS}
     best = max(DELIMITERS, key=lambda sign: counts[sign])
@@ -276,8 +272,10 @@ def _columns(
     rows = [
         (below + k, _cells(line, delimiter))
         for k, line in enumerate(body)
-        if line.strip() and not _is_comment(line)
+        if line.strip() and not is_comment(line)
     ]
+    if all(len(cells) == len(names) + 1 and not cells[-1] for _, cells in rows):
+        rows = [(line, cells[:-1]) for line, cells in rows]  # a sign behind each value
     for line, cells in rows:
         if len(cells) != len(names):
             last = "; was the file cut off?" if line == rows[-1][0] else ""
@@ -294,10 +292,13 @@ def _columns(
         ) from error
     out: dict[str, Array] = {}
     words: dict[str, list[str]] = {}
+    timeless = not any(map(tells_time, names))
     for k, name in enumerate(names):
         values = decimals.values_of(tidy[k], styles[k])
         if all(value is not None for value in values):
-            out[name] = np.array(values, dtype=np.float64)
+            numbers = np.array(values, dtype=np.float64)
+            is_clock = not name and not k and timeless and not _counts(numbers)
+            out["time" if is_clock else name] = numbers
         elif (stamps := seconds_since_first(columns[k])) is not None:
             out[name if name or "time" in names else "time"] = stamps
         elif sum(value is not None for value in values) > len(values) / 2:
@@ -309,3 +310,8 @@ def _columns(
         else:
             words[name] = columns[k]
     return out, words
+
+
+def _counts(values: Array) -> bool:
+    """Whether an index is the number of the row and nothing else."""
+    return bool((np.diff(values) == 1).all())

@@ -11,7 +11,7 @@ from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
 WORDS = {
     "dq": r"velocit|veloc|\b(act)?vel|speed|qdot|\bdq|\bqd\b|theta ?d(ot)?\b|omega|geschwindigkeit",
     "tau": r"effort|torque|\btau|\btrq|\bqfrc|moment|\bmom|\beff\b",
-    "i": r"current|\bcur|amp|\bstrom",
+    "i": r"current|\bcur|\bamp(s|eres?)?\d*\b|\bstrom",
     "temp": r"temp",
     "q": r"position|\b(act)?pos|angle|\bang|\bq|theta|phi|winkel",
 }
@@ -39,7 +39,7 @@ TIMES = {
     "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
     "zeit", "ts", "tout", "x_value",
 }  # fmt: skip
-_A_TIME = re.compile(r"time|stamp|zeit|\bdate\b|\bclock\b|elapsed", re.I)
+_A_TIME = re.compile(r"time|stamp|zeit|\bdate\b|\bclock\b|elapsed|\bduration\b", re.I)
 _NUMBER = re.compile(r"\d+")
 _UNIT = re.compile(r"_(deg|mrad|rad|ms|us|ns|Nm|mNm|cNm|rpm)(_s|_?ps)?\d*$")
 
@@ -57,7 +57,7 @@ def guessed(
     out = []
     if not demanded:
         times = [name for name in names if _bare(name) in TIMES]
-        times = times or [name for name in names if _A_TIME.search(_plain(name))]
+        times = times or [name for name in names if tells_time(name)]
         out = [Choice(name, "time", unit_in(name)) for name in sorted(times, key=_not_time)[:1]]
     taken = {choice.column for choice in out}
     open_to = [
@@ -73,6 +73,11 @@ def guessed(
                 out += [Choice(name, f"{field}{j}", unit_in(name)) for j, name in named]
                 break
     return out
+
+
+def tells_time(name: str) -> bool:
+    """Whether a column is called like stamps."""
+    return _bare(name) in TIMES or bool(_A_TIME.search(_plain(name)))
 
 
 def was_asked_for(name: str) -> bool:

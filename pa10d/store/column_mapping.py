@@ -34,6 +34,12 @@ PERIOD = re.compile(r"wrap(2pi|\d+(?:\.\d+)?(?:e\d+)?)")
 WORDS = {"i8": 2.0**8, "i16": 2.0**16, "i32": 2.0**32}
 """Numbers with a sign that were read without it: 65535 for -1."""
 _WITH_UNIT = re.compile(r"(.+?)\s*[\[(]([^\[\]()]+)[\])]")
+_STRANGE = re.compile(
+    r"%|‰|per ?(cent|mil+e?)|.*%|counts?|cts?|inc(rements?)?|ticks?|pulses?|lsb|raw|m?V|volts?|W|"
+    r"(ft|in|lbf?|oz(f)?|kgf?|kp|gf?)[\W_]*(ft|in|lbf?|ozf?|c?m)?",
+    re.I,
+)
+"""Shares of a rated torque, numbers of a converter, units of other systems."""
 _OPERATOR = re.compile(r"[*/]")
 _NUMBER = "{n}"
 _FROM_ZERO = "{n-1}"
@@ -99,6 +105,21 @@ def own_unit(name: str) -> str:
     """What stands in brackets behind a column's name; '' where that is no unit."""
     match = _WITH_UNIT.fullmatch(name)
     return match[2].strip() if match and match[2].strip() in UNITS else ""
+
+
+def of_strange_units(given: Resolved, where: str) -> list[str]:
+    """Sentences on columns that are taken as they are, and say themselves that they are in a unit
+    that is not known."""
+    said = []
+    for name, meant in given.fields.items():
+        match = _WITH_UNIT.fullmatch(name)
+        unit = match[2].strip() if match else ""
+        if name not in given.units and unit not in UNITS and _STRANGE.fullmatch(unit):
+            said.append(
+                f"{where}: {name} is taken as it is, though {unit} is no unit that is known: "
+                f"--map '{name}[FACTOR]={meant}' with what one of it is in SI"
+            )
+    return said
 
 
 def names_an_angle(unit: str) -> bool:

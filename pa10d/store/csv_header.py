@@ -48,6 +48,14 @@ class Columns:
                 f"the {quantity} are kept as extra channels only"
             )
 
+    def of_the_motion(self) -> list[int]:
+        """Positions, torques and the currents that stand for them: a row in which all of these are
+        empty is of another signal, whose stamps stand in the same table."""
+        currents = self.current or [None] * len(self.tau)
+        pairs = zip(self.tau, currents, strict=True)
+        torques = (current if tau is None else tau for tau, current in pairs)
+        return [*self.q, *(column for column in torques if column is not None)]
+
     def required(self) -> list[int]:
         """Columns in which every cell must be a finite number."""
         lists: list[Sequence[int | None]] = [

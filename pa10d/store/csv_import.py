@@ -5,7 +5,7 @@ Arrow parses; where it finds fault, the file is read again line by line to say w
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
@@ -13,16 +13,34 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
-from pa10d.store.column_mapping import UNITS, Resolved, Unit, read_mapping, resolve, stamps_of
+from pa10d.store.column_mapping import (
+    UNITS,
+    Resolved,
+    Unit,
+    of_strange_units,
+    read_mapping,
+    resolve,
+    stamps_of,
+)
 from pa10d.store.csv_header import Columns, Header
-from pa10d.store.csv_locate import first_fault, is_gzip, line_of_row, refuse_bombs, rows
+from pa10d.store.csv_locate import (
+    first_fault,
+    is_comment,
+    is_gzip,
+    line_of_row,
+    refuse_bombs,
+    rows,
+)
 from pa10d.store.equal_steps import equal_steps
 
+CLOCK_BITS = (8, 16, 32)  # of counters that are logged for stamps
+CLOCK_ROUNDS = (1.0, 60.0, 3600.0, 86_400.0)  # s after which parts of a time of day begin anew
 SINCE_1970 = (3e8, 4.2e9)  # s: from 1979 to 2103
 FEWEST = 100  # samples; below that nothing can be filtered, let alone fitted
 
@@ -68,12 +86,14 @@ def read_csv(
         raise UserError(with_clock(str(error), _first_samples(path, names))) from error
     columns.units = {names.index(name): unit for name, unit in given.units.items()}
     table = _Table(path, columns)
+    columns.warnings += [of_others(str(path), table.others)] if table.others else []
+    columns.warnings += of_strange_units(given, f"{path}:1")
     columns.set_gappy_aside(str(path), table.gaps)
     warnings = list(columns.warnings)
     t = stamps_of(table.take(columns.time), columns.units.get(columns.time, Unit()))
     if len(t) < FEWEST:
         raise UserError(_too_few(path, len(t), "samples"))
-    _refuse_backwards(path, t)
+    _refuse_backwards(path, t, names[columns.time], columns.units.get(columns.time), table.line)
     distinct = 1 + int((np.diff(t) > 0).sum())
     if distinct < FEWEST:
         raise UserError(_too_few(path, distinct, "different stamps"))
@@ -145,6 +165,11 @@ def with_clock(said: str, columns: Mapping[str, Array]) -> str:
     return said
 
 
+def of_others(where: str, rows: int) -> str:
+    """What is said of rows that hold nothing of the robot."""
+    return f"{where}: {rows} rows without any position or torque, of other signals: left out"
+
+
 def timing_sentences(timing: Timing) -> list[str]:
     """What a user should know of how the stamps became equal steps."""
     said = []
@@ -178,6 +203,26 @@ class _Table:
         self.path, self._columns = path, columns
         self.left_out: list[str] = []
         self._table = _parse(path, columns)
+        self._kept: NDArray[np.intp] | None = None  # numbers of the rows that are left
+        self.others = self._leave_out(columns.of_the_motion())
+
+    def _leave_out(self, motion: Sequence[int]) -> int:
+        """Rows in which none of these columns has a value; how many there were."""
+        if not motion or not self._table[f"c{motion[0]}"].null_count:
+            return 0
+        import pyarrow as pa
+
+        nulls = [self._table[f"c{column}"].is_null().to_numpy() for column in motion]
+        empty = np.logical_and.reduce(nulls)
+        if not empty.any():
+            return 0
+        self._kept = np.flatnonzero(~empty)
+        self._table = self._table.filter(pa.array(~empty))
+        return int(empty.sum())
+
+    def line(self, row: int) -> int:
+        """The line of the file in which a row stands."""
+        return line_of_row(self.path, row if self._kept is None else int(self._kept[row]))
 
     def gaps(self, column: int) -> int:
         """Cells that are empty or no finite number."""
@@ -227,7 +272,8 @@ def _parse(path: Path, columns: Columns) -> Any:
             return csv.read_csv(
                 stream,
                 csv.ReadOptions(column_names=names, skip_rows=1, block_size=1 << 22),
-                convert_options=csv.ConvertOptions(
+                csv.ParseOptions(invalid_row_handler=_pass_over_comments),
+                csv.ConvertOptions(
                     column_types={f"c{k}": pa.float64() for k in required},
                     include_columns=[f"c{k}" for k in wanted],
                     check_utf8=False,
@@ -235,6 +281,10 @@ def _parse(path: Path, columns: Columns) -> Any:
             )
     except (pa.ArrowInvalid, OSError) as error:
         raise UserError(_fault(path, columns, str(error).splitlines()[0])) from error
+
+
+def _pass_over_comments(row: Any) -> str:
+    return "skip" if is_comment(row.text) else "error"
 
 
 def _fault(path: Path, columns: Columns, otherwise: str) -> str:
@@ -273,13 +323,27 @@ def _first_samples(path: Path, names: Sequence[str]) -> dict[str, Array]:
     return found
 
 
-def _refuse_backwards(path: Path, t: Array) -> None:
+def begins_anew(t: Array, row: int, name: str, unit: Unit | None) -> str:
+    """A ready mapping for stamps (N,) s that go back at ``row`` as a counter or a clock does that
+    begins anew; nothing for others. name: their column; unit: as it was read."""
+    factor = 1.0 if unit is None else unit.factor
+    back = (t[row - 1] - t[row] + max(float(np.median(np.diff(t))), 0.0)) / factor
+    for period in (*(2.0**bits for bits in CLOCK_BITS), *(s / factor for s in CLOCK_ROUNDS)):
+        if abs(back - period) < 0.01 * period:
+            times = "" if factor == 1 else f"*{factor:.10g}"
+            return f"; they begin anew: perhaps --map '{name}[wrap{period:.10g}{times}]=time'"
+    return ""
+
+
+def _refuse_backwards(
+    path: Path, t: Array, name: str, unit: Unit | None, line: Callable[[int], int]
+) -> None:
     back = np.flatnonzero(np.diff(t) < 0)
     if len(back):
         row = int(back[0]) + 1
         raise UserError(
-            f"{path}:{line_of_row(path, row)}: column time: found {t[row]:.9g} after "
-            f"{t[row - 1]:.9g}, expected stamps that rise"
+            f"{path}:{line(row)}: column time: found {t[row]:.15g} after "
+            f"{t[row - 1]:.15g}, expected stamps that rise{begins_anew(t, row, name, unit)}"
         )
 
 

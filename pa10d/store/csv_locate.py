@@ -13,6 +13,8 @@ from pa10d.common.errors import UserError
 
 LARGEST = 4 << 30  # bytes of a recording as text
 SMALL, RATIO = 64 << 20, 200  # bytes; times the compressed size
+COMMENT = ("#", "%", "//")
+"""What a line that is no row begins with."""
 GZIP = b"\x1f\x8b"
 
 
@@ -65,12 +67,17 @@ def lines(path: Path) -> Iterator[str]:
             ) from error
 
 
+def is_comment(line: str) -> bool:
+    """Whether a line is a remark on what stands around it."""
+    return line.lstrip().startswith(COMMENT)
+
+
 def rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """(line, cells) of every row that is not empty."""
+    """(line, cells) of every row that is neither empty nor a comment."""
     reader = csv.reader(lines(path), skipinitialspace=True)
     try:
         for cells in reader:
-            if cells:
+            if cells and not (reader.line_num > 1 and is_comment(cells[0])):
                 yield reader.line_num, cells
     except csv.Error as error:
         raise UserError(

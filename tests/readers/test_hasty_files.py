@@ -138,6 +138,94 @@ WHOLE = {
 }  # fmt: skip
 
 
+def of_labview(head, units=()):
+    """A measurement file of LabVIEW: two headers, and a column for remarks that rows do without."""
+
+    def write(folder):
+        above = [
+            "LabVIEW Measurement",
+            "Writer_Version\t2",
+            "Separator\tTab",
+            *head,
+            END,
+            "",
+            "Channels\t4",
+            "Samples\t600\t600\t600\t600",
+            *units,
+            "X0\t0.0\t0.0\t0.0\t0.0",
+            "Delta_X\t0.005\t0.005\t0.005\t0.005",
+            END,
+        ]
+        q = np.degrees(Q) if units else Q
+        names = "X_Value\tq1\tq2\ttau1\ttau2\tComment"
+        made = rows([T, *q.T, *TAU.T], "\t")
+        if any("," in line for line in head):
+            made = [row.replace(".", ",") for row in made]
+        (folder / "run.lvm").write_text("\n".join([*above, names, *made]) + "\n")
+        return folder / "run.lvm"
+
+    return write
+
+
+END = "***End_of_Header***"
+THIRD = np.arange(N) % 3 == 0
+
+
+def with_rows_of_others(sign, nothing=""):
+    """All signals over one clock: rows of another topic hold nothing of the robot."""
+
+    def write(folder):
+        made = [sign.join(["__time", *FLAT, "/tf/x"])]
+        for k, row in enumerate(rows(SAMPLES, sign)):
+            made.append(f"{row}{sign}{nothing}")
+            if THIRD[k]:
+                made.append(sign.join([str(T[k] + 0.002), *[nothing] * 4, "0.5"]))
+        (folder / "run.csv").write_text("\n".join(made) + "\n")
+        return folder / "run.csv"
+
+    return write
+
+
+def with_remarks(folder):
+    made = [",".join(NAMES), *rows(SAMPLES)]
+    made[300:300] = ["# paused, went on"]
+    (folder / "run.csv").write_text("\n".join([*made, "# the end"]) + "\n")
+    return folder / "run.csv"
+
+
+def with_a_sign_behind(folder):
+    made = [",".join(NAMES), *(f"{row}," for row in rows(SAMPLES))]
+    (folder / "run.csv").write_text("\n".join(made) + "\n")
+    return folder / "run.csv"
+
+
+WHOLE |= {
+    "LabVIEW": of_labview([]),
+    "LabVIEW, units and decimal commas": of_labview(
+        ["Decimal_Separator\t,"], ["Y_Unit_Label\tdeg\tdeg\tNm\tNm"]
+    ),
+    "rows of other signals": with_rows_of_others(","),
+    "rows of other signals, semicolons": with_rows_of_others(";"),
+    "rows of other signals in Parquet": table(
+        time=np.sort([*T, *(T[THIRD] + 0.002)]),
+        **{name: np.insert(values, np.flatnonzero(THIRD) + 1, np.nan)
+           for name, values in FLAT.items()},
+    ),
+    "remarks between rows": with_remarks,
+    "a sign behind each value": with_a_sign_behind,
+    "an index of seconds without a name": text("run.csv", SAMPLES, ["", *FLAT]),
+    "libfranka": text(
+        "run.csv", [T, *Q.T, *(Q + 0.1).T, *TAU.T, *(2 * TAU).T],
+        ["duration", *(f"state.{one}[{j}]" for one in ("q", "q_d", "tau_J", "tau_J_d")
+                       for j in (0, 1))],
+    ),
+    "a data set of Simulink": matlab(logsout={"Elements": structs(
+        ("Name", "Values"), ["q", "tau"],
+        [{"Time": T, "Data": Q}, {"Time": T, "Data": TAU}],
+    )}),
+}  # fmt: skip
+
+
 def mapped(refusal):
     found = re.search(r"perhaps --map ([^;]+)", refusal)
     assert found, refusal
@@ -156,6 +244,82 @@ def test_right_by_itself_or_by_the_line_of_its_refusal(tmp_path, robot, kind):
     np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-6)
     if found.samples.dq is not None:
         np.testing.assert_allclose(found.samples.dq, DQ, atol=1e-6)
+
+
+def test_rows_of_others_are_counted_and_a_line_is_still_the_file_s(tmp_path, robot):
+    path = with_rows_of_others(",")(tmp_path)
+    mapping = ["__time=time"]
+    found = read_recording(path, *robot, mapping)
+    assert (
+        "200 rows without any position or torque, of other signals: left"
+        in (found.header_warnings[0])
+    )
+    made = path.read_text().splitlines()
+    made[7] = made[7].replace("0.02,", "0.001,", 1)
+    assert made[7].startswith("0.001,"), made[7]
+    path.write_text("\n".join(made))
+    with pytest.raises(UserError, match=r"run.csv:8: column time: found 0.001 after 0.015"):
+        read_recording(path, *robot, mapping)
+
+
+def test_positions_and_torques_at_different_stamps_are_refused(tmp_path, robot):
+    made = ["time,q1,q2,tau1,tau2"]
+    for t, q1, q2, tau1, tau2 in zip(*SAMPLES, strict=True):
+        made += [f"{t},{q1},{q2},,", f"{t + 0.001},,,{tau1},{tau2}"]
+    (tmp_path / "run.csv").write_text("\n".join(made))
+    with pytest.raises(UserError, match=r"run.csv:2: column 4 .tau1.: found an empty cell"):
+        read_recording(tmp_path / "run.csv", *robot)
+
+
+def test_a_count_of_rows_is_no_time(tmp_path, robot):
+    path = text("run.csv", [np.arange(N), *FLAT.values()], ["", *FLAT])(tmp_path)
+    with pytest.raises(UserError, match="no column time; found q1, q2"):
+        read_recording(path, *robot)
+
+
+def test_stamps_are_no_currents(tmp_path, robot):
+    """The letters a, m, p stand in "timestamp", too, and there were as many as joints."""
+    names = ["time", "position_1", "position_2", "effort_1", "effort_2", "sample_1", "sample_2"]
+    path = text("run.csv", [*SAMPLES, T + 5, T + 6], names)(tmp_path)
+    with pytest.raises(UserError, match="perhaps --map") as caught:
+        read_recording(path, *robot)
+    assert "=i" not in str(caught.value)
+    found = read_recording(path, *robot, mapped(str(caught.value)))
+    assert found.samples.current is None
+
+
+@pytest.mark.parametrize(
+    ("name", "ticks", "period", "line"),
+    [
+        ("time_ms", 1e3, 2**16, "'time_ms[wrap65536*0.001]=time'"),
+        ("t_us", 1e6, 2**32, "'t_us[wrap4294967296*1e-06]=time'"),
+        ("time", 1.0, 60.0, "'time[wrap60]=time'"),
+    ],
+)
+def test_a_clock_that_begins_anew_goes_on_by_the_line_of_its_refusal(
+    tmp_path, robot, name, ticks, period, line
+):
+    stamps = np.mod(np.rint(T * 1000) / 1000 * ticks + period - ticks, period)
+    path = text("run.csv", [stamps.round(6), *FLAT.values()], [name, *FLAT])(tmp_path)
+    first = [] if ticks == 1 else [f"{name}[{'ms' if ticks == 1e3 else 'us'}]=time"]
+    with pytest.raises(UserError, match="they begin anew: perhaps --map") as caught:
+        read_recording(path, *robot, first)
+    assert line in str(caught.value)
+    found = read_recording(path, *robot, mapped(str(caught.value)))
+    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-6)
+    np.testing.assert_allclose(found.samples.q, Q, atol=1e-6)
+
+
+def test_a_unit_that_nobody_knows_is_said(tmp_path, robot):
+    """A share of the rated torque had been N·m without a word."""
+    names = ["time", "q1", "q2", "torque_1[%]", "torque_2[%]"]
+    path = text("run.csv", [*SAMPLES[:3], *(10 * TAU).T], names)(tmp_path)
+    found = read_recording(path, *robot, ["torque_{n}[%]=tau"])
+    assert "torque_1[%] is taken as it is, though % is no unit" in found.header_warnings[0]
+    assert "--map 'torque_1[%][FACTOR]=tau1'" in found.header_warnings[0]
+    mended = read_recording(path, *robot, ["torque_{n}[%][0.1]=tau"])
+    np.testing.assert_allclose(mended.samples.tau, TAU)
+    assert mended.header_warnings == []
 
 
 def twice(folder):

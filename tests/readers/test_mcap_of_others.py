@@ -50,8 +50,8 @@ def written(folder, profile, encoding="cdr", definition=True, chunk=20_000):
         schema = writer.register_schema(name, form, said.encode() if definition else b"")
         channel = writer.register_channel("/joint_states", encoding, schema)
         for k in range(N):
-            if encoding == "json":
-                data = json.dumps({"position": Q[k].tolist()}).encode()
+            if encoding == "protobuf":
+                data = b"\n\0"
             elif old:
                 data = bytes(store.serialize_ros1(message(store, k, {"seq": k}), STATE))
             else:
@@ -102,6 +102,45 @@ def test_what_is_whole_of_a_file_that_was_cut_off(tmp_path, robot, damage, folde
 
 
 def test_messages_that_are_no_ros_messages(tmp_path, robot):
-    path = written(tmp_path, "", "json", definition=False)
-    with pytest.raises(UserError, match=r"run.mcap: messages in json; expected cdr or ros1"):
+    path = written(tmp_path, "", "protobuf", definition=False)
+    with pytest.raises(UserError, match=r"run.mcap: messages in protobuf; expected cdr or ros1"):
         read_recording(path, *robot)
+
+
+@pytest.mark.parametrize("fine", ["nanosec", "nsec"])
+def test_messages_in_json(tmp_path, robot, fine):
+    """As web clients write them; null where a number was none."""
+    found = read_recording(in_json(tmp_path, lambda k: said_in_json(k, fine)), *robot)
+    np.testing.assert_array_equal(found.samples.q, Q)
+    np.testing.assert_array_equal(found.samples.tau, TAU)
+    assert found.samples.dq is None
+    np.testing.assert_allclose(np.diff(found.timing.grid), 0.005, atol=1e-9)
+
+
+def test_messages_in_json_of_another_shape(tmp_path, robot):
+    with pytest.raises(UserError, match=r"run.mcap: a message in JSON has no field header"):
+        read_recording(in_json(tmp_path, lambda k: {"position": Q[k].tolist()}), *robot)
+
+
+def said_in_json(k, fine):
+    stamp = {"sec": int(NS[k]) // 10**9, fine: int(NS[k]) % 10**9}
+    return {
+        "header": {"stamp": stamp, "frame_id": ""}, "name": [*reversed(JOINTS)],
+        "position": Q[k, ::-1].tolist(), "velocity": [None, None],
+        "effort": TAU[k, ::-1].tolist(),
+    }  # fmt: skip
+
+
+def in_json(folder, say):
+    from mcap.writer import Writer
+
+    path = folder / "run.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("sensor_msgs/JointState", "jsonschema", b"{}")
+        channel = writer.register_channel("/joint_states", "json", schema)
+        for k in range(N):
+            writer.add_message(channel, int(NS[k]), json.dumps(say(k)).encode(), int(NS[k]))
+        writer.finish()
+    return path

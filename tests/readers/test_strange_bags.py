@@ -187,6 +187,28 @@ def test_a_file_that_the_metadata_do_not_know_is_told(tmp_path, robot):
     assert "bag_1.db3: not in metadata.yaml, left out" in said
 
 
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (lambda text: text.replace("version: 9", "version: 11"), "version 11 not supported"),
+        (lambda text: "", "Invalid bag metadata"),
+        (lambda text: text.replace(".db3", "_0.db3"), "database files are missing"),
+    ],
+)
+def test_metadata_that_cannot_be_used_are_done_without(tmp_path, robot, spoil, told):
+    """Of a later ROS, damaged, or of a file that got another name: the file itself says it all."""
+    path = made(tmp_path, Bag.add)
+    described = path / "metadata.yaml"
+    text = described.read_text()
+    described.write_text(spoil(text))
+    assert described.read_text() != text
+    found = read_recording(path, *robot)
+    np.testing.assert_array_equal(found.samples.q, Q)
+    (said,) = found.header_warnings
+    assert "its metadata.yaml cannot be used" in said
+    assert told in said
+
+
 def two_senders(until=N, pause=(0, 0), every=1):
     def say(bag, k):
         bag.add(k, who=(0,))
