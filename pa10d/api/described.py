@@ -8,7 +8,7 @@ from pa10d.api import problems
 from pa10d.common.jsonable import JsonObject
 from pa10d.trajectory.kinds import KINDS
 
-OF_A_KIND = ("ExperimentRequest", "TrackRequest")  # whose parameters are those of their kind
+OF_A_KIND = ("ExperimentRequest", "Shown", "Suggested", "TrackRequest")  # with parameters of a kind
 
 
 def describe(app: FastAPI) -> None:
@@ -50,8 +50,8 @@ def _parameters(schema: JsonObject) -> None:
         name = f"{kind.__name__}Parameters"
         schemas[name] = kind.model_json_schema() | {"title": name}
         one_of_them.append({"$ref": f"#/components/schemas/{name}"})
-    for request in OF_A_KIND:
-        parameters = schemas[request]["properties"]["parameters"]
+    for name in OF_A_KIND:
+        parameters = schemas[name]["properties"]["parameters"]
         for of_any_object in ("type", "additionalProperties", "default"):
             parameters.pop(of_any_object, None)
         parameters["anyOf"] = one_of_them

@@ -10,6 +10,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from pa10d.api.schemas.analyses import CompareRequest, DiagnoseRequest
 from pa10d.api.schemas.jobs import Job
 from pa10d.services.command_documents import ExperimentResult, PreCheck
 from pa10d.services.documents import (
@@ -153,10 +154,12 @@ class JobWithResult(Job):
 class ComparisonJob(Job):
     """A comparison: null until it is done."""
 
+    request: Annotated[CompareRequest, *AsItIs]  # type: ignore[assignment]
     result: Annotated[Compare | None, *AsItIs] = None
 
 
 class DiagnosisJob(Job):
     """A diagnosis: null until it is done."""
 
+    request: Annotated[DiagnoseRequest, *AsItIs]  # type: ignore[assignment]
     result: Annotated[Diagnose | None, *AsItIs] = None

@@ -158,28 +158,27 @@ def robot_from_profile(profile: Profile) -> Robot:
     if profile.base is not None:
         gravity = _rpy(*profile.base.rpy).T @ STANDARD_GRAVITY
     robot = robot_from_urdf(profile.urdf, profile.joints, gravity, profile.name)
-    limits, n = profile.limits, robot.n
-    changes: dict[str, Any] = {}
-    for key, field in (("velocity", "velocity"), ("torque", "effort")):
-        if getattr(limits, key) is not None:
-            changes[field] = _per_joint(profile, key, getattr(limits, key), n)
-    if limits.acceleration is not None:
-        changes["acceleration"] = _per_joint(profile, "acceleration", limits.acceleration, n)
+    limits = profile.limits
+
+    def stated(key: str, values: list[float] | None, otherwise: Array) -> Array:
+        return otherwise if values is None else _per_joint(profile, key, values, robot.n)
+
+    limited = replace(
+        robot,
+        velocity=stated("velocity", limits.velocity, robot.velocity),
+        effort=stated("torque", limits.torque, robot.effort),
+        acceleration=stated("acceleration", limits.acceleration, robot.acceleration),
+    )
     if limits.position is not None:
-        bounds = _per_joint(profile, "position", limits.position, n)
-        changes["lower"], changes["upper"] = bounds[:, 0].copy(), bounds[:, 1].copy()
-    if profile.torque_gain_error is not None:
-        given = profile.torque_gain_error
-        given = given if isinstance(given, list) else [given] * n
-        changes["gain_error"] = np.array(given, dtype=float)
-    if profile.home is not None:
-        changes["home"] = _per_joint(profile, "home", profile.home, n)
-    changes["environment"] = _environment(profile)
-    if profile.tool is not None:
-        tool = profile.tool
-        changes["parameters"] = robot.parameters.copy()
-        changes["parameters"][-1] += rigid_body(tool.mass, tool.com, tool.inertia)
-    arm = replace(robot, **changes)
+        lower, upper = _per_joint(profile, "position", limits.position, robot.n).T.copy()
+        limited = replace(limited, lower=lower, upper=upper)
+    arm = replace(
+        limited,
+        gain_error=_gain_error(profile, robot.n),
+        home=_home(profile, robot.n),
+        environment=_environment(profile),
+        parameters=_with_tool(profile, robot.parameters),
+    )
     _require_home_inside(profile, arm)
     return arm
 
@@ -192,6 +191,26 @@ def _require_home_inside(profile: Profile, robot: Robot) -> None:
             f"{profile.path}: home.{j + 1}: found {robot.home[j]:g}, expected a value within the "
             f"joint's limits, {robot.lower[j]:g} to {robot.upper[j]:g}"
         )
+
+
+def _home(profile: Profile, n: int) -> Array | None:
+    return None if profile.home is None else _per_joint(profile, "home", profile.home, n)
+
+
+def _gain_error(profile: Profile, n: int) -> Array | None:
+    given = profile.torque_gain_error
+    if given is None:
+        return None
+    return np.array(given if isinstance(given, list) else [given] * n, dtype=float)
+
+
+def _with_tool(profile: Profile, parameters: Array) -> Array:
+    tool = profile.tool
+    if tool is None:
+        return parameters
+    out = parameters.copy()
+    out[-1] += rigid_body(tool.mass, tool.com, tool.inertia)
+    return out
 
 
 def _environment(profile: Profile) -> Environment:

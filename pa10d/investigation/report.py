@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pa10d.common.errors import UserError
-from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
 from pa10d.dynamics import Robot
@@ -19,7 +18,7 @@ from pa10d.report.blocks import Lines, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.report.model_page import Dossier, dossier_sections
 from pa10d.report.page import page
-from pa10d.report.sheet import sections_of
+from pa10d.report.sheet import Sheet, without_commands
 from pa10d.services.dossier import dossier
 from pa10d.services.library import Library
 from pa10d.services.models import write_file
@@ -53,7 +52,7 @@ def report_text(
         ),
         *_delivery(state, sheet.model.robot),
         *_doubts(state),
-        *sections_of(_sheet(place), commands=False),
+        *map(without_commands, _sheet(place).in_order),
         *dossier_sections(sheet),
         _course(state),
     ]
@@ -130,11 +129,12 @@ def _course(state: Investigation) -> Section:
     return Section("Step by step", [Table(["step", "", "moved", "made", "said"], rows, words=1)])
 
 
-def _sheet(place: Path) -> JsonObject:
+def _sheet(place: Path) -> Sheet:
     path = place / SHEET / "summary.json"
+    text = read_entry(path, LARGEST)
     try:
-        return dict(json.loads(read_entry(path, LARGEST)))
-    except ValueError as error:
+        return Sheet.read(json.loads(text))
+    except (UserError, ValueError) as error:
         raise UserError(f"{path}: {error}; expected the plots of a diagnosis") from error
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,13 +63,11 @@ class Session:
 
     def close(self, ending: Ending) -> RunInfo:
         """Finish the run."""
-        changes: dict[str, Any] = {}
+        warnings = self.writer.info.warnings
         if self._lost:
-            changes["warnings"] = (
-                *self.writer.info.warnings,
-                f"{self._lost} samples were overwritten before they could be written",
-            )
-        return self.writer.close(ending.status, ending.reason, **changes)
+            lost = f"{self._lost} samples were overwritten before they could be written"
+            warnings = (*warnings, lost)
+        return self.writer.close(ending.status, ending.reason, warnings=warnings)
 
     def salvage(self, error: OSError) -> RunInfo:
         """The disk takes no more: the run ends with what it took."""

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.services.diagnoses import asked_of
 from pa10d.services.library import Library
 from pa10d.services.models import Compared
+
+if TYPE_CHECKING:
+    from pa10d.report.sheet import Sheet
 
 
 def write_comparison_sheet(compared: Compared, folder: Path) -> None:
@@ -33,11 +36,13 @@ def write_diagnosis_sheet(
     from pa10d.report.sheet import diagnosis_sheet
 
     asked = asked_of(library, model, fit, validate)
-    _write(folder, diagnosis_sheet(found, held_out(found), asked))
+    _write(folder, {"summary": diagnosis_sheet(found, held_out(found), asked)})
 
 
-def _write(folder: Path, parts: Mapping[str, Any]) -> None:
+def _write(folder: Path, parts: Mapping[str, Sheet]) -> None:
     folder.mkdir(exist_ok=True)
     for name, part in parts.items():
-        text = json.dumps(part, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        text = json.dumps(
+            part.document(), ensure_ascii=False, allow_nan=False, separators=(",", ":")
+        )
         (folder / f"{name}.json").write_text(text, encoding="utf-8")

@@ -6,7 +6,6 @@ import base64
 import binascii
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,19 +116,27 @@ class _Parser:
             )
         except UserError as error:
             raise UserError(f"{self._file.path}: urdf: {error}") from error
-        limits: dict[str, Any] = {
+        limits = {
             key: self._per_joint(("robot", "limits", key), values) for key, values in entry.limits
         }
+        robot = replace(
+            robot,
+            lower=limits["lower"],
+            upper=limits["upper"],
+            velocity=limits["velocity"],
+            effort=limits["effort"],
+            acceleration=limits["acceleration"],
+        )
         if entry.torque_gain_error is not None:
-            shares = entry.torque_gain_error
-            limits["gain_error"] = self._per_joint(("robot", "torque_gain_error"), shares)
+            shares = self._per_joint(("robot", "torque_gain_error"), entry.torque_gain_error)
+            robot = replace(robot, gain_error=shares)
         if entry.tool is not None:
-            tool = self._sized(("robot", "tool"), entry.tool, 10, "standard parameters")
-            limits["parameters"] = robot.parameters.copy()
-            limits["parameters"][-1] += tool
+            parameters = robot.parameters.copy()
+            parameters[-1] += self._sized(("robot", "tool"), entry.tool, 10, "standard parameters")
+            robot = replace(robot, parameters=parameters)
         if self._entry.noise_floor is not None:
             self._per_joint(("noise_floor",), self._entry.noise_floor)
-        return replace(robot, **limits)
+        return robot
 
     def _base(self) -> BaseParameters:
         index = {parameter_name(k): k for k in range(10 * self._n)}

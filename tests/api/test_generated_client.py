@@ -25,8 +25,9 @@ COMPARED = {
     },
 }  # fmt: skip
 JOB = {
-    "id": "j1", "kind": "compare", "request": {}, "status": "succeeded", "progress": 1.0,
-    "message": "", "error": None, "created": "", "started": None, "finished": None,
+    "id": "j1", "kind": "compare", "request": {"model": "m0", "runs": ["r1"]},
+    "status": "succeeded", "progress": 1.0, "message": "",
+    "error": None, "created": "", "started": None, "finished": None,
     "result": COMPARED,
 }  # fmt: skip
 
@@ -114,6 +115,7 @@ def test_a_result_is_an_object_with_fields(client):
     show = importlib.import_module("pa10d_made.api.analyses.show_comparison")
     arm, _ = calls(client, JOB)
     job = show.sync("j1", client=arm)
+    assert (job.request.model, job.request.runs) == ("m0", ["r1"])
     assert job.result.pooled.rms == [0.1]
     assert job.result.pooled.noise_floor == [None]
 

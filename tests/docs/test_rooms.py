@@ -46,8 +46,6 @@ def test_a_class_shares_its_name_with_none_of_another_room():
 
 LOOSE = {  # values that are no JSON and of any kind
     "pa10d/common/jsonable.py",  # what JSON objects are called
-    "pa10d/dynamics/robot.py", "pa10d/store/model_parse.py", "pa10d/recorder/session.py",
-    "pa10d/trajectory/excitation/optimise.py",  # arguments of a dataclass, by name
     "pa10d/effect_kit/carried.py", "pa10d/export/straight_line.py",  # names of a program that runs
     "pa10d/readers/arrays.py",  # structs of foreign files
     "pa10d/store/yaml_style.py",  # a dict with a style

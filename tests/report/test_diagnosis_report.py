@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 
 from backends.virtual.datasets import make_runs
+from pa10d.api.schemas.sheets import Sheet as SheetSchema
+from pa10d.common.errors import UserError
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.procedure import diagnose
@@ -24,10 +27,10 @@ from pa10d.identify.procedure import identify
 from pa10d.model import ModelNotes
 from pa10d.model.notes import CutoffNote
 from pa10d.profile import load_profile
-from pa10d.report.blocks import Numbers
+from pa10d.report.blocks import Numbers, Section, Text
 from pa10d.report.diagnosis_page import diagnosis_page, diagnosis_sections
 from pa10d.report.finding_section import Asked
-from pa10d.report.sheet import diagnosis_sheet, sections_of
+from pa10d.report.sheet import Sheet, diagnosis_sheet, without_commands
 from pa10d.report.verdict import doubt_words, headline
 
 STRIBECK = {"effect": "stribeck", "joint": 4, "Fs": 3.5, "vs": 0.08, "delta": 1.0}
@@ -206,6 +209,35 @@ def test_variables_are_named_in_words():
     assert variable_label("ddq2", prismatic) == "acceleration of joint 2, m/s²"
 
 
+def test_clients_are_told_every_field_of_a_sheet(stribeck):
+    made = json.loads(json.dumps(diagnosis_sheet(*stribeck[:2], ASKED).document()))
+    told = SheetSchema.model_validate(made)
+    assert told.model_dump(mode="json", exclude_unset=True) == made
+
+
+def test_a_sheet_of_another_version_is_read():
+    """What it has beyond ours is passed over, what ours has beyond it is as usual."""
+    block = {"block": "text", "text": "as it was", "since": 3}
+    section = {"block": "section", "title": "Then", "blocks": [block]}
+    (read,) = Sheet.read({"sections": [section], "later": 1}).in_order
+    assert read == Section("Then", [Text("as it was")])
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ([], "no 'sections'"),
+        ({"sections": {"block": "text", "text": ""}}, "sections: found no list"),
+        ({"sections": [{"block": "poem"}]}, "block: found 'poem', expected one of"),
+        ({"sections": [{"block": ["text"]}]}, "block: found"),
+        ({"sections": [{"block": "section", "blocks": []}]}, "block section: no title"),
+    ],
+)
+def test_what_is_no_sheet_is_said(document, said):
+    with pytest.raises(UserError, match=re.escape(said)):
+        Sheet.read(document)
+
+
 def test_every_effect_has_a_view():
     for kind in all_effects().values():
         assert kind.drawn.against in {"", *QUANTITIES}, kind.id
@@ -214,11 +246,12 @@ def test_every_effect_has_a_view():
 def test_a_sheet_becomes_the_same_report_again(stribeck):
     """What travels by HTTP is all there is to the report."""
     parts = diagnosis_sections(*stribeck[:2], ASKED)
-    sheet = json.loads(json.dumps(diagnosis_sheet(*stribeck[:2], ASKED)["summary"]))
+    made = diagnosis_sheet(*stribeck[:2], ASKED).document()
+    sheet = Sheet.read(json.loads(json.dumps(made)))
     there, back = Numbers(), Numbers()
     own = [section.render(there) for section in (parts.verdict, *parts.findings, *parts.rest)]
-    assert [section.render(back) for section in sections_of(sheet)] == own
-    done = "".join(section.render(back) for section in sections_of(sheet, commands=False))
+    assert [section.render(back) for section in sheet.in_order] == own
+    done = "".join(without_commands(section).render(back) for section in sheet.in_order)
     assert "pa10d add" in "".join(own)
     assert "pa10d" not in done
     assert done.count("<figure") == "".join(own).count("<figure")

@@ -16,7 +16,7 @@ from pa10d.api.routes.models import find_model, refuse_wrong_effect
 from pa10d.api.routes.runs import find_runs
 from pa10d.api.schemas.analyses import CompareRequest, DiagnoseRequest
 from pa10d.api.schemas.jobs import Job, JobPage
-from pa10d.api.schemas.plots import Sheet
+from pa10d.api.schemas.sheets import Sheet
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.jobs.jobs import Job as DaemonJob

@@ -54,14 +54,3 @@ class VersusPlot(Plot):
     units: list[str] = Field(description="Of each joint's torque: N·m, or N")
     cutoff_hz: float
     mask: str = Field(description="Which samples count")
-
-
-class Sheet(BaseModel):
-    """Plots and words of an analysis as a tree of blocks, each with its sort in ``block``: the page
-    draws what its job has kept, as it was written."""
-
-    sections: list[JsonObject]
-    findings: list[JsonObject] | None = Field(None, description="Of a diagnosis, best first")
-    unexplained: list[JsonObject] | None = Field(
-        None, description="Of a diagnosis: what no effect explains, as its result lists it"
-    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
@@ -27,6 +28,8 @@ from pa10d.trajectory.kinds.excitation import Excitation
 from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
+
+Array = NDArray[np.float64]
 
 GENERATIONS = 25
 
@@ -107,14 +110,18 @@ def excitation_problem(
     base = Excitation(joints=joints, pose=pose)
     around = Surroundings.of(robot)
     chosen = base.chosen(around)
-    rows = {"boundary": boundary, "noise": noise}
-    for key, values in rows.items():
+
+    def per_joint(key: str, values: list[float] | None) -> Array | None:
         if values is not None and len(values) != len(chosen):
             raise UserError(
                 f"{key}: found {len(values)} values, expected {len(chosen)}, one per chosen joint"
             )
-    given: dict[str, Any] = {k: np.array(v) for k, v in rows.items() if v is not None}
+        return None if values is None else np.array(values)
+
+    criterion = Criterion(
+        boundary=per_joint("boundary", boundary), noise=per_joint("noise", noise), **weights
+    )
     return ExcitationProblem(
         robot, tuple(chosen), tuple(base.home(around)), around.limits, fundamental, harmonics,
-        samples, Criterion(**given, **weights),
+        samples, criterion,
     )  # fmt: skip
