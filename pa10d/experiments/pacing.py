@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
+from pa10d.control.envelope import OVERSHOOT
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.limits import ArmLimits
@@ -117,7 +118,7 @@ def paced(
     def followed(tried: Plan, whole: Whole, found: Predicted, done: Adjusted) -> Paced | str:
         if problem := found.problem(limits):
             return problem
-        share, about = _room(whole, limits, found)
+        share, about = _room(whole, limits, found, slower)
         tight = share < 1.0
         if not tight.any():
             return Paced(tried, whole, _said(done, found), done)
@@ -161,14 +162,19 @@ def _without_torque(whole: Whole) -> Whole:
     return replace(whole, violations=tuple(v for v in whole.violations if v.kind != "torque"))
 
 
-def _room(whole: Whole, limits: ArmLimits, found: Predicted) -> tuple[Array, Array]:
+def _room(whole: Whole, limits: ArmLimits, found: Predicted, slower: Slower) -> tuple[Array, Array]:
     """(n,) each: the share of their ways that leaves joints room for the error that they may have
-    and to brake in, and the middles of their ranges, rad; 1 and 0 for all that have room."""
+    and to brake in, and the middles of their ranges, rad; 1 and 0 for all that have room. A joint
+    that has come to its limit all the same gets more: of what is beyond it, too."""
     q = whole.samples.q[whole.first : whole.last]
     bound = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     lower, upper = np.where(bound, limits.lower, -np.inf), np.where(bound, limits.upper, np.inf)
     left = np.minimum(q.min(axis=0) - lower, upper - q.max(axis=0))
-    lacking = np.maximum(DOUBT * found.error - left, found.beyond)
+    needed = DOUBT * found.error
+    if len(slower.room):
+        times = np.array(slower.room)
+        needed = times * (needed + np.where(times > 1.0, OVERSHOOT, 0.0))
+    lacking = np.maximum(needed - left, found.beyond)
     tight = lacking > 0.0
     about = np.zeros_like(left)
     about[tight] = 0.5 * (lower[tight] + upper[tight])

@@ -131,10 +131,10 @@ class ArmBench:
                 break
             if self._calm(fault):
                 continue
-            slower = slower_after(fault, self.joints.figures, self.pace)
+            slower = slower_after(fault, self.joints.figures, self.pace, slower)
             if slower is None or not self._again():
                 break
-            self.notes.append(f"{slower.why}: it is tried again at half of its speed")
+            self.notes.append(f"{slower.why}: it is tried again at 1/{slower.pace:g} of its speed")
         return rows, fault
 
     def first_motion(self):

@@ -25,7 +25,7 @@ from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.experiments.prepared import CarriedBy, PlannedMotion, Prepared, wrong_in
 from pa10d.experiments.request import MotionRequest
-from pa10d.experiments.slower import Slower, slower_after
+from pa10d.experiments.slower import AS_ASKED, Slower, slower_after
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
@@ -149,11 +149,13 @@ class Experiment:
         if fault is None or joints is None or self._figures is not None or law != "pid":
             return False
         ran = 1.0 if self.result.adjusted is None else float(self.result.adjusted["pace"])
-        slower = slower_after(fault, joints.known.figures, ran)
+        slower = slower_after(fault, joints.known.figures, ran, self._slower or AS_ASKED)
         if slower is None:
             return False
         self._slower = slower
-        self.result.notes.append(f"{slower.why}: it is tried again at half of its speed")
+        self.result.notes.append(
+            f"{slower.why}: it is tried again at 1/{slower.pace:g} of its speed"
+        )
         await self._robot.reset()
         self._begin_again()
         return True
