@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from pa10d.export.straight_line import (
     Language,
@@ -78,10 +79,17 @@ def c_header(model: TorqueModel, about: str) -> tuple[str, list[str]]:
         joints=_comment(", ".join(model.robot.joint_names)),
         n=model.robot.n,
         notes="".join(f" * {_comment(line)}\n" for line in told),
-        torque=statements(torque, C),
-        gravity=statements(gravity, C),
+        torque=_body(statements(torque, C), ("q", "dq", "ddq")),
+        gravity=_body(statements(gravity, C), ("q",)),
     )
     return text, lost
+
+
+def _body(code: str, arguments: Sequence[str]) -> str:
+    """Compilers that warn of everything are told which arguments stay unused, as where the weight
+    of an arm that slides is the same everywhere."""
+    unused = [name for name in arguments if not re.search(rf"\b{name}\[", code)]
+    return "\n".join([*(f"    (void){name};" for name in unused), code])
 
 
 def identifier(name: str) -> str:

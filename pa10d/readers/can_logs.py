@@ -23,6 +23,7 @@ from pa10d.readers.bag_rows import BagTopic
 from pa10d.readers.candump import CandumpReader
 from pa10d.readers.part import Parts, Undecided
 from pa10d.readers.table import ForeignTable
+from pa10d.readers.vector_asc import since_begin
 from pa10d.store.channels import Array
 
 SYNC, ANSWER = 0x80, 0x180
@@ -87,7 +88,7 @@ def read_can_log(
     try:
         if path.stat().st_size < SMALLEST:
             raise ValueError("it ends before its first frame")
-        with READERS.get(kind, can.LogReader)(path) as log:
+        with since_begin(path) as named, READERS.get(kind, can.LogReader)(named) as log:
             buses = _buses(log, {ANSWER + d.node: j for j, d in enumerate(profile.drives)})
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
@@ -103,7 +104,11 @@ def read_can_log(
             )
     joints = [f"joint {j}" for j in range(1, len(profile.drives) + 1)]
     layout = _layout(path, frames)
-    table = columns_of(path, {"the bus": _topic(frames, profile, joints, layout)}, joints)
+    try:
+        topic = _topic(frames, profile, joints, layout)
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
+    table = columns_of(path, {"the bus": topic}, joints)
     if layout != LAYOUTS[0]:
         order = ", ".join(layout.names or ())
         table.remarks.append(f"TPDO 1 holds {order} in this order, by what is in it")
@@ -197,6 +202,11 @@ def _topic(frames: Frames, profile: Profile, joints: Sequence[str], layout: np.d
         scaling, rows, t = scaling_of(drive), found.rows(layout), found.times()
         if len(syncs) >= FEWEST and len(t) < OFTEN * len(syncs):
             asked = np.searchsorted(syncs, t, "right") - 1
+            if (asked >= 0).sum() < FEWEST:
+                raise UserError(
+                    f"{joint}: {(asked >= 0).sum()} of {len(t)} answers come behind a SYNC; "
+                    "expected a log that begins with the motion's first SYNC"
+                )
             t, rows = syncs[asked[asked >= 0]], rows[asked >= 0]
         counts = unwrapped(rows["position"].astype(np.float64), COUNTER)
         q = scaling.sign * counts / scaling.counts_per_radian - scaling.zero_offset

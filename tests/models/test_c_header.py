@@ -9,7 +9,7 @@ import model_examples as examples
 import numpy as np
 import pytest
 
-from pa10d.dynamics import inverse_dynamics
+from pa10d.dynamics import inverse_dynamics, robot_from_urdf
 from pa10d.effects import all_effects
 from pa10d.export.c_header import c_header
 from pa10d.export.formats import export
@@ -72,6 +72,20 @@ def test_all_effects_together_agree_and_so_does_gravity(tmp_path):
     expected = inverse_dynamics(model.robot, model.rigid, given[0], rest, rest)
     assert gravity(given[0]) == pytest.approx(expected, abs=1e-10)
     assert "malloc" not in made.text
+
+
+LIFT = """<robot name="lift"><link name="base"/><link name="l"><inertial><mass value="2"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="up" type="prismatic"><parent link="base"/><child link="l"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="1" effort="9" velocity="1"/></joint></robot>"""
+
+
+def test_a_weight_that_is_the_same_everywhere_compiles_without_a_warning(tmp_path):
+    model = examples.textbook(robot=robot_from_urdf(LIFT))
+    torque, gravity = compiled(c_header(model, "test")[0], tmp_path)
+    q, dq, ddq = np.random.default_rng(1).uniform(-1, 1, (3, 5, 1))
+    assert torque(q, dq, ddq) == pytest.approx(model.torque(q, dq, ddq), abs=1e-10)
+    assert gravity(q) == pytest.approx(np.full((5, 1), 2 * 9.81), rel=0.11)  # of a fitted mass
 
 
 def test_what_cannot_be_written_down_is_said():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import importlib.util
 import io
 import sqlite3
@@ -364,4 +365,43 @@ def test_two_buses_are_not_one(tmp_path, robot):
 def test_a_clock_that_was_set_back(tmp_path, robot):
     path, _ = bus(tmp_path, t=np.where(np.arange(len(T)) < 200, T, T - 0.3))
     with pytest.raises(UserError, match=r"a frame comes 0.295 s before the one ahead of it"):
+        read_recording(path, *robot)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_stamps_since_the_line_before(tmp_path, robot, packed):
+    """Vector's option "relative"; lines that hold no frame take their time, too."""
+    path, q = bus(tmp_path)
+    absolute = tmp_path / "bus.asc"
+    with can.LogReader(path) as log, can.Logger(absolute) as out:
+        for message in log:
+            message.channel = 0
+            out(message)
+    last, lines = 0.0, []
+    for number, line in enumerate(absolute.read_text().splitlines()):
+        head, _, rest = line.strip().partition(" ")
+        if head.replace(".", "", 1).isdigit():
+            now = float(head)
+            if number % 7 == 0:
+                middle = (last + now) / 2
+                lines.append(
+                    f" {middle - last:.6f} 1  Statistic: D 10 R 0 XD 0 XR 0 E 0 O 0 B 1.0%"
+                )
+                last = middle
+            line, last = f" {now - last:.6f} {rest}", now
+        lines.append(line.replace("timestamps absolute", "timestamps relative"))
+    text = "\n".join(lines).encode()
+    relative = tmp_path / ("relative.asc.gz" if packed else "relative.asc")
+    relative.write_bytes(gzip.compress(text) if packed else text)
+    found = read_recording(relative, *robot)
+    np.testing.assert_allclose(found.samples.q, q, atol=1e-5)
+    assert found.timing.rate == pytest.approx(200.0, rel=1e-3)
+
+
+def test_answers_that_no_sync_is_before_are_refused(tmp_path, robot):
+    path, _ = bus(tmp_path, sync=False)
+    end = T[-1] + 1000.0
+    syncs = [f"({end + 10 + 0.005 * k:.6f}) can0 080#" for k in range(len(T))]
+    path.write_text(path.read_text() + "\n".join(syncs) + "\n")
+    with pytest.raises(UserError, match=r"bus.log: joint 1: 0 of \d+ answers come behind a SYNC"):
         read_recording(path, *robot)
