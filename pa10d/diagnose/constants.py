@@ -114,6 +114,8 @@ SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are ref
 SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals
 WORTH_JUDGING = 0.5  # of the best variant's gain: a wave had imitated a bump on the fit side
 KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
+MOSTLY_BEYOND = 0.5  # of the error, beyond the share of time, that lies where the fit side has not
+#   been, to say so: most of it (policy; a fact of the two sides, no claim)
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's
 FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
 WIDER = 2.0  # times the usual distance from a standstill, to see what reversals do to estimates

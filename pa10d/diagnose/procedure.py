@@ -24,6 +24,7 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
+from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
@@ -113,7 +114,9 @@ def diagnose(
         cutoff=model.cutoff,
         findings=findings,
         unexplained=unexplained,
-        remaining=remaining(left, again, unexplained, units, state.terms[given:], slight, doubt),
+        remaining=remaining(
+            left, again, unexplained, units, state.terms[given:], slight, doubt, beyond(state)
+        ),
         model=versions[-1],
         versions=versions,
         stored=tuple(kept),

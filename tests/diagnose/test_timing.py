@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_links import recordings, state_of, textbook
 
+from pa10d.diagnose.search import timing
 from pa10d.diagnose.search.timing import align, joint_delays, shared, weighted_median
 from pa10d.measurement.signals import delayed
 
@@ -94,6 +95,20 @@ def test_a_common_offset_is_found_and_taken_out(seconds):
     assert np.all(state.fit.rms() < before)
     assert state.fit.rms() == pytest.approx(state_of(clean, model).fit.rms(), rel=0.05)
     assert [run.shift for run in state.held.runs] == pytest.approx([seconds] * 2, abs=1e-4)
+
+
+@pytest.mark.parametrize(("joints", "taken"), [((0, 1), 2e-3), ((1,), 0.0), ((), 0.0)])
+def test_an_offset_that_helps_every_joint_is_taken_though_they_contradict(
+    joints, taken, monkeypatch
+):
+    """A gap on one joint bent the bodies that all share, and two others were "measured late" by
+    1.6 ms each: joints that contradict each other were not asked what an offset does to them."""
+    said, sure = np.array([1e-3, 3e-3]), np.full(2, 1e-5)
+    assert not shared(weighted_median(said, sure)[0], said, sure)
+    clean = recordings(1, noise=0.005)
+    state = state_of(late(clean, 2e-3, joints) if joints else clean, textbook(clean))
+    monkeypatch.setattr(timing, "joint_delays", lambda state: (said, sure))
+    assert align(state) == pytest.approx(taken, abs=1e-9)
 
 
 def test_aligned_runs_stay_where_they_are():

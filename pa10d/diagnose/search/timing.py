@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
+    MATERIAL_GAIN,
     TIMING_AGREE,
     TIMING_MOST_SAMPLES,
     TIMING_ROUNDS,
@@ -34,15 +35,17 @@ def align(state: SearchState) -> float:
     for _ in range(TIMING_ROUNDS):
         delays, errors = joint_delays(state)
         offset, error = weighted_median(delays, errors)
-        if abs(offset) < TIMING_SIGNIFICANT * error or not shared(offset, delays, errors):
+        if abs(offset) < TIMING_SIGNIFICANT * error:
             break
         limit = TIMING_MOST_SAMPLES / state.train.runs[0].lowpass.rate
         if abs(taken + offset) > limit:
             break
         before = _sizes(state)
         _move(state, offset)
+        after = _sizes(state)
         # what the fit side asks for must hold on the other side too, and where the arm turns round
-        if np.any(_sizes(state) > before):
+        better = np.all(after.sum(axis=1) <= before.sum(axis=1))
+        if not better or not (shared(offset, delays, errors) or _helps(before, after)):
             _move(state, -offset)
             break
         taken += offset
@@ -57,9 +60,18 @@ def _move(state: SearchState, seconds: float) -> None:
 
 
 def _sizes(state: SearchState) -> Array:
-    """Of the held-out error, every joint by its own measure: without reversals and with them."""
-    without = sum(np.log(np.mean(r**2)) for r in state.held_residual().values())
-    return np.array([without, np.sum(np.log(state.moving_rms() ** 2))])
+    """(2, n): logarithm of the joints' squared held-out errors, without reversals and with them."""
+    residual = state.held_residual()
+    without = [np.mean(residual[j] ** 2) for j in range(state.held.n)]
+    return np.log(np.array([without, state.moving_rms() ** 2]))
+
+
+def _helps(before: Array, after: Array) -> bool:
+    """Does an offset make most joints' held-out errors materially smaller and none larger, whatever
+    the joints would ask for themselves? What the model lacks on one joint bends the bodies that
+    all share, and with them the delays that the others ask for."""
+    less = after < before + 2.0 * np.log(1.0 - MATERIAL_GAIN)
+    return bool(np.all(after <= before) and np.mean(less) > TIMING_AGREE)
 
 
 def joint_delays(state: SearchState) -> tuple[Array, Array]:

@@ -21,6 +21,7 @@ from pa10d.diagnose.constants import (
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
 )
+from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
@@ -176,10 +177,12 @@ def remaining(
     found: Sequence[Term] = (),
     slight: Sequence[Structure] = (),
     doubt: Array | None = None,
+    beyond: Sequence[Beyond | None] = (),
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
-    uncertainty of the model's own coefficients may leave."""
+    uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
+    side its error lies, if that is where the fit side has not been."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -200,7 +203,7 @@ def remaining(
             depends_on=() if left is None else left.variables,
             sentence="",
         )
-        line = _with_sentence(line, left, seen, units[j])
+        line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None)
         if left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
@@ -250,10 +253,20 @@ def _repeats(seen: Repeatable | None, joints: int) -> bool | None:
 
 
 def _with_sentence(
-    line: Remaining, left: Unexplained | None, seen: Repeatable | None, unit: str
+    line: Remaining,
+    left: Unexplained | None,
+    seen: Repeatable | None,
+    unit: str,
+    beyond: Beyond | None,
 ) -> Remaining:
     size = _size(line, unit)
-    if left is not None and left.variables:
+    unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
+    if beyond is not None and unsaid and line.material is not False and not line.repeatable:
+        text = (
+            f"{size}; {percent(beyond.share)} of its squared error lies where {beyond.place}, "
+            "where the fit side has not been. Fit to motion that goes there"
+        )
+    elif left is not None and left.variables:
         text = (
             f"{size}; {percent(left.share)} of its squared error depends on "
             f"{listed(left.variables)}, and no effect that was looked for explains it"

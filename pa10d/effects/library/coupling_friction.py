@@ -5,26 +5,29 @@ import numpy as np
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
 
 SHARP = 1e-3
-"""rad/s over which the sign is smoothed. What slips turns round while both joints move, so those
-samples are not left out as a joint's own reversals are: a blunter sign leaves an error there."""
+"""rad/s over which the sign is smoothed where the data do not say. What slips turns round while
+both joints move, so those samples are not left out as a joint's own reversals are: a sign that is
+blunter or sharper than the drive's leaves an error there."""
 
 
 class CouplingFriction(Effect):
     """Two joints share a gear, a belt or a differential. What rubs there turns with the sum of
     their speeds (ratio 1) or the difference (ratio -1), so that one joint feels friction when
     the other moves. F is its constant part, D the part that grows with speed, left out where
-    the motion cannot tell it from the rest of the model (viscous 0)."""
+    the motion cannot tell it from the rest of the model (viscous 0). v0 is the speed over which
+    the sign turns round, where the data show it."""
 
     id = "coupling_friction"
     title = "Coupled friction"
     plainly = "one joint rubs when the other moves"
-    equation = "τ_i = F·sign(v) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
+    equation = "τ_i = F·tanh(v/v0) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
     scope = "pair"
     reaches_other_joints = True
     coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad", lower=0.0))
     shapes = (
         ShapeParameter("ratio", "1", -1.0, 1.0, "choice"),
         ShapeParameter("viscous", "1", 0.0, 1.0, "choice", optional=True),
+        ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True, optional=True),
     )
     signature = (
         "One joint shows friction that follows the other's speed, even while it stands or moves "
@@ -49,7 +52,10 @@ class CouplingFriction(Effect):
         i, j = joints
         v = context.dq[:, i] + shape["ratio"] * context.dq[:, j]
         both = np.column_stack(
-            [context.sign(v, context.softness(SHARP)), shape.get("viscous", 1.0) * v]
+            [
+                context.sign(v, context.softness(shape.get("v0", SHARP))),
+                shape.get("viscous", 1.0) * v,
+            ]
         )
         out = np.zeros_like(context.q, shape=(*context.q.shape, 2))
         out[:, i] = both
@@ -57,8 +63,9 @@ class CouplingFriction(Effect):
         return out
 
     def starts(self, context, joints):
-        ratios = (1.0, -1.0)
-        return [{"ratio": r} for r in ratios] + [{"ratio": r, "viscous": 0.0} for r in ratios]
+        ratios = [{"ratio": r} for r in (1.0, -1.0)]
+        sharp = ratios + [r | {"viscous": 0.0} for r in ratios]
+        return sharp + [start | {"v0": 0.02} for start in sharp]
 
     def values(self, coefficients, covariance, shape, shape_errors):
         out = super().values(coefficients, covariance, shape, shape_errors)

@@ -1,0 +1,69 @@
+"""Held-out error that lies where the fit side has never been: no fit could have known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import MOSTLY_BEYOND
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.unknown.structure import motion_variables, rows_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """share: of a joint's squared error on the held-out side, where the variable (``q1``, ``dq2``)
+    is above (or below) edge, in rad or rad/s (m, m/s), which it never is on the fit side; time:
+    share of the held-out samples."""
+
+    joint: int
+    variable: str
+    above: bool
+    edge: float
+    share: float
+    time: float
+
+    @property
+    def place(self) -> str:
+        """In words."""
+        return f"{self.variable} is {'above' if self.above else 'below'} {self.edge:.3g}"
+
+
+def beyond(state: SearchState) -> list[Beyond | None]:
+    """Per joint the place that holds most of its error, for the time that is spent there; its own
+    angle and speed before those of others. None where the fit side has been where the error is."""
+    fitted, held = motion_variables(state.train.runs), motion_variables(state.held.runs)
+    residual = state.held_residual()
+
+    def worst(joint: int, of: Iterable[int]) -> Beyond | None:
+        places = []
+        for name in (f"{kind}{i + 1}" for i in of for kind in ("q", "dq")):
+            known = rows_of(state.train, fitted, name, joint)
+            asked = rows_of(state.held, held, name, joint)
+            places += places_of(joint, name, known, asked, residual[joint])
+        return max(places, key=lambda place: place.share - place.time, default=None)
+
+    n = state.train.n
+    return [worst(j, [j]) or worst(j, [i for i in range(n) if i != j]) for j in range(n)]
+
+
+def places_of(joint: int, name: str, fitted: Array, held: Array, residual: Array) -> list[Beyond]:
+    """Beyond either end of what a quantity was on the fit side, where most of the error lies:
+    noise leaves as much of itself there as time is spent there.
+
+    fitted (m,), held (k,): the quantity on both sides; residual (k,) N·m of the held-out one.
+    """
+    power, out = residual**2, []
+    if not power.any():
+        return []
+    for above, edge in ((True, float(fitted.max())), (False, float(fitted.min()))):
+        there = held > edge if above else held < edge
+        share, time = float(power[there].sum() / power.sum()), float(there.mean())
+        if time < 1.0 and (share - time) / (1.0 - time) > MOSTLY_BEYOND:
+            out.append(Beyond(joint, name, above, edge, share, time))
+    return out
