@@ -195,3 +195,21 @@ def test_what_the_fit_said_stands_with_its_model(archive, visit):
     page.locator("#models").get_by_text("1 thing to know of it").click()
     page.get_by_text("The fit is bold.").wait_for()
     assert not visitor.errors
+
+
+BROKEN = """async () => {
+  const { change, watch } = globalThis.pa10dModules.get("base/store.js");
+  const heard = [];
+  let first = true;
+  watch(["tried"], () => { if (first) first = false; else throw new Error("broken"); });
+  watch(["tried"], () => heard.push("after"));
+  change({ tried: 1 });
+  return heard;
+}"""
+
+
+def test_what_goes_wrong_in_one_place_keeps_nobody_else_from_knowing(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    assert visitor.page.evaluate(BROKEN) == ["after", "after"]
+    assert any("broken" in error for error in visitor.errors), "and it is told"

@@ -264,7 +264,7 @@ class Experiment:
         told = (info[key] for key in ("id", "name", "status", "duration"))
         self.result.recorded.append(RecordedRun(*told))
         if info["status"] != "success":
-            raise UserError(f"run {info['name']}: {info['status']}; {info['reason']}")
+            raise UserError(how_it_ended(info["name"], info["status"], info["reason"]))
 
     async def _follow(self, number: int, rows: int, report: Progress) -> None:
         """Until the motion is over, whatever ends it."""
@@ -318,3 +318,8 @@ class Experiment:
     def _why(self) -> str:
         fault = self._robot.fault
         return f": {fault.sentence}" if fault else ""
+
+
+def how_it_ended(run: str, status: str, reason: str) -> str:
+    """In words, and each of them once."""
+    return f"run {run}: {reason if reason.startswith(status) else f'{status}; {reason}'}"

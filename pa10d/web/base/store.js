@@ -27,7 +27,16 @@ export function change(part) {
   for (const listener of listeners) {
     listener.met ||= listener.owner?.isConnected ?? false;
     if (listener.met && !listener.owner.isConnected) listeners.delete(listener);
-    else if (listener.keys.some((key) => keys.includes(key))) listener.f();
+    else if (listener.keys.some((key) => keys.includes(key))) told(listener);
+  }
+}
+
+/** What goes wrong in one place keeps nobody else from knowing. */
+function told({ f }) {
+  try {
+    f();
+  } catch (error) {
+    reportError(error);
   }
 }
 
