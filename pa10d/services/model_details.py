@@ -17,7 +17,8 @@ class ModelDetails:
     """standard: feasible standard parameters per joint, or None; shift: s by which torque and angle
     were apart; torque_filter: in words; delivery: what the search that it came from promised, and
     what it achieves, as the model's file has it; formats: for other programs, with their files'
-    endings; impossible: what of the free fit no arm can have, in words."""
+    endings; warnings: what is to be known of it before it is used, as its fit said it; impossible:
+    what of the free fit no arm can have, in words."""
 
     parameters: list[ParameterLine]
     standard: dict[str, list[float]] | None
@@ -26,6 +27,7 @@ class ModelDetails:
     torque_units: list[str]
     delivery: Delivery | None
     formats: Mapping[Format, str]
+    warnings: list[str]
     impossible: list[str]
 
     def document(self) -> JsonObject:
@@ -38,6 +40,7 @@ class ModelDetails:
             "torque_units": self.torque_units,
             "delivery": self.delivery and self.delivery.document(),
             "formats": dict(self.formats),
+            "warnings": self.warnings,
             "impossible": self.impossible,
         }
 
@@ -56,5 +59,6 @@ def model_details(model: TorqueModel) -> ModelDetails:
         torque_units=[model.robot.torque_unit(j) for j in range(model.robot.n)],
         delivery=model.notes.delivery,
         formats=ENDINGS,
+        warnings=list(model.notes.warnings),
         impossible=list(impossible(model)),
     )

@@ -182,19 +182,28 @@ def test_much_to_know_lies_behind_one_line_until_it_is_closed(archive, visit):
 def test_what_the_fit_said_stands_with_its_model(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page
-    [model] = json.loads(page.request.get(f"{archive[0]}/api/v1/models").text())["items"]
-    job = {
-        "id": "fit", "kind": "identify", "status": "succeeded", "progress": 1, "message": "",
-        "error": None, "created": "2026-01-01T00:00:00Z", "request": {"name": "m0"},
-    }  # fmt: skip
-    listed = {"total": 1, "next": None, "items": [job]}
-    whole = job | {"result": {"id": model["id"], "name": "m0", "warnings": ["the fit is bold"]}}
-    page.route("**/api/v1/jobs?*", answer(listed))
-    page.route("**/api/v1/jobs/fit", answer(whole))
+    model = json.loads(page.request.get(f"{archive[0]}/api/v1/models/m0").text())
+    page.route(f"**/api/v1/models/{model['id']}", answer({**model, "warnings": ["a bold fit"]}))
     visitor.open("models")
     page.locator("#models").get_by_text("1 thing to know of it").click()
-    page.get_by_text("The fit is bold.").wait_for()
+    page.get_by_text("A bold fit.").wait_for()
     assert not visitor.errors
+
+
+ADVICE = """async (advice) => {
+  const { findingsList } = await import("/assets/any/parts/preview.js");
+  const finding = { severity: "warning", sentence: "q reaches 68 rad", advice, mends: [] };
+  return findingsList([finding]).textContent;
+}"""
+
+
+def test_advice_is_given_in_words_of_the_page(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    advice = "degrees: --map 'q{n}[deg]=q'; at the motor: --map 'q{n}[1/RATIO]=q' with the ratio"
+    assert visitor.page.evaluate(ADVICE, advice).endswith(
+        "degrees: unit deg for q…; at the motor: unit 1/RATIO for q… with the ratio "
+    )
 
 
 BROKEN = """async () => {

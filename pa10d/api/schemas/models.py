@@ -74,6 +74,7 @@ class ModelDetails(Model):
         description="Feasible standard parameters per joint: m mx my mz Ixx Ixy Iyy Ixz Iyz Izz"
     )
     shift_s: float
+    warnings: list[str] = Field(description="What is to be known of it before it is used")
     impossible: list[str] = Field(description="What of the free fit no arm can have, in words")
 
 

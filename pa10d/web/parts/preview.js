@@ -29,7 +29,11 @@ export function decide(box, seen, others = 0) {
 
 /** What helps, in words of this page: what an import can put right is a button there. */
 const adviceOf = ({ advice, mends }, mend) => !advice || (mends?.length && mend) ? ""
-  : ` → ${mends?.length ? "import the file anew: there a button mends it" : advice}`;
+  : ` → ${mends?.length ? "import the file anew: there a button mends it" : inPage(advice)}`;
+
+/** What the command line's --map would be told, the table of columns is told here. */
+const inPage = (advice) => advice.replaceAll(/(in )?--map /g, "").replaceAll(/'?([^'\s[\]]+)\[([^\]]+)\]=\w+'?/g,
+  (_, column, unit) => `unit ${unit} for ${column.replace("{n}", "…")}`);
 
 /** What the checks said, each with a button where something mends it. */
 export const findingsList = (findings, mend = null) => findings.length

@@ -92,7 +92,7 @@ function where({ findings, unexplained }, titles) {
   const light = (chosen) => {
     [...chips.children].forEach((chip, k) => chip.setAttribute("aria-pressed", String(k === chosen)));
     const lit = chosen ? places[chosen - 1].joints : joints, { title } = places[chosen - 1] ?? {};
-    view.show({ q: state.pose ?? undefined, lit, words: `${title ?? "All findings"}: ${lit.length ? `joint ${lit.join(", ")}` : "the whole arm"}.` });
+    view.show({ q: state.pose ?? undefined, lit, words: `${title ?? (places.length > 1 ? "All findings" : places[0].title)}: ${lit.length ? `joint ${lit.join(", ")}` : "the whole arm"}.` });
   };
   fill(chips, ["all", ...places.map((one) => one.title)].map((title, k) => el("button", { type: "button", class: "chip", onclick: () => light(k) }, title)));
   chips.hidden = places.length < 2;

@@ -83,11 +83,13 @@ function details(model) {
   parts.other = modelPicker("Compare with", () => drawVersus(model));
   if (model.parent_name) parts.other.value = model.parent_name;
   parts.delivered = el("div", {});
+  const known = el("div", {});
   get(`models/${model.id}`).then((found) => {
     if (detailed !== model.id) return;
     fill(parts.parameters, parameters(found));
     fill(parts.delivered, delivered(found));
     fill(parts.exports, "Export", exporters(found));
+    fill(known, toKnow(found.warnings));
   },
     (error) => fill(parts.parameters, el("p", { class: "bad" }, error.message)));
   const load = el("button", { type: "button", class: "load", onclick: guarded("The controller stays as it was.", async () => {
@@ -102,8 +104,6 @@ function details(model) {
     load.textContent = loaded ? "Loaded in the controller" : "Load into the controller";
   }, load);
   parts.exports = el("div", { class: "row" });
-  const known = el("div", {});
-  madeBy(model).then((job) => fill(known, toKnow(job?.result.warnings ?? [])), () => {});
   const report = reportButton(() => model.name, () => parts.judge.ids);
   return [
     el("div", { class: "panel" }, el("div", { class: "row between" }, el("h2", {}, model.name, " ", el("small", {}, model.change)),
@@ -115,13 +115,6 @@ function details(model) {
     parts.delivered, parts.stairs, el("details", { class: "block" }, el("summary", {}, el("h2", {}, "Against another model")), parts.other.box, parts.versus),
     el("details", { class: "block", open: true }, el("summary", {}, el("h2", {}, "Parameters ", el("small", {}, "with 95 % intervals"))), parts.parameters),
   ];
-}
-
-/** The job that made it, with its result; undefined where it is not remembered. */
-async function madeBy(model) {
-  const candidates = [...state.jobs.values()].filter((job) => ["identify", "add"].includes(job.kind) && job.status === "succeeded" && job.request.name === model.name);
-  const whole = await Promise.all(candidates.map((job) => get(`jobs/${job.id}`)));
-  return whole.find((job) => job.result.id === model.id);
 }
 
 const exporters = (model) => Object.entries(model.formats).map(([format, ending]) => el("button", {
