@@ -33,7 +33,7 @@ SPELT = {"temperature": "temp", "current": "i", "t": "time"}
 SECOND = 1_000_000_000  # ns
 NOT_NUMPY = (OSError, ValueError, zipfile.BadZipFile, zlib.error, KeyError, EOFError, MemoryError)
 FEW = 20  # rows: fewer are names, gains and the like
-CLOCKS = ("time", "t", "timestamp", "stamp")
+CLOCKS = ("time", "t", "timestamp", "timestamps", "stamp")
 PREFIXES = {"extra": "", "command": "cmd_"}
 """Structs of our own files whose fields are called by more, or less, than their own names."""
 Place = tuple[str, ...]
@@ -220,7 +220,7 @@ def spread(
     told what is left out because it is not as long as the others, and what names decided. joints:
     the robot's.
     """
-    order = _order(_named_joints(content), joints, said)
+    order = _order(_named_joints(content, joints), joints, said)
     leaves = _of_one_clock(list(_leaves(content)))
     length = _samples_in(leaves)
     if said is not None:
@@ -247,15 +247,17 @@ def spread(
     return out
 
 
-def _named_joints(content: Mapping[str, Any]) -> list[str]:
-    """The only list of different words in it that is called like names of joints."""
+def _named_joints(content: Mapping[str, Any], joints: Sequence[str]) -> list[str]:
+    """The only list of different words in it that are the robot's joints, or, where there is none,
+    that is called like names of joints. It may stand beside each of the signals."""
     lists = [
-        [str(word) for word in np.ravel(values)]
+        (name, tuple(str(word).strip() for word in np.ravel(values)))
         for name, values in _words(content)
-        if _JOINTS.search(name)
     ]
-    whole = [words for words in lists if len({*words}) == len(words) > 1]
-    return whole[0] if len(whole) == 1 else []
+    own = {words for _, words in lists if {*words} == {*joints}}
+    called = {words for name, words in lists if _JOINTS.search(name)}
+    whole = [words for words in own or called if len({*words}) == len(words) > 1]
+    return [*whole[0]] if len(whole) == 1 else []
 
 
 def _words(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

@@ -162,11 +162,12 @@ def numbers(cells: list[str]) -> bool:
 def stamps_in_two(names: list[str]) -> list[tuple[str, str, float]]:
     """Columns of seconds, each with the one that has the rest, and what one of that is in s."""
     out = []
+    written = {name.lower(): name for name in names}
     for sec in names:
-        end = sec.rpartition(".")[2]
-        if end.lower() in ("sec", "secs"):
-            fine = ((sec[: len(sec) - len(end)] + word, unit) for word, unit in FINE.items())
-            out += [(sec, name, unit) for name, unit in fine if name in names][:1]
+        before, dot, end = sec.lower().rpartition(".")
+        if end in ("sec", "secs"):
+            fine = ((f"{before}{dot}{word}", unit) for word, unit in FINE.items())
+            out += [(sec, written[name], unit) for name, unit in fine if name in written][:1]
     return out
 
 

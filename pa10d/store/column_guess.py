@@ -9,7 +9,8 @@ from pa10d.store.column_choices import Choice, rules_of
 from pa10d.store.column_mapping import PER_JOINT, UNITS, own_unit
 
 WORDS = {
-    "dq": r"velocit|veloc|\b(act)?vel|speed|qdot|\bdq|\bqd\b|theta ?d(ot)?\b|omega|geschwindigkeit",
+    "dq": r"velocit|veloc|\b(act)?vel|speed|\bdq|\bqd(?![a-z])|(q|phi|theta) ?d(ot)?(?![a-z])|omega"
+    r"|geschwindigkeit",
     "tau": r"effort|torque|\btau|\btrq|\bqfrc|moment|\bmom|\beff\b",
     "i": r"current|\bcur|\bamp(s|eres?)?\d*\b|\bstrom",
     "temp": r"temp",
@@ -34,12 +35,14 @@ NOT_ALL = re.compile(
     re.I,
 )
 """Words of torques that are not, or not all, that the motor gave."""
+ACCELERATION = re.compile(r"accel|\bacc|\bddq|(q|phi|theta) ?dd(ot)?(?![a-z])|beschleunigung", re.I)
 AT_MOTOR = re.compile(r"motor|rotor|\braw|\benc(oder)?\b|drive side", re.I)
 TIMES = {
     "t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "seconds", "sec", "secs",
     "zeit", "ts", "tout", "x_value",
 }  # fmt: skip
 _A_TIME = re.compile(r"time|stamp|zeit|\bdate\b|\bclock\b|elapsed|\bduration\b", re.I)
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z][a-z]{2})")
 _NUMBER = re.compile(r"\d+")
 _UNIT = re.compile(r"_(deg|mrad|rad|ms|us|ns|Nm|mNm|cNm|rpm)(_s|_?ps)?\d*$")
 
@@ -63,6 +66,7 @@ def guessed(
     open_to = [
         name for name in names
         if name not in taken and was_asked_for(name) == demanded and not _is_a_part(name)
+        and not ACCELERATION.search(_plain(name))
     ]  # fmt: skip
     for field in PER_JOINT:
         for tells in (_by_words, _by_unit, _by_a_vague_word):
@@ -156,7 +160,8 @@ def _has(name: str, words: str) -> bool:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[_.\-/]", " ", name)
+    """Words apart, also those of MsrJntPos and qCmd."""
+    return re.sub(r"[_.\-/]", " ", _HUMP.sub(" ", name))
 
 
 def _not_time(name: str) -> bool:

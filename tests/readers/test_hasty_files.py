@@ -199,7 +199,23 @@ def with_a_sign_behind(folder):
     return folder / "run.csv"
 
 
+def beside_each_signal(values):
+    """As a logger of YARP does: joints in an order of its own, told with every signal."""
+    names = np.array(JOINTS[::-1], dtype=object)
+    block = values[:, ::-1].T.reshape(2, 1, N)
+    return {"data": block, "elements_names": names, "timestamps": T + 1.7e9}
+
+
 WHOLE |= {
+    "joints named beside each signal": matlab(robot={
+        "description_list": np.array(JOINTS[::-1], dtype=object),
+        "joints_state": {"positions": beside_each_signal(Q), "torques": beside_each_signal(TAU)},
+    }),
+    "words in one": text(
+        "run.csv", [(NS + EPOCH) // 10**9, (NS + EPOCH) % 10**9, *Q.T, *(Q + 0.1).T, *TAU.T],
+        ["Sec", "NanoSec", *(f"{kind}_{j}" for kind in ("MsrJntPos", "CmdJntPos", "MsrJntTrq")
+                             for j in (0, 1))],
+    ),
     "LabVIEW": of_labview([]),
     "LabVIEW, units and decimal commas": of_labview(
         ["Decimal_Separator\t,"], ["Y_Unit_Label\tdeg\tdeg\tNm\tNm"]

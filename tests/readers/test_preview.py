@@ -117,6 +117,30 @@ def test_what_was_asked_for_and_parts_of_a_torque_are_not_taken_for_measurements
     assert guess(names, 2) == ["Zeit=time", "Winkel_{n}=q"]
 
 
+@pytest.mark.parametrize(
+    ("kinds", "taken"),
+    [
+        (("qCmd", "qMeas", "tauCmd", "tauMeas"), {"q": "qMeas", "tau": "tauMeas"}),
+        (
+            ("CmdJntPos", "MsrJntPos", "ExtJntTrq", "MsrJntTrq"),
+            {"q": "MsrJntPos", "tau": "MsrJntTrq"},
+        ),
+        (
+            ("thetaDot", "theta", "MotorTorque"),
+            {"q": "theta", "dq": "thetaDot", "tau": "MotorTorque"},
+        ),
+        (("qdd_", "qd_", "q_", "tau_"), {"q": "q_", "dq": "qd_", "tau": "tau_"}),
+        (("qDDot", "qDot", "pos", "trq"), {"q": "pos", "dq": "qDot", "tau": "trq"}),
+        (("axis_accel", "axis", "torque"), {"q": "axis", "tau": "torque"}),
+    ],
+)
+def test_words_that_are_written_in_one(kinds, taken):
+    """What was asked for, speeds and accelerations had been taken for the positions."""
+    names = ["time", *(f"{kind}{j}" for kind in kinds for j in (1, 2))]
+    found = dict(reversed(rule.split("=")) for rule in guess(names, 2))
+    assert {field: column.replace("{n}", "") for field, column in found.items()} == taken
+
+
 def test_the_joint_s_side_comes_before_the_motor_s():
     kinds = ("motor_pos", "joint_pos", "motor_torque", "link_torque")
     names = ["time", *(f"{kind}_{j}" for kind in kinds for j in (1, 2))]
