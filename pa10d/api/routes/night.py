@@ -28,7 +28,7 @@ async def story(daemon: TheDaemon) -> Any:
 async def night(daemon: TheDaemon, _client: Commander) -> Any:
     """The virtual arm is switched off and, the next day, on again; something may have changed."""
     if daemon.night.secret is not None and daemon.night.day == 1:
-        require_ready(daemon)
+        require_ready(daemon, recover=True)  # nothing moves, and it wakes up at home
         if daemon.robot.state != "inactive":
             raise Problem("state", f"the arm is {daemon.robot.state}, expected inactive")
     await daemon.pass_night()
