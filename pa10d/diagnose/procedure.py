@@ -20,8 +20,9 @@ from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, places, suspects
 from pa10d.diagnose.search.delivery import warnings as said
+from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
 from pa10d.diagnose.search.simpler import simpler_inside
-from pa10d.diagnose.search.steps import JudgedCandidate, Search, Suspects
+from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.beyond import beyond

@@ -15,7 +15,9 @@ from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.steps import Search, rms
+from pa10d.diagnose.search.harm import rms
+from pa10d.diagnose.search.steps import Search
+from pa10d.diagnose.search.timing import align
 from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.effects import effect
 from pa10d.identify.procedure import identify
@@ -135,7 +137,7 @@ class Arm:
     def error_as_given(self) -> np.ndarray:
         """(n,) N·m held out, of the model without the hidden effects (refitted unless frozen)."""
         state = SearchState.start(*self._start(), frozen=self.frozen)
-        Search(state, [], len(state.terms))._align()
+        align(state)
         return rms(state.held_residual())
 
     def _start(self):
@@ -174,7 +176,7 @@ def error_when_told(found: Arm) -> np.ndarray:
         state = SearchState.start(*found._start(), frozen=found.frozen)
         given = len(state.terms)
         search = Search(state, [], given)
-        search._align()
+        align(state)
         for hidden in found.hidden:
             state.push(told(search, hidden, found.truth))
         if refine:

@@ -13,7 +13,10 @@ from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.regression.partial import PartialFit
 from pa10d.diagnose.search.candidates import Candidate, scan
-from pa10d.diagnose.search.steps import JudgedCandidate, Search, harmful, rms
+from pa10d.diagnose.search.harm import harmful, rms
+from pa10d.diagnose.search.judging import JudgedCandidate
+from pa10d.diagnose.search.refitting import refine
+from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign
 
@@ -140,9 +143,8 @@ def test_a_corner_is_not_rounded_by_guesswork():
     state = state_of(recordings(8))
     coulomb = next(i for i, t in enumerate(state.terms) if t.effect_id == "coulomb")
     sharp = state.terms[coulomb].shape["v0"]
-    search = Search(state, [], len(state.terms))
-    search._refine(coulomb)
-    assert search.state.terms[coulomb].shape["v0"] == sharp
+    refine(state, len(state.terms), coulomb)
+    assert state.terms[coulomb].shape["v0"] == sharp
 
 
 def test_a_corner_that_is_clearly_too_blunt_is_made_sharper():
@@ -151,6 +153,5 @@ def test_a_corner_that_is_clearly_too_blunt_is_made_sharper():
     blunt = 8.0 * state.terms[coulomb].shape["v0"]
     state.replace_term(coulomb, replace(state.terms[coulomb], shape={"v0": blunt}))
     state.refit()
-    search = Search(state, [], len(state.terms))
-    search._refine(coulomb)
-    assert search.state.terms[coulomb].shape["v0"] < 0.5 * blunt
+    refine(state, len(state.terms), coulomb)
+    assert state.terms[coulomb].shape["v0"] < 0.5 * blunt

@@ -11,7 +11,7 @@ from two_links import recordings, state_of, textbook
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
-from pa10d.diagnose.search.steps import rms
+from pa10d.diagnose.search.harm import rms
 from pa10d.judgement import judge, run_residual
 from pa10d.measurement.standstill import stops
 

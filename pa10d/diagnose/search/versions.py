@@ -12,7 +12,7 @@ from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.evidence.tails import tails, with_open
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.delivery import delivery
-from pa10d.diagnose.search.steps import rms
+from pa10d.diagnose.search.harm import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
 from pa10d.judgement import RunResidual, residual_of

@@ -1,0 +1,56 @@
+"""Whether a model got worse where it should not, by its errors on the held-out side."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import MUCH_WORSE
+from pa10d.diagnose.evidence.errors_of import doubt_of
+from pa10d.diagnose.evidence.held_out import judge
+from pa10d.diagnose.regression.state import SearchState
+
+Array = NDArray[np.float64]
+
+
+def harmful(before: SearchState, after: SearchState) -> bool:
+    """Is anything worse, in steady motion or where the arm turns round?"""
+    return spoils(before, after) or turns_worse(before, after)
+
+
+def spoils(before: SearchState, after: SearchState) -> bool:
+    """Did the errors, each joint by its own measure, grow on the whole, or much and significantly
+    on one joint?
+
+    On short recordings a right effect may move what several joints share within its uncertainty,
+    and away from where a joint happened to do well: that is no reason to go without it.
+    """
+    r0, r1 = before.held_residual(), after.held_residual()
+    ratio = rms(r1) / np.maximum(rms(r0), 1e-300)
+    if np.sum(ratio**2 - 1.0) > 0:
+        return True
+    if np.max(ratio) > 1.0 + MUCH_WORSE:
+        moved = {j: r0[j] - r1[j] for j in r0}
+        worse = judge(after.held, r0, moved, doubt_of(after)).worse
+        return any(ratio[j] > 1.0 + MUCH_WORSE for j in worse)
+    return False
+
+
+def turns_worse(before: SearchState, after: SearchState) -> bool:
+    """The same with reversals, which no fit looks at, where a joint did not get worse without them
+    already."""
+    ratio = rms(after.held_residual()) / np.maximum(rms(before.held_residual()), 1e-300)
+    everywhere = after.moving_rms() / np.maximum(before.moving_rms(), 1e-300)
+    beyond = everywhere / np.maximum(ratio, 1.0)
+    return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
+
+
+def rms(residual: dict[int, Array]) -> Array:
+    """(n,) N·m."""
+    return np.array([float(np.sqrt(np.mean(residual[j] ** 2))) for j in sorted(residual)])
+
+
+def taken_by(before: SearchState, after: SearchState) -> float:
+    """Weighted squared error that is gone from the fit side, in units of what was left before."""
+    share = 1.0 - (after.fit.rms() / before.fit.rms()) ** 2
+    return float(np.sum(share * [len(before.train.tau[j]) for j in range(before.train.n)]))

@@ -1,0 +1,152 @@
+"""The held-out evidence of one effect: of a candidate, or of a term that the model has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy
+
+from pa10d.diagnose.constants import (
+    HELD_OUT_LEVEL,
+    MATERIAL_GAIN,
+    SEARCH_LEVEL,
+    SHORTLIST,
+    SLOPES,
+)
+from pa10d.diagnose.evidence.errors_of import doubt_of
+from pa10d.diagnose.evidence.held_out import Evidence, ModelUncertainty, fit_side_power, judge
+from pa10d.diagnose.regression.least_squares import LeastSquares
+from pa10d.diagnose.regression.partial import partials
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import Candidate, held_columns
+from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
+from pa10d.effects import Effect
+from pa10d.regression.per_joint import PerJoint
+
+Place = tuple[str, tuple[int, ...]]
+Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
+
+
+@dataclass
+class JudgedCandidate:
+    """A candidate with its held-out evidence, corrected for all that were judged beside it."""
+
+    candidate: Candidate
+    evidence: Evidence
+    p_corrected: float
+    change: PerJoint = field(repr=False, default_factory=dict)
+
+    @property
+    def place(self) -> Place:
+        """Effect and joints."""
+        return self.candidate.effect.id, self.candidate.joints
+
+    @property
+    def speaks_on(self) -> list[int] | slice:
+        """Joints whose error speaks for or against it."""
+        return self.candidate.effect.speaks_on(self.candidate.joints)
+
+    @property
+    def gain(self) -> float:
+        """Weighted squared error that it removes, on both sides together."""
+        return self.candidate.gain + float(np.sum(self.evidence.gains[self.speaks_on]))
+
+    @property
+    def complexity(self) -> int:
+        """Number of free parameters that it spends."""
+        return complexity(self.candidate)
+
+    @property
+    def acceptable(self) -> bool:
+        """Significant, of the predicted size, material, itself, and harmful to no joint."""
+        e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
+        own = self.speaks_on
+        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
+        degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
+        return bool(
+            not degenerate
+            and self.p_corrected < SEARCH_LEVEL
+            and e.p_value < HELD_OUT_LEVEL
+            and SLOPES[0] < e.slope < SLOPES[1]
+            and drop > MATERIAL_GAIN
+            and not e.worse
+        )
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Judges what a model lacks or has; suspects: all that were looked at for it; fixed: terms that
+    it was given."""
+
+    state: SearchState
+    suspects: Suspects
+    fixed: int
+
+    def candidate(
+        self, candidate: Candidate, among: int, seen: PerJoint, doubt: ModelUncertainty
+    ) -> JudgedCandidate:
+        """Held-out evidence of one candidate; seen: what it changes on the fit side (weighted);
+        doubt: of the present model beside it."""
+        fit, partial = self.state.fit, candidate.partial
+        change = self.state.change(
+            fit, held_columns(self.state, candidate), partial.seen, partial.theta
+        )
+        found = judge(self.state.held, self.state.held_residual(), change, doubt)
+        p = self._corrected(fit, seen, candidate, found, among)
+        return JudgedCandidate(candidate, found, p, change)
+
+    def _corrected(
+        self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
+    ) -> float:
+        """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
+        the candidate was chosen, and for those judged beside it on the held-out side."""
+        power = fit_side_power(self.state.train, fit.residual, seen)
+        if candidate.effect.line_order:
+            own = chance_of_line(self.state.train, candidate.joints[0], power)
+        else:
+            own = float(scipy.stats.chi2.sf(power, complexity(candidate)))
+        chosen = min(1.0, own * len(self.suspects))
+        both = scipy.stats.chi2.sf(
+            -2.0 * (np.log(max(chosen, 1e-300)) + np.log(max(found.p_value, 1e-300))), 4
+        )
+        line, beside = candidate.effect.line_order, 0.0
+        if line:
+            left, order = self.state.held_residual(fit), candidate.shape[line]
+            joint = candidate.joints[0]
+            beside = chance_beside_neighbours(self.state.held, left, joint, order)
+        return float(max(min(1.0, both * among), beside))
+
+    def term(self, index: int) -> JudgedCandidate:
+        """Held-out evidence of a term already in the model, on top of all others."""
+        rest = self.state.fit.without(self.state.place(index))
+        term = self.state.terms[index]
+        train, held = self.state.blocks[index]
+        kind = term.effect
+        falls = index >= self.fixed and self.state.may_fall(kind)
+        partial = partials(rest, train, kind, len(kind.coefficients), falls=falls)[0]
+        change = self.state.change(rest, held, partial.seen, partial.theta)
+        doubt = doubt_of(self.state, rest, self.state.fit.residual)
+        found = judge(self.state.held, self.state.held_residual(rest), change, doubt)
+        candidate = Candidate(term.effect, term.joints, term.shape, partial)
+        seen = seen_change(rest, train, candidate)
+        p = self._corrected(rest, seen, candidate, found, SHORTLIST)
+        return JudgedCandidate(candidate, found, p)
+
+
+def seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:
+    """joint -> (m_j,) weighted: what a candidate changes on the fit side, the model refitted."""
+    partial = candidate.partial
+    absorbed = partial.seen @ partial.theta
+    change = {j: -(q @ absorbed) for j, q in fit.basis.items()}
+    for j, c in columns.items():
+        change[j] = change[j] + c @ partial.theta / fit.sigma[j]
+    return change
+
+
+def complexity(candidate: Candidate) -> int:
+    """Number of free parameters of an effect."""
+    kind = candidate.effect
+    free = sum(not c.nuisance for c in kind.coefficients)
+    return free + sum(s.scale != "choice" for s in kind.shapes_in(candidate.shape))

@@ -1,0 +1,82 @@
+"""What a model may lack: all suspects scanned, the strongest of every joint judged."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pa10d.diagnose.constants import (
+    LEAST_GAIN,
+    MATERIAL_GAIN,
+    PER_JOINT,
+    SAME_DIRECTION,
+    TELL_APART,
+)
+from pa10d.diagnose.evidence.errors_of import ModelUncertainties
+from pa10d.diagnose.evidence.held_out import rivalry
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
+from pa10d.diagnose.search.judging import JudgedCandidate, Judging, seen_change
+
+
+def look(judging: Judging) -> list[JudgedCandidate]:
+    """Scan all suspects and judge the shortlist on the held-out side."""
+    state = judging.state
+    # of a model that stays as it is, what it has already may have changed
+    first = judging.fixed if state.frozen else 0
+    present = {(t.effect_id, t.joints) for t in state.terms[first:]}
+    open_suspects = [
+        (e, joints)
+        for e, joints in judging.suspects
+        if (e.id, joints) not in present or e.repeatable
+    ]
+    found = _shortlist(scan(state, open_suspects))
+    sharp = sharpened(state, found)
+    columns = [state.train.columns(c.effect, c.joints, [c.shape]) for c in sharp]
+    seen = [seen_change(state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
+    own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
+    doubts = ModelUncertainties.of(state, own)
+    return [
+        judging.candidate(c, len(found), s, doubts.beside(o))
+        for c, s, o in zip(sharp, seen, own, strict=True)
+    ]
+
+
+def prefer(
+    state: SearchState, good: list[JudgedCandidate], judged: list[JudgedCandidate]
+) -> tuple[JudgedCandidate, list[JudgedCandidate]]:
+    """The best candidate, or the simplest of those that this data cannot tell from it."""
+    best = max(good, key=lambda j: j.gain)
+    tied = [j for j in judged if j is best or _tied(state, best, j)]
+    chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
+    return chosen, [j for j in tied if j.place != chosen.place]
+
+
+def _shortlist(found: list[Candidate]) -> list[Candidate]:
+    """The strongest of every joint, as far as the fit side alone does not speak against them:
+    a joint with a large error must not hide what another one has to say."""
+    per_joint: dict[int, set[str]] = {}
+    out = []
+    for candidate in found:
+        beside = candidate.joints if not candidate.effect.seen_by_shared_bodies else ()
+        there = [per_joint.setdefault(j, set()) for j in beside or (-1,)]
+        kind = candidate.effect.id
+        if all(len(kinds) >= PER_JOINT and kind not in kinds for kinds in there):
+            continue
+        if candidate.gain < LEAST_GAIN:
+            continue
+        for kinds in there:
+            kinds.add(kind)
+        out.append(candidate)
+    return out
+
+
+def _tied(state: SearchState, best: JudgedCandidate, other: JudgedCandidate) -> bool:
+    """By what they change where either of them speaks: what they shift elsewhere is the same
+    for both but for chance, and where another joint still lacks something that is much."""
+    residual = state.held_residual()
+    every = np.arange(state.held.n)
+    spoken = {int(j) for one in (best, other) for j in every[one.speaks_on]}
+    a, b = ({j: c for j, c in one.change.items() if j in spoken} for one in (best, other))
+    overlap, z = rivalry(state.held, residual, a, b)
+    alike = np.all(other.evidence.after < (1.0 + MATERIAL_GAIN) * best.evidence.after)
+    return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
