@@ -323,12 +323,12 @@ class Daemon:
     async def use_controller(self, name: str, model: str | None) -> None:
         """Another control law; all but PID need a model of the store."""
         if name == "pid":
-            await self.robot.use({"name": "pid"})
+            await self.robot.law.use({"name": "pid"})
             return
         if model is None:
             raise UserError(f"controller '{name}': expected 'model', a model's name")
         live = await self.answer("live_model_of", model=model)
-        await self.robot.use({"name": name, "model": live}, model)
+        await self.robot.law.use({"name": name, "model": live}, model)
 
     def stop(self) -> None:
         """Rest, whoever asks; a running experiment ends as stopped."""

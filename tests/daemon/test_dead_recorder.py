@@ -54,11 +54,11 @@ def announced(robot, *recorders):
 
     async def main():
         made = [Recorder(answer) for answer in recorders]
-        robot.recorder = SimpleNamespace(link=made[0].link)
-        asked = asyncio.create_task(robot.announce(motion=1, rows=10))
+        robot.recorder.child = SimpleNamespace(link=made[0].link)
+        asked = asyncio.create_task(robot.recorder.announce(motion=1, rows=10))
         await asyncio.sleep(0.02)
         for recorder in made[1:]:
-            robot.recorder = SimpleNamespace(link=recorder.link)
+            robot.recorder.child = SimpleNamespace(link=recorder.link)
         try:
             return await asked
         finally:

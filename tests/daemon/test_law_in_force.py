@@ -79,7 +79,7 @@ def test_after_a_restart_of_control_it_is_taken_up_once_the_arm_is_there(robot):
     async def main():
         Control(robot)
         await robot.connect()
-        await robot.use(LAW, "id-1")
+        await robot.law.use(LAW, "id-1")
         assert law_of(robot) == ("computed_torque", "m1", 40)
 
         control = Control(robot)
@@ -91,7 +91,7 @@ def test_after_a_restart_of_control_it_is_taken_up_once_the_arm_is_there(robot):
         await robot.connect()
         assert control.asked == ["connect", "connect", "controller"]
         assert law_of(robot) == ("computed_torque", "m1", 40)
-        assert (robot.controller, robot.model) == (LAW, "id-1")
+        assert (robot.law.controller, robot.law.model) == (LAW, "id-1")
 
     asyncio.run(main())
 
@@ -100,16 +100,16 @@ def test_where_it_is_refused_the_servo_keeps_the_arm_and_a_note_says_so(robot):
     async def main():
         Control(robot)
         await robot.connect()
-        await robot.use(LAW, "id-1")
+        await robot.law.use(LAW, "id-1")
         control = Control(robot)
         control.admits = False
         await robot.connect()
         assert law_of(robot) == ("pid", None, None)
-        assert (robot.controller, robot.model) == ({"name": "pid"}, None)
+        assert (robot.law.controller, robot.law.model) == ({"name": "pid"}, None)
         (note,) = robot.document()["notes"]
         assert note.startswith("computed_torque was not taken up again: controller: its model is")
         control.admits = True
-        await robot.use(LAW, "id-1")
+        await robot.law.use(LAW, "id-1")
         assert robot.document()["notes"] == []
 
     asyncio.run(main())
@@ -119,7 +119,7 @@ def test_a_fault_leaves_the_arm_to_the_servo_until_its_reset(robot):
     async def main():
         control = Control(robot)
         await robot.connect()
-        await robot.use(LAW, "id-1")
+        await robot.law.use(LAW, "id-1")
         control.fault()
         assert law_of(robot) == ("pid", None, None)
         await robot.reset()
@@ -134,7 +134,7 @@ def test_whoever_enables_the_arm_first_gets_it_too(robot):
     async def main():
         control = Control(robot)
         await robot.connect()
-        robot.controller, robot.model = LAW, "id-1"
+        robot.law.controller, robot.law.model = LAW, "id-1"
         await robot.enable()
         assert control.asked == ["connect", "enable", "controller"]
         assert law_of(robot) == ("computed_torque", "m1", 40)
@@ -147,10 +147,10 @@ def test_tracking_leaves_the_law_as_it_was_found(robot, monkeypatch, faults):
     async def main():
         control = Control(robot)
         await robot.connect()
-        await robot.use(LAW, "id-1")
+        await robot.law.use(LAW, "id-1")
 
         async def track(daemon, request, report):
-            await robot.use(OTHER, "id-2")
+            await robot.law.use(OTHER, "id-2")
             if faults:
                 control.fault()
 
@@ -165,7 +165,7 @@ def test_tracking_leaves_the_law_as_it_was_found(robot, monkeypatch, faults):
             assert law_of(robot) == ("pid", None, None)
             await robot.reset()
         assert law_of(robot) == ("computed_torque", "m1", 40)
-        assert (robot.controller, robot.model) == (LAW, "id-1")
+        assert (robot.law.controller, robot.law.model) == (LAW, "id-1")
 
     asyncio.run(main())
 
@@ -174,7 +174,7 @@ def test_an_arm_that_was_disconnected_stays_so_when_control_begins_anew(robot):
     """Whatever law was chosen; and it does not say for ever that control is being started."""
 
     async def main():
-        robot.controller, robot._wanted, robot.why_offline = LAW, False, "it is being started"
+        robot.law.controller, robot._wanted, robot.why_offline = LAW, False, "it is being started"
         control = Control(robot)
         ends = asyncio.Event()
         child = SimpleNamespace(process=SimpleNamespace(wait=ends.wait))

@@ -176,7 +176,7 @@ async def _checked(daemon: Daemon, request: ExperimentRequest) -> MotionRequest:
         model = (await find_model(daemon, request.model)).id
         controller = controller or "computed_torque"
     elif controller in WITH_MODEL:
-        model = daemon.robot.model
+        model = daemon.robot.law.model
     if controller in WITH_MODEL and model is None:
         raise Problem("refused", f"{controller}: expected 'model', the name of a model")
     if not request.replace:

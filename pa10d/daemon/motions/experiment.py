@@ -49,11 +49,11 @@ def carried_by(
 ) -> CarriedBy:
     """What this motion will be followed with; figures: see ``Experiment``."""
     asked = request.controller
-    law: Law = asked or robot.controller["name"]
+    law: Law = asked or robot.law.name
     measured = robot.joints if law == "pid" and not request.is_first else None
     return CarriedBy(
         law,
-        robot.model if asked is None else request.model,
+        robot.law.model if asked is None else request.model,
         _told(measured) if figures is None else {"figures": figures.document()},
         asked is None or figures is not None,
         None if slower is None else vars(slower),
@@ -145,7 +145,7 @@ class Experiment:
         """Whether a joint left its path though nothing is in its way, and the next try is slower;
         the fault is left for that."""
         fault, joints = self._robot.fault, self._robot.joints
-        law = self._request.controller or self._robot.controller["name"]
+        law = self._request.controller or self._robot.law.name
         if fault is None or joints is None or self._figures is not None or law != "pid":
             return False
         ran = 1.0 if self.result.adjusted is None else float(self.result.adjusted["pace"])
@@ -219,9 +219,9 @@ class Experiment:
     async def _use_controller(self, prepared: Prepared) -> None:
         name = self._request.controller
         if name == "pid":
-            await self._robot.use({"name": "pid"})
+            await self._robot.law.use({"name": "pid"})
         elif name is not None:
-            await self._robot.use({"name": name, "model": prepared.live}, self._request.model)
+            await self._robot.law.use({"name": name, "model": prepared.live}, self._request.model)
 
     async def _move(self, prepared: Prepared) -> None:
         self.moved = True
@@ -239,7 +239,7 @@ class Experiment:
     async def _run(self, motion: PlannedMotion, name: str | None, report: Progress) -> None:
         """One motion, recorded."""
         number, robot = next(NUMBERS), self._robot
-        announced = await robot.announce(
+        announced = await robot.recorder.announce(
             motion=number, rows=motion.last, name=name,
             kind=self._request.kind, plan_file=motion.plan_file, tags=list(self._request.tags),
             replace=self._request.replace,
@@ -255,7 +255,7 @@ class Experiment:
         except BaseException:
             with contextlib.suppress(CommandRefused):
                 if not ended.done():
-                    await robot.withdraw()
+                    await robot.recorder.withdraw()
             raise
         finally:
             robot.runs.forget(run)
@@ -280,7 +280,7 @@ class Experiment:
 
     async def _finish_recording(self, ended: asyncio.Future[JsonObject]) -> None:
         await asyncio.wait([ended], timeout=SHORT)
-        if not ended.done() and await self._robot.withdraw():
+        if not ended.done() and await self._robot.recorder.withdraw():
             where = "stopped on the way to the start; nothing was recorded"
             raise UserError(f"{where}{self._why()}")
         await asyncio.wait_for(asyncio.shield(ended), CLOSE_RUN)

@@ -24,12 +24,12 @@ def tracking_job(daemon: Daemon, request: TrackingRequest) -> Job:
 
     async def work(report: Report) -> JsonObject:
         robot = daemon.robot
-        before = robot.controller, robot.model
+        before = robot.law.controller, robot.law.model
         try:
             return await _track(daemon, request, report)
         finally:
             with contextlib.suppress(CommandRefused):
-                await robot.go_back_to(*before)
+                await robot.law.go_back_to(*before, robot.state)
 
     return daemon.jobs.start("tracking", request.document(), work)
 

@@ -28,8 +28,10 @@ from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.awaited import AwaitedRuns
 from pa10d.daemon.robot.axes import axes_of, remarks_of
+from pa10d.daemon.robot.chosen_law import ChosenLaw
 from pa10d.daemon.robot.fault_files import keep_fault
 from pa10d.daemon.robot.liveness import Liveness
+from pa10d.daemon.robot.recorder import LAST_WORDS, START_TIME, KeptRecorder
 from pa10d.daemon.robot.refusals import (
     UNPOWERED,
     CommandRefused,
@@ -44,15 +46,12 @@ from pa10d.profile import Gains, Profile
 Array = NDArray[np.float64]
 
 RING_SECONDS = 20.0
-START_TIME = 180.0  # s for imports and compilation on a slow machine
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
 MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
 ENDED = 5.0  # s for control to end that holds nothing
-LAST_WORDS = 1.0  # s for the recorder to close a run once control has ended
-CHOOSING = ("inactive", "holding")  # states in which control takes another law
 DIED = "the drives stopped by themselves; look at the log, then reset"
 
 log = logging.getLogger("pa10d.robot")
@@ -71,14 +70,12 @@ class RobotProcess:
         self.ring = Ring.create(robot.n, int(RING_SECONDS / period), period, runtime / "ring")
         self._hand_over(profile)
         self.control: Child | None = None
-        self.recorder: Child | None = None
+        self.recorder = KeptRecorder(self._begin_recorder, self._recorder_lost)
         self.notes: list[str] = []
         self.why_offline = STARTING
         self.remark: str | None = None  # what the daemon knows of the arm beside control
         self.load: str | None = None  # what would be taken for the arm's own mass
-        self._law_lost: str | None = None  # why it is not the one that was chosen
-        self.controller: Message = {"name": "pid"}  # as it was chosen; ``document`` tells the law
-        self.model: str | None = None
+        self.law = ChosenLaw(self.command, lambda: self._told)
         self.joints: MeasuredJoints | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
         self._told = ArmTold()
@@ -88,7 +85,6 @@ class RobotProcess:
         self._alive: asyncio.Task[None] | None = None
         self._asking: asyncio.Future[list[Message]] | None = None
         self._liveness, self._commanded = Liveness(ALIVE_EVERY), 0
-        self._keeps = True
         self._wanted = True  # connected whenever possible
         self._renewing = False  # control ends because it shall begin anew
         self._renewals = asyncio.Lock()  # what was wanted before one is no other's to remember
@@ -105,13 +101,13 @@ class RobotProcess:
         loop = asyncio.get_running_loop()
         self._keepers = [
             loop.create_task(self._keep_control()),
-            loop.create_task(self._keep_recorder()),
+            loop.create_task(self.recorder.keep()),
         ]
         self._alive = loop.create_task(self._stay_alive())
 
     def keep_no_more(self) -> None:
         """A process that ends from now on is not started again."""
-        self._keeps = False
+        self.recorder.keeps = False
         for task in self._keepers:
             task.cancel()
 
@@ -121,8 +117,7 @@ class RobotProcess:
         await asyncio.gather(*self._keepers, return_exceptions=True)
         if self.control is not None:
             await self.control.end(seconds - LAST_WORDS)
-        if self.recorder is not None:
-            await self.recorder.end(LAST_WORDS, polite=False)
+        await self.recorder.end()
         if self._alive is not None:
             self._alive.cancel()
 
@@ -160,7 +155,6 @@ class RobotProcess:
         """All there is to know, for clients."""
         last, get = self.ring.last(), self.ring.layout.get
         offline = self.state == "offline" or last is None
-        model = (self.controller.get("model") or {}) if self._law_in_force() else {}
         axes = axes_of(self.ring, self.robot, self.profile, self.state)
         return {
             "profile": self.profile.name,
@@ -169,7 +163,7 @@ class RobotProcess:
             "offline_passes": self.state == "offline" and passes(self.why_offline),
             "controller": self._told.controller,
             "model": self._told.model,
-            "model_parameters": model.get("parameters"),
+            "model_parameters": self.law.model_parameters,
             "rate": self.profile.control.rate,
             "simulated": self.profile.simulation is not None,
             "notes": [*self._notes(), *remarks_of(self.device, axes)],
@@ -247,36 +241,8 @@ class RobotProcess:
             raise CommandRefused(still_in_fault(self.state, self.fault))
         await self._take_up_law()
 
-    async def use(self, controller: Message, model: str | None = None) -> None:
-        """``{"name": "pid"}``, or a law with a model ``{"name": …, "model": {live model}}``; model:
-        the id under which the whole of it is stored."""
-        await self.command("controller", **controller)
-        self.controller, self.model, self._law_lost = controller, model, None
-
-    async def go_back_to(self, controller: Message, model: str | None) -> None:
-        """The law that was there before; where the arm is in fault or away, from its return on."""
-        self.controller, self.model = controller, model
-        await self._take_up_law()
-
-    def _law_in_force(self) -> bool:
-        """Whether control has the law that was chosen."""
-        model = self.controller.get("model") or {}
-        chosen = self.controller["name"], model.get("name")
-        return chosen == (self._told.controller, self._told.model)
-
     async def _take_up_law(self) -> None:
-        """The law that was chosen, once control has begun anew or has left a fault, in which the
-        servo alone has the arm; where it is refused, the servo keeps it, and a note says why."""
-        if self.state not in CHOOSING or self._law_in_force():
-            return
-        try:
-            await self.use(self.controller, self.model)
-        except CommandRefused as refusal:
-            if "reply" not in refusal.answer or refusal.answer.get("state") not in CHOOSING:
-                return  # control or the arm is gone: again when it is back
-            lost = f"{self.controller['name']} was not taken up again: {refusal}; PID has the arm"
-            await self.use({"name": "pid"})
-            self._law_lost = lost
+        await self.law.take_up(self.state)
 
     async def use_gains(self, gains: PidGains, keep: bool) -> None:
         """Gains for every servo from now on; keep: also after control's death."""
@@ -341,10 +307,9 @@ class RobotProcess:
                 self.keep_gains(self.joints.known.gains)
             if self.control is not None:
                 await self.control.end(ENDED)
-            if self.recorder is not None:
-                await self.recorder.end(LAST_WORDS, polite=False)
+            await self.recorder.end()
             while any(c is not None and c.process.returncode is not None
-                      for c in (self.control, self.recorder)):  # fmt: skip
+                      for c in (self.control, self.recorder.child)):  # fmt: skip
                 await asyncio.sleep(0.01)  # until whoever keeps them has seen it
         finally:
             self._wanted, self._renewing = wanted, False
@@ -365,39 +330,6 @@ class RobotProcess:
         answer = await self.command("errors", timeout=MEMORIES, clear=clear)
         names = self.robot.joint_names
         return [{**one, "name": names[one["joint"] - 1]} for one in answer["drives"]]
-
-    async def announce(self, **fields: Any) -> Message:
-        """Have the recorder await a motion. One that has just died, noticed or not, is started
-        again, and that is waited for: nothing was lost yet."""
-        recorder = await self._living_recorder()
-        try:
-            return await self._ask_recorder(recorder, "announce", **fields)
-        except CommandRefused:
-            if not recorder.link.closed:
-                raise
-        return await self._ask_recorder(await self._living_recorder(), "announce", **fields)
-
-    async def withdraw(self) -> bool:
-        """Whether the announced motion had not begun: its run goes away."""
-        recorder = await self._living_recorder()
-        return bool((await self._ask_recorder(recorder, "withdraw"))["withdrawn"])
-
-    async def _living_recorder(self) -> Child:
-        until = time.monotonic() + START_TIME
-        while self._keeps and time.monotonic() < until:
-            if self.recorder is not None and not self.recorder.link.closed:
-                return self.recorder
-            await asyncio.sleep(0.1)
-        raise CommandRefused({"detail": "the recorder does not start; look at the log"})
-
-    async def _ask_recorder(self, recorder: Child, do: str, **fields: Any) -> Message:
-        try:
-            answer = await recorder.link.ask(do, **fields)
-        except LinkClosed as error:
-            raise CommandRefused({"detail": f"recorder: {error}"}) from error
-        if not answer["ok"]:
-            raise CommandRefused(answer)
-        return answer
 
     # -- keeping the processes --------------------------------------------------------------
 
@@ -461,25 +393,17 @@ class RobotProcess:
         self._told = ArmTold()
         self._announce()
 
-    async def _keep_recorder(self) -> None:
-        while True:
-            arguments = ["--profile", str(self._runtime / "profile.json")]
-            arguments += ["--ring", str(self._runtime / "ring"), "--data", str(self._data)]
-            arguments += ["--joints", *self.robot.joint_names]
-            child = await Child.start(
-                "recorder", "pa10d.recorder", arguments, self._heard, self.inherit
-            )
-            if await child.ready(START_TIME):
-                self.recorder = child
-                await child.process.wait()
-            await child.end(1.0, polite=False)
-            self.recorder = None
-            self.ring.taken = -1
-            if self.state == "running":
-                self.stop()
-            log.warning("recorder %s; it is being started again", child.how_it_ended())
-            self.runs.lost(CommandRefused({"detail": "the recorder process ended"}))
-            await asyncio.sleep(0.5)
+    async def _begin_recorder(self) -> Child:
+        arguments = ["--profile", str(self._runtime / "profile.json")]
+        arguments += ["--ring", str(self._runtime / "ring"), "--data", str(self._data)]
+        arguments += ["--joints", *self.robot.joint_names]
+        return await Child.start("recorder", "pa10d.recorder", arguments, self._heard, self.inherit)
+
+    def _recorder_lost(self) -> None:
+        self.ring.taken = -1
+        if self.state == "running":
+            self.stop()
+        self.runs.lost(CommandRefused({"detail": "the recorder process ended"}))
 
     async def _stay_alive(self) -> None:
         while True:
@@ -520,7 +444,7 @@ class RobotProcess:
         asyncio.get_running_loop().create_task(wake())
 
     def _notes(self) -> list[str]:
-        said = [one for one in (self.remark, self.load, self._law_lost) if one is not None]
+        said = [one for one in (self.remark, self.load, self.law.lost) if one is not None]
         return [*said, *self.notes, *self._told.warnings]
 
     async def _bring_back(self) -> None:
