@@ -12,7 +12,8 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.readers.archives import is_archive
-from pa10d.readers.arrays import damaged, spread_arrow
+from pa10d.readers.arrays import damaged
+from pa10d.readers.arrow import spread_arrow
 from pa10d.readers.packed import first_bytes
 from pa10d.readers.part import Parts
 from pa10d.readers.table import ForeignTable

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any
 
 from pa10d.common.errors import UserError
+from pa10d.common.jsonable import JsonObject
 from pa10d.readers.signatures import MCAP
 
 END = b"\x89MCAP0\r\n"
@@ -28,7 +29,7 @@ class JsonMessage:
     """A message of ROS that somebody wrote in JSON: its fields are attributes, as rosbags has
     them; stamps have the names of ROS 2; null is nan."""
 
-    def __init__(self, fields: dict[str, Any]) -> None:
+    def __init__(self, fields: JsonObject) -> None:
         if "secs" in fields:
             fields["sec"] = fields["secs"]
         for name in FINE:

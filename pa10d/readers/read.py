@@ -112,7 +112,7 @@ def _said_of(path: Path, inner: Path, read: Callable[[], ForeignTable]) -> Forei
 def _table_of(
     path: Path, profile: Profile, robot: Robot, progress: Progress, part: Part
 ) -> ForeignTable:
-    from pa10d.readers import arrays, bags, can_logs, lerobot
+    from pa10d.readers import arrays, arrow, bags, can_logs, lerobot, matlab
 
     kind = path.suffix.lower()
     head = b"" if path.is_dir() else packed.first_bytes(path, 64)
@@ -135,9 +135,9 @@ def _table_of(
     if frames:
         return can_logs.read_can_log(path, profile, form, part.topic)
     if head.startswith((b"PAR1", b"ARROW1", STREAM)):
-        return arrays.read_arrow(path)
-    if kind == ".mat" or head.startswith(b"MATLAB") or arrays.is_hdf5(path):
-        return arrays.read_mat(path, robot.joint_names)
+        return arrow.read_arrow(path)
+    if kind == ".mat" or head.startswith(b"MATLAB") or matlab.is_hdf5(path):
+        return matlab.read_mat(path, robot.joint_names)
     if kind in (".npz", ".npy") or head.startswith(b"\x93NUMPY"):
         return arrays.read_npz(path, robot.joint_names)
     return text.read_text(path)

@@ -47,7 +47,7 @@ def test_a_class_shares_its_name_with_none_of_another_room():
 LOOSE = {  # values that are no JSON and of any kind
     "pa10d/common/jsonable.py",  # what JSON objects are called
     "pa10d/effect_kit/carried.py", "pa10d/export/straight_line.py",  # names of a program that runs
-    "pa10d/readers/arrays.py",  # structs of foreign files
+    "pa10d/readers/matlab.py",  # structs of foreign files
     "pa10d/store/yaml_style.py",  # a dict with a style
 }  # fmt: skip
 
