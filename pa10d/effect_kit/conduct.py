@@ -31,7 +31,8 @@ def finite_columns(kind: Effect, robot: Robot, rng: np.random.Generator, count: 
     k = len(kind.coefficients)
     for _ in range(count):
         seen = _run(rng, robot)
-        at, shape = draws.joints(rng, kind, robot), draws.shape(rng, kind, seen)
+        at = draws.joints(rng, kind, robot)
+        shape = draws.shape(rng, kind, seen, at)
         before = {name: getattr(seen, name).copy() for name in ("t", "q", "dq", "ddq", "total")}
         once = kind.columns(seen, at, shape)
         expected = (SAMPLES, robot.n, k) if kind.reaches_other_joints else (SAMPLES, k)
@@ -96,7 +97,8 @@ def says_what_it_uses(
     """Columns that change with the model's loads or torques say so."""
     for _ in range(count):
         seen = _run(rng, robot)
-        at, shape = draws.joints(rng, kind, robot), draws.shape(rng, kind, seen)
+        at = draws.joints(rng, kind, robot)
+        shape = draws.shape(rng, kind, seen, at)
         other = replace(
             seen,
             rigid=1.3 * seen.rigid,

@@ -17,8 +17,6 @@ Array = NDArray[np.float64]
 RATE = 250.0  # Hz
 PUSH = 20.0  # N·m, about what the drawn effect amounts to
 
-HEAVIEST = 100.0  # kg·m² of a rotor that is drawn
-
 
 @dataclass(frozen=True)
 class Path:
@@ -51,10 +49,14 @@ def context(robot: Robot, path: Path, rigid: Array | None = None) -> Context:
 
 
 def shape(
-    rng: np.random.Generator, kind: Effect, like: Context, whole: bool = False
+    rng: np.random.Generator,
+    kind: Effect,
+    like: Context,
+    at: tuple[int, ...],
+    whole: bool = False,
 ) -> dict[str, float]:
-    """Anywhere within the bounds; where an angle without a scale is meant, near the motion; whole:
-    with all that only some joints have."""
+    """Anywhere within the bounds; where an angle without a scale is meant, near the motion; at:
+    joints, 0-based; whole: with all that only some joints have."""
     found = {}
     for s in kind.shapes:
         if s.optional and not whole and rng.random() < 0.5:
@@ -69,8 +71,8 @@ def shape(
         elif s.unit == "rad" and high - low > 10.0:
             found[s.name] = float(rng.uniform(like.q.min(), like.q.max()))
         else:
-            if s.unit == "kg·m²":  # a rotor far heavier than the arm leaves nothing to look at
-                high = min(high, HEAVIEST)
+            if s.unit == "kg·m²":  # a rotor is part of what its joint moves; else no link is left
+                high = min(high, *(float(like.inertia_seen(j).min()) for j in at))
             found[s.name] = float(rng.uniform(low, high))
     return found
 
@@ -83,7 +85,8 @@ def joints(rng: np.random.Generator, kind: Effect, robot: Robot) -> tuple[int, .
 
 def term(rng: np.random.Generator, kind: Effect, seen: Context) -> Term:
     """The effect at work: anywhere, of any shape, with coefficients of a likely size."""
-    at, form = joints(rng, kind, seen.robot), shape(rng, kind, seen)
+    at = joints(rng, kind, seen.robot)
+    form = shape(rng, kind, seen, at)
     columns = kind.columns(seen, at, form).reshape(-1, len(kind.coefficients))
     size = PUSH / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-2 * PUSH)
     low = np.array([c.lower for c in kind.coefficients])

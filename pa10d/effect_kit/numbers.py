@@ -67,7 +67,8 @@ def smooth(kind: Effect, robot: Robot, rng: np.random.Generator, count: int) -> 
             if len(moved) == count:
                 break
             seen = draws.context(robot, draws.path(rng, robot, 240))
-            at, shape = draws.joints(rng, kind, robot), draws.shape(rng, kind, seen, whole=True)
+            at = draws.joints(rng, kind, robot)
+            shape = draws.shape(rng, kind, seen, at, whole=True)
             here, whole, half = (
                 kind.columns(seen, at, shape | {s.name: _stepped(s, shape, share)}).ravel()
                 for share in (0.0, STEP, 0.5 * STEP)
