@@ -11,6 +11,11 @@
     better = pa10d.improve(model, fit=[train], validate=[valid])     # all of it, step by step
     better.model.torque(q, dq, ddq)                   # (N, n) N·m
 
+From files: load_robot, load_run, load_model. Questions: identify, compare, diagnose; what answers
+them: add, improve; the library: effects. To files: save_model, export. ``help(pa10d.identify)`` and
+so on say what each takes; Robot, Run, Model, Comparison, Diagnosis, Finding and Improvement what
+each holds.
+
 Joints count from 1; SI units; torque at the joint side. Values compare by content and cannot be
 changed; in a notebook they show their plots. Wrong input raises ``UserError`` with one line: what,
 where, what was expected. Nothing here needs a daemon or touches a data folder.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from abc import ABCMeta, abstractmethod
 from collections.abc import Hashable, Iterator, Mapping
 from typing import Any, TypeVar
@@ -20,6 +21,12 @@ class _Settling(ABCMeta):
         made = super().__call__(*given, **named)
         vars(made)["_made"] = True
         return made
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        """What a call takes, for help: as ``__init__`` has it."""
+        whole = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
 class ByContent(metaclass=_Settling):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import pydoc
 import subprocess
 import sys
 
@@ -97,6 +99,21 @@ def test_help_is_a_page():
     assert "pa10d.diagnose(model" in pa10d.__doc__
     for name in pa10d.__all__:
         assert getattr(pa10d, name).__doc__ or name in ("Cancelled", "UserError"), name
+
+
+@pytest.mark.parametrize("name", [n for n in pa10d.__all__ if n[0].islower()])
+def test_help_with_a_question_says_what_it_takes(name):
+    """Half of them are packages that can be called, and help showed the package alone."""
+    asked = getattr(pa10d, name)
+    takes = inspect.signature(asked)
+    page = pydoc.render_doc(asked, renderer=pydoc.plaintext)
+    begin = page.partition("PACKAGE CONTENTS")[0]
+    assert all(parameter in begin for parameter in takes.parameters), begin
+    assert name in (pa10d.__doc__ or "")
+
+
+def test_help_with_a_value_says_how_it_is_made():
+    assert list(inspect.signature(pa10d.Run).parameters)[:3] == ["time", "q", "tau"]
 
 
 def test_a_recording_in_degrees_is_refused_unless_forced(tmp_path, shared_data):
