@@ -134,6 +134,15 @@ def test_words_at_the_axis_of_time_never_touch(archive, visit):
                 assert other["left"] - one["right"] >= 4, (width, seconds, one, other)
 
 
+def test_words_at_the_axis_of_time_grow_with_the_text(archive, visit):
+    visitor = visit(archive[0], bypass_csp=True)
+    visitor.open()
+    small = visitor.page.evaluate(TICKS, [600, 60])
+    visitor.page.evaluate("document.documentElement.style.fontSize = '200%'")
+    large = visitor.page.evaluate(TICKS, [600, 60])
+    assert 2 <= len(large) < len(small), "fewer of them, each of twice the size"
+
+
 def test_nothing_that_the_page_asks_for_is_missing(archive, visit):
     visitor = visit(archive[0])
     missing = []

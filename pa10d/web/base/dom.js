@@ -44,6 +44,9 @@ export function renew(box, ...children) {
   if (fresh.innerHTML !== box.innerHTML.replaceAll(' data-busy="yes"', "")) refill(box, ...fresh.childNodes);
 }
 
+/** How much larger than usual the reader wants letters: what is drawn does not grow by itself. */
+export const larger = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+
 /** Change text only where it differs, so that nothing flickers. */
 export function say(box, text) {
   if (box.textContent !== text) box.textContent = text;

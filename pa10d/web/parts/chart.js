@@ -1,9 +1,10 @@
 // Quick line plots by uPlot, which comes with the first of them: over time with one cursor and one
 // zoom for all, or one quantity over another.
-import { el } from "../base/dom.js";
+import { el, larger } from "../base/dom.js";
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const FONT = "12px system-ui, sans-serif", WIDE = 62; // px for the numbers of an axis
+const WIDE = 62; // px for the numbers of an axis
+const font = (scale = 1) => `${12 * larger() * scale}px system-ui, sans-serif`;
 
 let library = null;
 function plots() {
@@ -17,7 +18,7 @@ function plots() {
 }
 
 const axis = (label, size) => ({
-  label, labelSize: 20, labelFont: FONT, font: FONT, size, stroke: () => css("--muted"),
+  label, labelSize: 20 * larger(), labelFont: font(), font: font(), size: size * larger(), stroke: () => css("--muted"),
   grid: { stroke: () => css("--grid"), width: 1 }, ticks: { stroke: () => css("--line"), width: 1 },
 });
 const line = ({ label, color, dash }) => ({ label, stroke: color, width: 1.3, dash, spanGaps: true, points: { show: false },
@@ -39,7 +40,7 @@ export class Chart {
     });
   }
 
-  size() { return { width: Math.max(200, this.box.clientWidth), height: this.height }; }
+  size() { return { width: Math.max(200, this.box.clientWidth), height: this.height * larger() }; }
 
   /** tables: one [x, …columns] per source; series: {label, color, dash} in their order; span: x. */
   async lines({ tables, series, x, y, span, log = false, bands = [] }) {
@@ -122,7 +123,7 @@ export class Chart {
     pen.save();
     pen.strokeStyle = pen.fillStyle = css("--text");
     pen.lineWidth = scale;
-    pen.font = `${12 * scale}px system-ui, sans-serif`;
+    pen.font = font(scale);
     this.marks.forEach((at, k) => {
       const x = at === null ? -1 : u.valToPos(at, "x", true);
       if (x < u.bbox.left || x > u.bbox.left + u.bbox.width) return;
@@ -131,7 +132,7 @@ export class Chart {
       pen.moveTo(x, u.bbox.top);
       pen.lineTo(x, u.bbox.top + u.bbox.height);
       pen.stroke();
-      pen.fillText("AB"[k], x + 3 * scale, u.bbox.top + 12 * scale);
+      pen.fillText("AB"[k], x + 3 * scale, u.bbox.top + 12 * scale * larger());
     });
     pen.restore();
   }

@@ -2,7 +2,7 @@
 import { el, fill, say } from "../base/dom.js";
 import { followTelemetry } from "../base/live.js";
 import { change, state, watch } from "../base/store.js";
-import { COLOURS, Scope } from "./scope.js";
+import { COLOURS, Scope, shareOf } from "./scope.js";
 import { Trail } from "./trail.js";
 
 const KEPT = 60, REDRAW = 100, OLD = 2000; // s, ms, ms
@@ -61,11 +61,6 @@ export function live() {
     for (const scope of drawn) scope.draw(trail, at);
   }, REDRAW);
   return panel;
-}
-
-function shareOf(event, canvas) {
-  const box = canvas.getBoundingClientRect();
-  return Math.min(1, Math.max(0, (event.clientX - box.left - 58) / (box.width - 66)));
 }
 
 /** A chip per joint; 'all' brings them back, and 'only' is a double click. */

@@ -1,6 +1,6 @@
 // Live values on a canvas: one quantity of several joints over the last seconds, with targets,
 // limits and what happened meanwhile.
-import { el, say } from "../base/dom.js";
+import { el, larger, say } from "../base/dom.js";
 
 export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c"];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -8,6 +8,12 @@ const LEFT = 58, RIGHT = 8, TOP = 8, BOTTOM = 20, MOST = 700; // px, points of a
 const TICKS = [1, 2, 5, 10, 15, 20, 30], APART = 10; // s between marks of time; px between their words
 const WORDS = 4; // rows of words of what happened
 const LIMITS_OF = 2; // joints: with more, nobody could tell whose limit it is
+
+/** Where the pointer is over a canvas, as a share of the time that is shown. */
+export function shareOf(event, canvas) {
+  const box = canvas.getBoundingClientRect(), letters = larger();
+  return Math.min(1, Math.max(0, (event.clientX - box.left - LEFT * letters) / (box.width - (LEFT + RIGHT) * letters)));
+}
 
 /** title, unit; `value`, `target`: (row, joint from 0) -> number; `limits`: joint -> [lower, upper]. */
 export class Scope {
@@ -24,8 +30,8 @@ export class Scope {
 
   /** at: where the pointer is, as a share of the time shown; null: nowhere. */
   draw(trail, at) {
-    const { canvas } = this, scale = devicePixelRatio || 1;
-    const width = canvas.clientWidth, height = canvas.clientHeight;
+    const { canvas } = this, ratio = devicePixelRatio || 1, letters = larger(), scale = ratio * letters;
+    const width = canvas.clientWidth / letters, height = canvas.clientHeight / letters;
     if (!width || !trail.rows.length) return;
     if (canvas.width !== Math.round(width * scale)) canvas.width = Math.round(width * scale);
     if (canvas.height !== Math.round(height * scale)) canvas.height = Math.round(height * scale);
