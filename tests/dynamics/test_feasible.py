@@ -66,6 +66,32 @@ def test_a_possible_arm_is_left_as_it_is(name):
     assert np.all(np.abs(base.of(found.standard) - free) < 0.2 * errors)
 
 
+TURNTABLE = """<robot name="table"><link name="base"/><link name="top"><inertial>
+<origin xyz="0.02 0.01 -0.2"/><mass value="2"/>
+<inertia ixx="0.03" iyy="0.028" izz="0.01" ixy="0.001" ixz="0" iyz="0.002"/></inertial></link>
+<joint name="yaw" type="continuous"><parent link="base"/><child link="top"/><axis xyz="0 0 1"/>
+</joint></robot>"""
+
+
+@pytest.mark.parametrize("better", [1.0, 0.1, 3.0, 100.0])
+def test_a_joint_that_gravity_does_not_load(better):
+    """Nine of ten parameters are free, and the tenth is far from the URDF's, as behind a rotor:
+    the solver ran away along what is free, and a possible arm was said to be impossible."""
+    robot = robot_from_urdf(TURNTABLE)
+    base = base_parameters(robot)
+    triangle = better * np.array(
+        [[245.2182, -4.1411, -1.3715], [0, 162.76, 76.0625], [0, 0, 46.43]]
+    )
+    free = np.array([0.2114, 1.186, 1.2254])
+    answer = feasible_fit(
+        triangle, triangle @ free, base, robot.parameters, np.zeros(2), np.full(2, np.inf)
+    )
+    assert answer.found, answer.status
+    assert definiteness(answer.standard)[0] > 0
+    found = np.concatenate([base.of(answer.standard), answer.extra])
+    assert np.linalg.norm(triangle @ (found - free)) < 0.3
+
+
 def test_the_unobservable_comes_from_the_prior():
     robot = robot_from_urdf(SERIAL)
     base = base_parameters(robot)
