@@ -17,7 +17,7 @@ JOINTS = MEASURED.document()
 
 
 def robot(law="pid", model=None):
-    return SimpleNamespace(joints=MEASURED, controller={"name": law}, model=model)
+    return SimpleNamespace(joints=MEASURED, law=SimpleNamespace(name=law, model=model))
 
 
 def asked(controller=None, model=None, kind="tracking"):

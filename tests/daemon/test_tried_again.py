@@ -19,7 +19,8 @@ FAST = Fault("velocity_limit", "moves at 2.1 rad/s, more than it may", axis=1)
 
 def tried(monkeypatch, faults, request, tmp_path):
     """→ what each try was asked to be slower by, and the outcome or the error."""
-    robot = SimpleNamespace(fault=None, joints=measured_joints(), controller={"name": "pid"})
+    law = SimpleNamespace(name="pid")
+    robot = SimpleNamespace(fault=None, joints=measured_joints(), law=law)
     paces = []
 
     async def reset():
