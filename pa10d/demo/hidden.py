@@ -18,6 +18,7 @@ from pa10d.profile import Profile, Simulation
 
 SPREAD = 0.2  # by which masses differ from the URDF's; friction and rotors by more
 DRAWS = 400  # until an effect falls on the joint that was asked for
+OF_A_BODY = {"cx": " m", "cy": " m", "cz": " m", "inertia": " kg·m²"}
 OWN_PLANT = str(Simulation().plant)
 
 
@@ -54,14 +55,22 @@ class Hidden:
         return self.present(later=True) != self.present(later=False)
 
     def in_words(self) -> str:
-        """With its parameters."""
+        """With its parameters, in their units."""
         if not self.effects:
             return "nobody here knows" if self.foreign else "nothing"
         entry = self.effects[0]
         where = f" in joint {' and '.join(map(str, self.joints))}" if self.joints else ""
         given = {k: v for k, v in entry.items() if k not in ("effect", "joint", "joints")}
-        values = ", ".join(f"{k} = {v}" for k, v in given.items())
+        units = _units(str(self.name))
+        values = ", ".join(f"{k} = {v}{units.get(k, '')}" for k, v in given.items())
         return f"{self.name}{where} ({values})"
+
+
+def _units(effect: str) -> dict[str, str]:
+    """Parameter -> its unit, to be put behind a value; nothing for a bare number."""
+    kind = all_effects().get(effect)
+    parts = (*kind.coefficients, *kind.shapes) if kind is not None else ()
+    return OF_A_BODY | {part.name: "" if part.unit == "1" else f" {part.unit}" for part in parts}
 
 
 def _a_change(entry: Mapping[str, Any]) -> bool:

@@ -82,3 +82,11 @@ def test_a_change_happens_between_the_two_days(hidden, first):
 def test_a_real_arm_is_not_moved():
     with pytest.raises(UserError, match="expected a profile with 'simulation'"):
         Bench(load_profile("pa10-7c"), Hidden(), 1)
+
+
+def test_what_was_hidden_is_told_in_units():
+    stribeck = {"effect": "stribeck", "joint": 4, "Fs": 4.0, "vs": 0.1, "delta": 1.0}
+    told = "stribeck in joint 4 (Fs = 4.0 N·m, vs = 0.1 rad/s, delta = 1.0)"
+    assert Hidden((stribeck,)).in_words() == told
+    payload = {"effect": "payload", "mass": 1.5, "cx": 0.01}
+    assert Hidden((payload,)).in_words() == "payload (mass = 1.5 kg, cx = 0.01 m)"
