@@ -68,9 +68,10 @@ class Hidden:
 
 def _units(effect: str) -> dict[str, str]:
     """Parameter -> its unit, to be put behind a value; nothing for a bare number."""
-    kind = all_effects().get(effect)
-    parts = (*kind.coefficients, *kind.shapes) if kind is not None else ()
-    return OF_A_BODY | {part.name: "" if part.unit == "1" else f" {part.unit}" for part in parts}
+    if (kind := all_effects().get(effect)) is None:
+        return OF_A_BODY
+    found = {c.name: c.unit for c in kind.coefficients} | {s.name: s.unit for s in kind.shapes}
+    return OF_A_BODY | {name: "" if unit == "1" else f" {unit}" for name, unit in found.items()}
 
 
 def _a_change(entry: Mapping[str, Any]) -> bool:
