@@ -67,7 +67,7 @@ def carry(tmp_path, monkeypatch):
         monkeypatch.setattr(
             investigations, "experiment_of", lambda _, request, report: daemon.experiment(request)
         )
-        carrier = investigations._Carrier(daemon, state.id, lambda *_: None)
+        carrier = investigations._Carrier(daemon, state.id, lambda *_: None, recover=False)
         with ThreadPoolExecutor(1) as pool:
             return pool.submit(asyncio.run, carrier.carry_out()).result()
 
