@@ -3,10 +3,13 @@
 
     sensitivity.py MAP_SHARE CLUSTERS         these constants of pa10d/diagnose/constants.py
     sensitivity.py --out seen.jsonl           all those of whose origin there is no record
+    sensitivity.py PASSED_BAND --sets "swings 3" "swings 24"
 
 One line per set whose answer differs from the one with the number as it stands: what is claimed
 (findings and unexplained joints) first, then the largest change of a joint's held-out error. Sets:
-``freeze.py``'s short ones, and the arm of two links of the tests, clean and with foreign laws.
+``freeze.py``'s short ones, and the arm of two links of the tests, clean and with foreign laws; by
+name also ``swings 0``, ``swings 1`` …: two links of which one swings at 2 to 12 Hz, every third arm
+being stiff.
 """
 
 from __future__ import annotations
@@ -25,17 +28,21 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "diagnose"))
 import foreign_laws
+import test_springs_that_swing as swinging_links
 import two_links
 
 from backends.virtual.datasets import figures_of, make_runs, random_effect
 from pa10d.diagnose import constants
 from pa10d.diagnose.procedure import diagnose
-from pa10d.dynamics import robot_from_profile
+from pa10d.dynamics import robot_from_profile, robot_from_urdf
 from pa10d.identify import identify
+from pa10d.measurement.recording import Recording
 from pa10d.profile import load_profile
 
 SIMULATED = ("none", "stribeck", "torque_ripple", "thermal_friction")
 CLEAN = (1, 2, 3, 4)  # seeds of two-link arms without any effect
+SWINGS = "swings "
+STIFF = 60.0  # Hz, far above what the motion asks of a link
 ROOM = ("pa10d.diagnose", "pa10d.report.diagnosis_page")
 UNRECORDED = "# -- chosen, on data that nobody"
 
@@ -49,6 +56,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="also as JSON lines")
     args = parser.parse_args()
     asked = {key: case for key, case in cases().items() if not args.sets or key in args.sets}
+    for key in args.sets or ():
+        if key.startswith(SWINGS):
+            asked[key] = cache(lambda key=key: swinging(int(key.removeprefix(SWINGS))))
     standing = {key: told(case) for key, case in asked.items()}
     for name in args.names or unrecorded():
         for factor in args.factors:
@@ -106,6 +116,22 @@ def small(seed: int, extra: Any = None) -> tuple[Any, list[Any], list[Any]]:
     runs = two_links.recordings(seed, extra)
     sides = ([runs[f"{kind}_{part}"] for part in "ab"] for kind in ("fit", "valid"))
     return two_links.textbook(runs), *sides
+
+
+def swinging(number: int) -> tuple[Any, list[Any], list[Any]]:
+    """An arm of two links in closed form, one behind a soft spring; every third has none."""
+    rng = np.random.default_rng([number, 77])
+    joint, hertz = int(rng.integers(0, 2)), float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
+    zeta = float(rng.uniform(0.02, 0.1))
+    if number % 3 == 2:
+        joint, hertz, zeta = 0, STIFF, 0.2
+    sides = []
+    for side, seconds in enumerate((16.0, 10.0)):
+        seed = 1000 + 2 * number + side
+        rows = swinging_links.recording(seconds, seed, joint, hertz, zeta)[0]
+        sides.append([Recording(f"run{side}", rows[:, 0], rows[:, 1:3], rows[:, 3:])])
+    robot = robot_from_urdf(swinging_links.urdf(1.0))
+    return identify(sides[0], robot, name="m0"), *sides
 
 
 def simulated(name: str) -> tuple[Any, list[Any], list[Any]]:

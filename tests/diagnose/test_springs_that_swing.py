@@ -56,15 +56,17 @@ def reference(rng: np.random.Generator, t: np.ndarray, reach: float) -> tuple[li
     return q.tolist(), np.gradient(q, STEP).tolist()
 
 
-def recording(seconds: float, seed: int, joint: int, hertz: float) -> tuple[np.ndarray, float]:
+def recording(
+    seconds: float, seed: int, joint: int, hertz: float, zeta: float = 0.06
+) -> tuple[np.ndarray, float]:
     """(K, 5) time, angles of the motors, torque behind the springs; and the soft joint's K. The
-    other joint's spring swings at 60 Hz."""
+    other joint's spring swings at 60 Hz. zeta: damping ratio of the soft one."""
     rng = np.random.default_rng(seed)
     t = np.arange(round(seconds / STEP)) * STEP
     (r1, d1), (r2, d2) = reference(rng, t, 1.0), reference(rng, t, 1.2)
     modes = [hertz if j == joint else 60.0 for j in (0, 1)]
     k1, k2 = ((2 * np.pi * f) ** 2 * i for f, i in zip(modes, LINKS, strict=True))
-    z1, z2 = (0.06 if j == joint else 0.2 for j in (0, 1))
+    z1, z2 = (zeta if j == joint else 0.2 for j in (0, 1))
     c1, c2 = 2 * z1 * (k1 * LINKS[0]) ** 0.5, 2 * z2 * (k2 * LINKS[1]) ** 0.5
     loop = [(i + ia) * (10 * np.pi) ** 2 for i, ia in zip(LINKS, ROTORS, strict=True)]
     brake = [1.6 * (i + ia) * 10 * np.pi for i, ia in zip(LINKS, ROTORS, strict=True)]
