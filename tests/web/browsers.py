@@ -56,6 +56,11 @@ def until(page, condition: str, seconds: float = 30.0, among=lambda: "") -> None
         page.wait_for_timeout(30)
 
 
+def until_known(page) -> None:
+    """Wait until control has started, or cannot: until then the guide has nothing else to say."""
+    until(page, "!document.querySelector('.guide')?.textContent.includes('is not there yet')", 90)
+
+
 class Visitor:
     """One browser window with a session of its own. ``asked``: every address it fetched;
     ``refused``: those that were answered by an error."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+from browsers import until, until_known
+
 PIECES = """async () => {
   const { el, renew, fill } = await import("/assets/any/base/dom.js");
   const { fixed } = await import("/assets/any/base/units.js");
@@ -112,6 +114,7 @@ def test_after_the_night_the_guide_asks_what_it_has_brought(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
     page = visitor.page
+    until_known(page)
     assert "day 2" not in page.evaluate(STORY, 1)
     told = page.evaluate(STORY, 2)
     assert "It is day 2" in told
@@ -153,6 +156,7 @@ def test_an_arm_that_is_being_connected_is_waited_for(archive, visit):
 def test_an_investigation_that_is_planned_is_the_next_step(archive, visit):
     visitor = visit(archive[0])
     visitor.open("models")
+    until_known(visitor.page)
     planned = {"id": "x", "name": "investigation", "status": "waiting", "created": "2026-01-01"}
     said = visitor.page.evaluate(TELL, [{"investigations": [planned]}])
     assert "investigation is planned; nothing has moved for it yet" in said
@@ -204,6 +208,18 @@ def test_advice_is_given_in_words_of_the_page(archive, visit):
     assert visitor.page.evaluate(ADVICE, advice).endswith(
         "degrees: unit deg for q…; at the motor: unit 1/RATIO for q… with the ratio "
     )
+
+
+def test_without_an_arm_recordings_are_investigated(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("investigate")
+    page = visitor.page
+    until(page, "document.querySelector('#source').value === 'runs'")
+    assert page.get_by_label("Minutes of motion, at most").is_hidden()
+    page.get_by_label("From").select_option("arm")
+    page.evaluate(TELL, [{"runs": []}])
+    assert page.get_by_label("From").input_value() == "arm", "what somebody chose stays"
+    assert not visitor.errors
 
 
 BROKEN = """async () => {

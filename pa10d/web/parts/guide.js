@@ -151,7 +151,8 @@ const NEXT_DAY = { go: "investigate", label: "Investigate" };
 export const changesUnasked = () => state.story?.hides && state.story.day === 2 && !state.story.hidden
   && !state.investigations.some((one) => one.question === "changed") && !state.diagnoses.some((one) => one.request.frozen);
 
-const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
+/** Is there an arm to record from, powered or not? */
+export const canMove = () => state.robot && (state.robot.state !== "offline" || state.robot.axes.length > 0);
 
 const STARTING_SET = { go: "experiments", label: "Record" };
 

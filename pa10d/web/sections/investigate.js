@@ -9,7 +9,7 @@ import { number, seconds, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
 import { table } from "../parts/blocks.js";
 import { courses } from "../parts/courses.js";
-import { changesUnasked, heading } from "../parts/guide.js";
+import { canMove, changesUnasked, heading } from "../parts/guide.js";
 import { finished } from "../parts/jobs.js";
 import { runPicker } from "../parts/picker.js";
 import { fileLink } from "../parts/report.js";
@@ -77,8 +77,12 @@ function form() {
     parts.detail.querySelector("button.primary")?.focus();
   }) }, "Show what will be done");
   const turn = () => { moved.hidden = source.value === "runs"; given.hidden = !moved.hidden; };
-  source.addEventListener("change", turn);
-  turn();
+  let own = false; // somebody has chosen
+  source.addEventListener("change", () => { own = true; turn(); });
+  watch(["robot", "runs"], () => {
+    if (!own && state.robot) source.value = canMove() || !state.runs.length ? "arm" : "runs";
+    turn();
+  });
   watch(["models"], () => {
     if (document.activeElement === question) return;
     const before = question.value;
