@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,21 +34,24 @@ class Beyond:
 
 
 def beyond(state: SearchState) -> list[Beyond | None]:
-    """Per joint the place that holds most of its error, for the time that is spent there; its own
-    angle and speed before those of others. None where the fit side has been where the error is."""
+    """Per joint the place, by its own angle or speed, that holds most of its error for the time
+    that is spent there. None where the fit side has been where the error is, and where the model
+    was fitted elsewhere. Of the many quantities of other joints one lies beyond by accident."""
+    n = state.train.n
+    if state.frozen:
+        return [None] * n
     fitted, held = motion_variables(state.train.runs), motion_variables(state.held.runs)
     residual = state.held_residual()
 
-    def worst(joint: int, of: Iterable[int]) -> Beyond | None:
+    def worst(joint: int) -> Beyond | None:
         places = []
-        for name in (f"{kind}{i + 1}" for i in of for kind in ("q", "dq")):
+        for name in (f"q{joint + 1}", f"dq{joint + 1}"):
             known = rows_of(state.train, fitted, name, joint)
             asked = rows_of(state.held, held, name, joint)
             places += places_of(joint, name, known, asked, residual[joint])
         return max(places, key=lambda place: place.share - place.time, default=None)
 
-    n = state.train.n
-    return [worst(j, [j]) or worst(j, [i for i in range(n) if i != j]) for j in range(n)]
+    return [worst(j) for j in range(n)]
 
 
 def places_of(joint: int, name: str, fitted: Array, held: Array, residual: Array) -> list[Beyond]:
