@@ -85,7 +85,9 @@ TEXTS = {
     "staircase": Reading(
         _STEPS,
         _NO_GAIN,
-        "Errors are divided by the noise: 1 (dashed) is as good as it gets.",
+        "Errors are divided by the noise, the least that any of these versions shows: 1 (dashed) is "
+        "as good as it gets. Compare asks one version alone, and through a poorer one the noise "
+        "looks larger.",
     ),
     "staircase_in_units": Reading(
         f"{_STEPS} The noise is not known of every joint from these runs, so errors stand in their "
