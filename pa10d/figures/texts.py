@@ -85,8 +85,8 @@ TEXTS = {
     "staircase": Reading(
         _STEPS,
         _NO_GAIN,
-        "Errors are divided by the noise, the least that any of these versions shows: 1 (dashed) is "
-        "as good as it gets. Compare asks one version alone, and through a poorer one the noise "
+        "Errors are divided by the noise, the least that any of these versions shows: 1 (dashed) "
+        "is as good as it gets. Compare asks one version alone, and through a poorer one the noise "
         "looks larger.",
     ),
     "staircase_in_units": Reading(
