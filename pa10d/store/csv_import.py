@@ -260,6 +260,19 @@ class _Table:
 
 
 def _parse(path: Path, columns: Columns) -> Any:
+    """A file is asked for remarks between its rows where it cannot be read without."""
+    import pyarrow as pa
+
+    try:
+        try:
+            return _table_of(path, columns, remarks=False)
+        except pa.ArrowInvalid:
+            return _table_of(path, columns, remarks=True)
+    except (pa.ArrowInvalid, OSError) as error:
+        raise UserError(_fault(path, columns, str(error).splitlines()[0])) from error
+
+
+def _table_of(path: Path, columns: Columns, remarks: bool) -> Any:
     import pyarrow as pa
     from pyarrow import csv
 
@@ -267,20 +280,19 @@ def _parse(path: Path, columns: Columns) -> Any:
     wanted = sorted({*required, *columns.extra.values()})
     names = [f"c{k}" for k in range(len(columns.names))]
     stream = pa.input_stream(str(path), compression="gzip" if is_gzip(path) else None)
-    try:
-        with stream:
-            return csv.read_csv(
-                stream,
-                csv.ReadOptions(column_names=names, skip_rows=1, block_size=1 << 22),
-                csv.ParseOptions(invalid_row_handler=_pass_over_comments),
-                csv.ConvertOptions(
-                    column_types={f"c{k}": pa.float64() for k in required},
-                    include_columns=[f"c{k}" for k in wanted],
-                    check_utf8=False,
-                ),
-            )
-    except (pa.ArrowInvalid, OSError) as error:
-        raise UserError(_fault(path, columns, str(error).splitlines()[0])) from error
+    if remarks:  # Arrow decodes a row before it asks what to do with it: any byte is a letter so
+        stream = pa.transcoding_input_stream(stream, "latin-1", "utf-8")
+    with stream:
+        return csv.read_csv(
+            stream,
+            csv.ReadOptions(column_names=names, skip_rows=1, block_size=1 << 22),
+            csv.ParseOptions(invalid_row_handler=_pass_over_comments if remarks else None),
+            csv.ConvertOptions(
+                column_types={f"c{k}": pa.float64() for k in required},
+                include_columns=[f"c{k}" for k in wanted],
+                check_utf8=False,
+            ),
+        )
 
 
 def _pass_over_comments(row: Any) -> str:

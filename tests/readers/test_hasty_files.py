@@ -186,11 +186,17 @@ def with_rows_of_others(sign, nothing=""):
     return write
 
 
-def with_remarks(folder):
-    made = [",".join(NAMES), *rows(SAMPLES)]
-    made[300:300] = ["# paused, went on"]
-    (folder / "run.csv").write_text("\n".join([*made, "# the end"]) + "\n")
-    return folder / "run.csv"
+def with_remarks(encoding):
+    """Arrow decodes a remark before it asks what to do with it, and printed its own errors."""
+
+    def write(folder):
+        made = [",".join(NAMES), *rows(SAMPLES)]
+        made[300:300] = ["# paused at 30 \u00b0C, went on"]
+        said = "\n".join([*made, "# the end"]) + "\n"
+        (folder / "run.csv").write_text(said, encoding=encoding)
+        return folder / "run.csv"
+
+    return write
 
 
 def with_a_sign_behind(folder):
@@ -227,7 +233,8 @@ WHOLE |= {
         **{name: np.insert(values, np.flatnonzero(THIRD) + 1, np.nan)
            for name, values in FLAT.items()},
     ),
-    "remarks between rows": with_remarks,
+    "remarks between rows": with_remarks("utf-8"),
+    "remarks between rows, Latin-1": with_remarks("latin-1"),
     "a sign behind each value": with_a_sign_behind,
     "an index of seconds without a name": text("run.csv", SAMPLES, ["", *FLAT]),
     "libfranka": text(

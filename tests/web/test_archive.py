@@ -13,6 +13,7 @@ from pa10d.report import compare_page
 from pa10d.services.library import open_library
 from pa10d.services.models import compare_runs
 
+TORQUE = "#compare .beside .canvas"  # measured over modelled, not the figures that come later
 FIRST, ZOOM = 3.0, 0.6  # s on a quiet machine: three times what was promised
 
 
@@ -26,29 +27,30 @@ def test_compare_is_quick_with_long_runs(archive, visit, record_property, pytest
     assert httpx.get(url_of_run, timeout=120, trust_env=False).status_code == 200  # awake
     began = time.monotonic()
     page.click("#compare-start")
-    page.locator("#compare .canvas .main-svg").first.wait_for()
+    page.locator(f"{TORQUE} .main-svg").first.wait_for()
     first = time.monotonic() - began
     page.get_by_label("every sample, unfiltered").check()
     until(
         page,
-        "document.querySelector('#compare .canvas')._fullData[0].y.length > 2900",
+        f"document.querySelector('{TORQUE}')._fullData[0].y.length > 2900",
         among=lambda: (visitor.refused, visitor.asked[-12:], page.inner_text("#compare")),
     )
     took = page.evaluate(
-        """async () => {
-          const canvas = document.querySelector("#compare .canvas");
+        """async (torque) => {
+          const canvas = document.querySelector(torque);
           const began = performance.now();
           Plotly.relayout(canvas, { "xaxis.range[0]": 20, "xaxis.range[1]": 23 });
           const sharp = (trace) => trace.dx < 0.003 && trace.y.length > 1000;
           while (!sharp(canvas._fullData[0]) && performance.now() - began < 60e3)
             await new Promise(requestAnimationFrame);
           return (performance.now() - began) / 1000;
-        }"""
+        }""",
+        TORQUE,
     )
     record_property("first_plot_s", first)
     record_property("zoom_s", took)
     print(f"first plot {first:.2f} s, zoom {took:.3f} s")
-    shown = page.evaluate("document.querySelector('#compare .canvas')._fullData[0].y.length")
+    shown = page.evaluate(f"document.querySelector('{TORQUE}')._fullData[0].y.length")
     assert 1500 <= shown <= 1600, "3 s at 500 Hz in full resolution"
     if pytestconfig.getoption("--long"):  # only then does a test judge its machine
         assert first < FIRST

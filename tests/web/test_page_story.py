@@ -41,14 +41,14 @@ def test_a_stranger_gets_from_an_empty_page_to_a_lower_error(arm, visit):
 
     follow_the_guide(page, "Compare")
     page.click("#compare-start")
-    page.locator("#compare .canvas .main-svg").first.wait_for()
+    page.locator("#compare .beside .canvas .main-svg").first.wait_for()
     sentence = page.locator(".sentence").first
     sentence.wait_for(timeout=FOLLOWED)
     sentence.click()
     until(
         page,
-        "document.querySelector('#compare .canvas').layout.xaxis.range[1]"
-        " - document.querySelector('#compare .canvas').layout.xaxis.range[0] < 20",
+        "document.querySelector('#compare .beside .canvas').layout.xaxis.range[1]"
+        " - document.querySelector('#compare .beside .canvas').layout.xaxis.range[0] < 20",
     )
 
     follow_the_guide(page, "Diagnose")
