@@ -29,9 +29,12 @@ from pa10d.measurement.signals import Lowpass
 Array = NDArray[np.float64]
 
 
-def align(state: SearchState) -> float:
+def align(state: SearchState, contradicting: bool = False) -> float:
     """Take the common offset out of both sides; returns it in s (0 where insignificant). A frozen
-    model brings its own timing: nothing there may be explained by moving it."""
+    model brings its own timing: nothing there may be explained by moving it.
+
+    contradicting: also where the joints ask for different ones, if it helps nearly all of them.
+    """
     taken = 0.0
     if state.frozen:
         return taken
@@ -48,7 +51,8 @@ def align(state: SearchState) -> float:
         after = _sizes(state)
         # what the fit side asks for must hold on the other side too, and where the arm turns round
         better = np.all(after.sum(axis=1) <= before.sum(axis=1))
-        if not better or not (shared(offset, delays, errors) or _helps(before, after)):
+        agreed = shared(offset, delays, errors) or (contradicting and _helps(before, after))
+        if not better or not agreed:
             _move(state, -offset)
             break
         taken += offset
