@@ -18,7 +18,7 @@ from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspe
 from pa10d.diagnose.search.looking import look, prefer
 from pa10d.diagnose.search.refitting import refine, settled
 from pa10d.diagnose.search.springs import with_springs
-from pa10d.diagnose.search.timing import align
+from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.unknown.structure import all_maps
 from pa10d.effects import Effect
 from pa10d.model import Term
@@ -63,11 +63,7 @@ class Search:
     def _late_together(self) -> bool:
         """Several joints "measured late" may be one offset of the whole robot, hidden as long as
         joints contradicted each other: take it instead of them, where it helps nearly all."""
-        late = [
-            index
-            for index in range(self.fixed, len(self.state.terms))
-            if self.state.terms[index].effect_id == "torque_delay"
-        ]
+        late = late_joints(self.state, self.fixed)
         if len(late) < 2:
             return False
         saved = self.state.copy()

@@ -61,6 +61,12 @@ def align(state: SearchState, contradicting: bool = False) -> float:
     return taken
 
 
+def late_joints(state: SearchState, first: int) -> list[int]:
+    """Which of the terms from ``first`` on say that a joint's torque is measured late."""
+    terms = state.terms
+    return [k for k in range(first, len(terms)) if terms[k].effect_id == "torque_delay"]
+
+
 def _move(state: SearchState, seconds: float) -> None:
     state.train, state.held = state.train.shifted(seconds), state.held.shifted(seconds)
     state.refit()
