@@ -146,8 +146,8 @@ def compare(options: argparse.Namespace) -> Answer:
 
     library = _library(options)
     found = compare_runs(
-        library, options.model_, options.runs, ancestors=options.report is not None,
-        cutoff=options.cutoff, force=options.force, progress=progress_line(),
+        library, options.model_, options.runs, cutoff=options.cutoff, force=options.force,
+        progress=progress_line(),
     )  # fmt: skip
     document = found.document()
     for warning in document["warnings"]:

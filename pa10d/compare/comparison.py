@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,16 @@ from pa10d.compare.places import Place, failing, places
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.judgement import (
+    Judgement,
     NoiseFloor,
     RunResidual,
     Scores,
     in_band,
-    noise_floor,
+    judged,
+    least_floor,
     run_residual,
     scores,
+    through,
 )
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
@@ -69,6 +72,8 @@ class Comparison:
     """Everything that compare finds. Lists of spectra and whiteness have one entry per joint.
 
     model: with the band that it was judged in
+    beside: how the models beside it are judged on the same runs, with the same floor; None where
+    the runs lack what one needs
     """
 
     model: TorqueModel
@@ -79,6 +84,7 @@ class Comparison:
     frequencies: tuple[FrequencySpectrum, ...]
     whiteness: tuple[Whiteness, ...]
     warnings: tuple[str, ...] = field(default=())
+    beside: tuple[Judgement | None, ...] = field(default=())
 
 
 def compare(
@@ -86,27 +92,34 @@ def compare(
     recordings: Sequence[Recording],
     progress: Progress = lambda share, what: None,
     cutoff: float | None = None,
+    beside: Sequence[TorqueModel] = (),
 ) -> Comparison:
     """Judge the model on every recording and on all of them together.
 
     progress(share done in 0…1, what is being done)
     cutoff: Hz of the low-pass on both sides; default: the model's own band
+    beside: further models of the same arm, through which the noise may be seen more clearly
     """
     if not recordings:
         raise UserError("nothing to compare with: expected at least one run")
     model = in_band(model, cutoff)
-    residuals, own = [], []
+    residuals = []
     for index, recording in enumerate(recordings):
-        progress(0.6 * index / len(recordings), f"run {recording.name}")
-        run = run_residual(model, recording)
-        floor = noise_floor([run])
+        progress(0.2 * index / len(recordings), f"run {recording.name}")
+        residuals.append(run_residual(model, recording))
+    others: list[list[Judgement] | None] = []
+    for other in beside:
+        progress(0.2 + 0.1 * len(others) / len(beside), f"noise through {other.name}")
+        views = through(other, recordings, model.cutoff)
+        others.append(_apart_and_together(other.name, views) if views else None)
+    seen = [_apart_and_together(model.name, residuals), *(one for one in others if one)]
+    floors = [least_floor([one.floor for one in each]) for each in zip(*seen, strict=True)]
+    own: list[RunScores] = []
+    for run, floor in zip(residuals, floors, strict=False):
+        progress(0.3 + 0.3 * len(own) / len(recordings), f"run {run.name}")
         own.append(_of(run.name, [run], model, floor))
-        residuals.append(run)
     progress(0.6, "all runs together")
-    pooled = own[0]
-    if len(own) > 1:
-        floor = noise_floor(residuals)
-        pooled = _of("pooled", residuals, model, floor)
+    pooled = own[0] if len(own) == 1 else _of("pooled", residuals, model, floors[-1])
     progress(0.8, "spectra")
     orders = tuple(
         None if slides else order_spectrum(residuals, j)
@@ -127,14 +140,21 @@ def compare(
             *_beyond_the_band(orders, model.cutoff, pooled.scores.rms),
             *map_warnings(model, residuals),
         ),
+        beside=tuple(replace(one[-1], floor=floors[-1]) if one else None for one in others),
     )
 
 
+def _apart_and_together(model: str, residuals: Sequence[RunResidual]) -> list[Judgement]:
+    """Of every run, and last of all where there are several."""
+    found = [judged(model, [run]) for run in residuals]
+    return [*found, judged(model, residuals)] if len(found) > 1 else found
+
+
 def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloor) -> RunScores:
-    judged = scores(runs)
-    where = places(runs, model.robot, floor.values, judged=judged)
-    spread = failing(judged, floor.values, model.robot, where)
-    return RunScores(name, judged, floor, tuple(where), tuple(spread))
+    found = scores(runs)
+    where = places(runs, model.robot, floor.values, judged=found)
+    spread = failing(found, floor.values, model.robot, where)
+    return RunScores(name, found, floor, tuple(where), tuple(spread))
 
 
 def _beyond_the_band(

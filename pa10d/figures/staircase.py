@@ -16,41 +16,30 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stair:
-    """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs; the noise
-    floor (n,) N·m that is seen through this version, where it was asked for."""
+    """One version: its name, what was changed, RMS per joint (n,) N·m on the same runs."""
 
     name: str
     change: str
     rms: Array
-    floor: Array | None = None
 
 
-def least_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | None:
-    """(n,) N·m, or None where there is none. Noise is the same through every version; what else
-    the error of a poorer one has that never comes again only adds to its own floor."""
-    known = [step.floor for step in steps if step.floor is not None]
-    known += [] if floor is None else [floor]
-    return np.fmin.reduce(known) if known and np.any(np.isfinite(known)) else None
-
-
-def shared_floor(steps: Sequence[Stair], floor: Array | None = None) -> Array | None:
+def floor_of_all(floor: Array | None) -> Array | None:
     """(n,) N·m that the errors are drawn as multiples of; None where the data hide that of a joint,
     which could not be drawn so."""
-    least = least_floor(steps, floor)
-    return least if least is not None and np.all(np.isfinite(least)) else None
+    return floor if floor is not None and np.all(np.isfinite(floor)) else None
 
 
-def staircase_text(steps: Sequence[Stair], floor: Array | None = None) -> Reading:
-    """How to read the staircase of these steps: in its units, or in multiples of the noise."""
-    known = shared_floor(steps, floor) is not None
-    return TEXTS["staircase"].told(True) if known else TEXTS["staircase_in_units"]
+def staircase_text(floor: Array | None = None) -> Reading:
+    """How to read a staircase: in its units, or in multiples of the noise."""
+    whole = floor_of_all(floor) is not None
+    return TEXTS["staircase"].told(True) if whole else TEXTS["staircase_in_units"]
 
 
 def staircase(steps: Sequence[Stair], joints: Sequence[str], floor: Array | None = None) -> Figure:
     """One line per joint from version to version; with a noise floor (n,) N·m of every joint as
     multiples of it, so that all share one scale whose bottom is 1. Where the data hide the floor
     of one, the scale is N·m."""
-    floor = shared_floor(steps, floor)
+    floor = floor_of_all(floor)
     names = [step.name for step in steps]
     rms = np.array([step.rms for step in steps])
     shown = rms if floor is None else rms / np.maximum(floor, 1e-300)

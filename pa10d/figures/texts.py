@@ -85,9 +85,8 @@ TEXTS = {
     "staircase": Reading(
         _STEPS,
         _NO_GAIN,
-        "Errors are divided by the noise, the least that any of these versions shows: 1 (dashed) "
-        "is as good as it gets. Compare asks one version alone, and through a poorer one the noise "
-        "looks larger.",
+        "Errors are divided by the noise, the least that is seen through any version: 1 (dashed) "
+        "is as good as it gets.",
     ),
     "staircase_in_units": Reading(
         f"{_STEPS} The noise is not known of every joint from these runs, so errors stand in their "

@@ -1,8 +1,17 @@
 """How large is a model's error on runs? One answer, whoever asks: band, mask and floor named."""
 
 from pa10d.judgement.band import HIGHEST_HZ, band, common_band, in_band
-from pa10d.judgement.judge import MASK, MATERIAL, Judgement, judge, judge_alike, judged
+from pa10d.judgement.judge import (
+    MASK,
+    MATERIAL,
+    Judgement,
+    judge,
+    judge_alike,
+    judged,
+    with_one_floor,
+)
 from pa10d.judgement.noise import NoiseFloor, noise_floor
+from pa10d.judgement.one_floor import least_floor, through
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
 from pa10d.judgement.reversing import Reversing, reversing
@@ -27,12 +36,15 @@ __all__ = [
     "judge",
     "judge_alike",
     "judged",
+    "least_floor",
     "noise_floor",
     "repeatable",
     "residual_of",
     "reversing",
     "run_residual",
     "scores",
+    "through",
     "turning",
+    "with_one_floor",
     "worse",
 ]

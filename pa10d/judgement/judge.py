@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
+from pa10d.judgement.one_floor import least_floor, through
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
@@ -67,10 +68,14 @@ def judge(
 
 
 def judge_alike(
-    models: Sequence[TorqueModel], recordings: Sequence[Recording], cutoff: float | None = None
+    models: Sequence[TorqueModel],
+    recordings: Sequence[Recording],
+    cutoff: float | None = None,
+    beside: Sequence[TorqueModel] = (),
 ) -> list[Judgement]:
-    """Several models on the same runs in one band (default: the narrowest of their own); of very
-    long ones by the middle of each, which the mask says."""
+    """Several models on the same runs in one band (default: the narrowest of their own) with one
+    floor, also through the models ``beside``; of very long ones by the middle of each, which the
+    mask says."""
     if not recordings:
         raise UserError("nothing to judge by: expected at least one run")
     cutoff = common_band(models) if cutoff is None else cutoff
@@ -81,7 +86,17 @@ def judge_alike(
         else (f"{MASK}, of each run no more than its {most} middle samples")
     )
     recordings = no_more_than(MOST, recordings)
-    return [judged(m.name, [run_residual(m, run) for run in recordings], mask) for m in seen]
+    found = [judged(m.name, [run_residual(m, run) for run in recordings], mask) for m in seen]
+    for other in beside:
+        residuals = through(other, recordings, cutoff)
+        found += [judged(other.name, residuals, mask)] if residuals else []
+    return with_one_floor(found)[: len(models)]
+
+
+def with_one_floor(found: Sequence[Judgement]) -> list[Judgement]:
+    """Judgements on the same runs in one band, all with the least floor that any of them saw."""
+    floor = least_floor([one.floor for one in found])
+    return [replace(one, floor=floor) for one in found]
 
 
 def longest(most: int, recordings: Sequence[Recording]) -> int | None:

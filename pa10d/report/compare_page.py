@@ -138,7 +138,7 @@ def _history(comparison: Comparison, steps: Sequence[Stair]) -> Section:
     plot = Plot(
         "Every version on these runs",
         figure,
-        figures.staircase_text(steps, comparison.pooled.noise_floor),
+        figures.staircase_text(comparison.pooled.noise_floor),
     )
     return Section("History", [plot])
 

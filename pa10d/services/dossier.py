@@ -58,8 +58,7 @@ def dossier(
     compared = None
     if judged:
         compared = compare_runs(
-            library, info.id, [run.id for run in judged], ancestors=True, force=True,
-            progress=progress,
+            library, info.id, [run.id for run in judged], force=True, progress=progress
         )  # fmt: skip
     used = {run.id: (run, FITTED) for run in fitted}
     for run in judged:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from pa10d.common.errors import UserError
@@ -50,7 +51,19 @@ def judge_line(
     library: Library, infos: Sequence[ModelInfo], recordings: Sequence[Recording]
 ) -> list[Judgement]:
     """Every version of a line on the same runs."""
-    return judge_alike([library.models.load(info) for info in infos], recordings)
+    line = [library.models.load(info) for info in infos]
+    return judge_alike(line, recordings, beside=list(kin(library, infos).values()))
+
+
+def kin(library: Library, infos: Sequence[ModelInfo]) -> dict[str, TorqueModel]:
+    """All others that come from the same first model, by id: the noise of a run is seen through
+    whichever of them shows it best. One that cannot be read any more shows nothing."""
+    found, known = {}, {info.id for info in infos}
+    for other in library.models.family(infos[-1]):
+        if other.id not in known:
+            with suppress(UserError):
+                found[other.id] = library.models.load(other)
+    return found
 
 
 def line_band(library: Library, model: str) -> float:

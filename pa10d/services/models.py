@@ -16,11 +16,11 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison, compare, document
 from pa10d.dynamics.robot import Robot
 from pa10d.figures.staircase import Stair
-from pa10d.judgement import Judgement, judge, judge_alike
+from pa10d.judgement import Judgement, judge
 from pa10d.measurement.recording import Recording
 from pa10d.model import Parameters, TorqueModel
 from pa10d.model.notes import LeftOutNote
-from pa10d.services.history import line_band
+from pa10d.services.history import kin, line_band
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.robots import load_robot
@@ -154,12 +154,11 @@ def compare_runs(
     model: str,
     runs: Sequence[str],
     *,
-    ancestors: bool = False,
     cutoff: float | None = None,
     force: bool = False,
     progress: Progress = lambda share, what: None,
 ) -> Compared:
-    """Judge a stored model on stored runs; ``ancestors``: and those it was made from.
+    """Judge a stored model on stored runs, and all that it was made from.
 
     cutoff: Hz; default: the band that the model shares with its ancestors.
     """
@@ -168,11 +167,16 @@ def compare_runs(
     refuse_beyond_memory("compare", [library.runs.find(run) for run in runs])
     infos, recordings = read_runs(library, runs, loaded.robot, force=force)
     band = line_band(library, info.id) if cutoff is None else cutoff
-    comparison = compare(loaded, recordings, progress, band)
-    steps = [Stair(info.name, info.change, comparison.pooled.scores.rms)]
-    if ancestors:
-        progress(0.9, "earlier versions")
-        steps = _versions(library, info, recordings, band) or steps
+    others = kin(library, [info])
+    comparison = compare(loaded, recordings, progress, band, list(others.values()))
+    errors = {info.id: comparison.pooled.scores.rms}
+    for other, found in zip(others, comparison.beside, strict=True):
+        errors |= {} if found is None else {other: found.rms}
+    steps = [
+        Stair(one.name, one.change, errors[one.id])
+        for one in library.models.history(info)
+        if one.id in errors
+    ]
     return Compared(info, tuple(infos), comparison, tuple(steps))
 
 
@@ -268,17 +272,3 @@ def write_file(path: Path, text: str) -> Path:
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; expected a file that can be written") from error
     return path
-
-
-def _versions(
-    library: Library, info: ModelInfo, recordings: Sequence[Recording], band: float
-) -> list[Stair]:
-    """Every version up to this one, judged on the same samples; nothing where it is the first."""
-    line = library.models.history(info)
-    if len(line) == 1:
-        return []
-    found = judge_alike([library.models.load(one) for one in line], recordings, band)
-    return [
-        Stair(one.name, one.change, judged.rms, judged.floor.values)
-        for one, judged in zip(line, found, strict=True)
-    ]

@@ -6,6 +6,7 @@ They run in one process that remembers the last runs it read: zooming is then a 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -19,10 +20,18 @@ from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
 from pa10d.figures.plotly import Figure
 from pa10d.figures.recorded import recorded
-from pa10d.figures.staircase import Stair, least_floor, staircase, staircase_text
+from pa10d.figures.staircase import Stair, staircase, staircase_text
 from pa10d.figures.texts import Reading
 from pa10d.figures.time import pauses, torque_over_time
-from pa10d.judgement import Judgement, RunResidual, common_band, in_band, judged, run_residual
+from pa10d.judgement import (
+    Judgement,
+    RunResidual,
+    common_band,
+    in_band,
+    judged,
+    run_residual,
+    with_one_floor,
+)
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import Lowpass
 from pa10d.model import TorqueModel
@@ -66,7 +75,7 @@ def torque_over(
     seen = _residual(data, *pair, band)
     _refuse_joint(seen, joint)
     marked = None if place is None else _within(seen, joint - 1, *place)
-    level = float(_judged(data, pair[0], pair[1:], band).floor.values[joint - 1])
+    level = float(_judged_alike(data, pair[:1], pair[1:], band)[0].floor.values[joint - 1])
     floor = level if np.isfinite(level) else None
     figure = torque_over_time(seen, joint - 1, floor, raw=raw, span=_span(span), marked=marked)
     jump = None if marked is None else _stretch(seen, joint - 1, marked)
@@ -79,18 +88,14 @@ def staircase_of(data: str, model: str, runs: Sequence[str]) -> Plot:
     line = library.models.history(library.models.find(model))
     ids = _ids(library, runs)
     band = common_band(model_of(data, info.id) for info in line)
-    found = [_judged(data, info.id, ids, band) for info in line]
-    steps = [
-        Stair(info.name, info.change, one.rms, one.floor.values)
-        for info, one in zip(line, found, strict=True)
-    ]
-    floor = least_floor(steps)
-    floor = np.full(len(line[-1].joints), np.nan) if floor is None else floor
+    found = _judged_alike(data, [info.id for info in line], ids, band)
+    steps = [Stair(info.name, info.change, one.rms) for info, one in zip(line, found, strict=True)]
+    floor = found[-1].floor.values
     figure = staircase(steps, line[-1].joints, floor)
     told = [{"model": s.name, "change": s.change, "rms": s.rms.tolist()} for s in steps]
     return _plot(
         figure,
-        staircase_text(steps, floor),
+        staircase_text(floor),
         steps=told,
         noise_floor=plain(floor),
         units=_units(model_of(data, line[-1].id)),
@@ -104,9 +109,8 @@ def versus(data: str, one: str, other: str, runs: Sequence[str]) -> Plot:
     first, second = library.models.find(one), library.models.find(other)
     ids = _ids(library, runs)
     band = common_band(model_of(data, info.id) for info in (first, second))
-    found = [_judged(data, info.id, ids, band) for info in (first, second)]
-    rms = [one.rms for one in found]
-    floor = np.fmin(*(one.floor.values for one in found))
+    found = _judged_alike(data, (first.id, second.id), ids, band)
+    rms, floor = [one.rms for one in found], found[0].floor.values
     names = (first.name, second.name)
     figure = before_after(first.joints, rms[0], rms[1], floor, names)
     told = [r.tolist() for r in rms]
@@ -151,6 +155,22 @@ def residual_in_own_band(data: str, model: str, run: str) -> RunResidual:
 @lru_cache(256)
 def _judged(data: str, model: str, runs: tuple[str, ...], band: float) -> Judgement:
     return judged(model, [_residual(data, model, run, band) for run in runs])
+
+
+def _judged_alike(
+    data: str, models: Sequence[str], runs: tuple[str, ...], band: float
+) -> list[Judgement]:
+    """Models with one floor, the least that they or any of their kin show on these runs."""
+    library = library_of(data)
+    kin = dict.fromkeys(
+        one.id for model in models for one in library.models.family(library.models.find(model))
+    )
+    found = [_judged(data, model, runs, band) for model in models]
+    for other in kin:
+        if other not in models:
+            with suppress(UserError):
+                found.append(_judged(data, other, runs, band))
+    return with_one_floor(found)[: len(models)]
 
 
 def forget(data: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -109,11 +109,14 @@ class ModelStore:
     def history(self, model: str | ModelInfo) -> list[ModelInfo]:
         """The model and all it was made from, the first ancestor first."""
         info = self.find(model) if isinstance(model, str) else model
-        by_id = {other.id: other for other in self.all()}
-        line = [info]
-        while line[-1].parent in by_id and by_id[line[-1].parent] not in line:
-            line.append(by_id[line[-1].parent])
-        return line[::-1]
+        return _line(info, {other.id: other for other in self.all()})
+
+    def family(self, model: str | ModelInfo) -> list[ModelInfo]:
+        """The model and all that come from the same first ancestor, oldest first."""
+        infos = self.all()
+        by_id = {other.id: other for other in infos}
+        first = self.history(model)[0]
+        return [other for other in infos if _line(other, by_id)[0].id == first.id]
 
     def _readable(self, wanted: str) -> bool:
         return any(wanted in (info.name, info.id) for info in self.all())
@@ -135,6 +138,15 @@ class ModelStore:
         if known is None or known[0] != version:
             known = self._known[path] = version, _quick_info(path) or _careful_info(path)
         return known[1]
+
+
+def _line(info: ModelInfo, by_id: Mapping[str, ModelInfo]) -> list[ModelInfo]:
+    """The model and all it was made from, as far as they are known, the first ancestor first."""
+    line, parent = [info], info.parent
+    while parent is not None and parent in by_id and by_id[parent] not in line:
+        line.append(by_id[parent])
+        parent = line[-1].parent
+    return line[::-1]
 
 
 def _quick_info(path: Path) -> ModelInfo | None:

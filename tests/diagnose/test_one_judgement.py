@@ -96,6 +96,15 @@ def test_every_way_of_asking_gives_one_figure(store, said, capsys):
     job = tasks.compare(data, "m0", judge_by, lambda share, what: None)
     np.testing.assert_allclose(job["pooled"]["rms"], truth, rtol=1e-6)
 
+    floor = job["pooled"]["noise_floor"]
+    later = ask(capsys, "compare", "m1", *judge_by)
+    shown = plots.versus(data, "m0", "m1", judge_by)
+    history = ask(capsys, "model", "history", "m0", "--runs", *judge_by)
+    for other in (later["pooled"], steps, shown, *line, *history):
+        np.testing.assert_allclose(other["noise_floor"], floor, rtol=1e-6)
+    assert floor[1] < compared["pooled"]["noise_floor"][1], "m1 was not there to see it through"
+    assert [step["model"] for step in later["history"]] == ["m0", "m1"]
+
     library = open_library(data)
     runs = [library.runs.recording(library.runs.find(name)) for name in judge_by]
     alone = judge(library.models.load(library.models.find("m0")), runs)

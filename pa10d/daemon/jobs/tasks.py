@@ -147,7 +147,6 @@ def compare(
         open_library(data),
         model,
         runs,
-        ancestors=True,
         cutoff=cutoff,
         force=force,
         progress=progress,

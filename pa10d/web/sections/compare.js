@@ -21,11 +21,11 @@ export function mount(box) {
   const model = modelPicker("Model", () => prepare()), runs = runPicker("Runs", "judge", () => prepare());
   const start = el("button", { class: "primary", type: "button", id: "compare-start", onclick: guarded("It could not be compared.", () => compare(model.value, runs.ids)) }, "Compare");
   parts = {
-    model, runs, box, summary: el("div", {}), sentences: el("div", {}), joints: tabsByKeys(el("div", { class: "joints", role: "tablist", "aria-label": "joints" })),
+    model, runs, box, summary: el("div", {}), since: el("div", {}), sentences: el("div", {}), joints: tabsByKeys(el("div", { class: "joints", role: "tablist", "aria-label": "joints" })),
     time: el("div", {}), arm: replay(), maps: el("div", {}), tail: el("div", {}), work: el("div", { hidden: true }),
     none: empty("Choose a model and the runs to judge it by: runs that it was not fitted to, of other motions. Then press Compare."),
   };
-  fill(parts.work, el("div", { class: "compare" }, el("div", {}, el("h2", {}, "Where it fails"), parts.sentences), parts.summary),
+  fill(parts.work, el("div", { class: "compare" }, el("div", {}, el("h2", {}, "Where it fails"), parts.since, parts.sentences), parts.summary),
     parts.joints, el("div", { class: "beside" }, parts.arm.box, parts.time), parts.maps, parts.tail);
   fill(box, heading("compare", "Compare", { Compare: "Press Compare." }), el("div", { class: "panel row pickers" }, model.box, runs.box, start),
     parts.none, parts.work);
@@ -78,6 +78,7 @@ function begin(model, runs) {
   parts.work.hidden = false;
   parts.none.hidden = true;
   fill(parts.sentences, el("p", { class: "muted" }, "Looking for where the error piles up …"));
+  fill(parts.since);
   fill(parts.summary);
   fill(parts.maps);
   fill(parts.tail);
@@ -107,7 +108,7 @@ async function open(id, joint, started = null) {
     return;
   }
   if (view.id !== id) return;
-  view.result = whole.result;
+  Object.assign(view, { result: whole.result, created: whole.created });
   if (view.chosen || parts.zoom.span) tabs(); // somebody is looking at something: it stays
   else choose(worst());
   sentences();
@@ -189,7 +190,17 @@ async function drawMaps() {
   fill(parts.maps, plots.map(block));
 }
 
+/** Versions that came after this comparison: noise is seen through the best of all. */
+function since() {
+  const first = (model) => { const parent = state.models.find((one) => one.id === model?.parent); return parent ? first(parent) : model?.id; };
+  const mine = first(state.models.find((one) => [one.id, one.name].includes(view.model)));
+  const later = state.models.filter((one) => one.created > view.created && mine && first(one) === mine).map((one) => one.name);
+  fill(parts.since, later.length ? el("p", { class: "note" }, `${later.join(", ")} came after this comparison, and the noise may be seen more clearly through ${later.length > 1 ? "them" : "it"}. `,
+    el("button", { type: "button", class: "small", onclick: guarded("It could not be compared.", () => compare(view.model, view.runs)) }, "Compare again")) : []);
+}
+
 function sentences() {
+  since();
   const where = view.result.where, spread = view.result.pooled.spread ?? [];
   if (!where.length && !spread.length) {
     fill(parts.sentences, el("p", {}, "No region and no dependence stands out: what is left looks like noise."));
