@@ -32,5 +32,9 @@ class Unsound(UserError):
         self.findings = findings
 
 
+class Stopped(UserError):
+    """Somebody wished what was under way to end: nothing went wrong."""
+
+
 class Cancelled(Exception):
     """The caller asked a long computation to stop; nothing was stored."""

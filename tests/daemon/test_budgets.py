@@ -12,7 +12,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from pa10d.common.errors import UserError
+from pa10d.client import JobFailed
+from pa10d.common.errors import Stopped, UserError
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs.jobs import Jobs
 from pa10d.daemon.processes.budget import Budget
@@ -166,5 +167,19 @@ def test_a_job_that_is_cancelled_before_its_first_step_is_cancelled(tmp_path):
         await jobs.cancel(job)
         assert (job.status, job.task, jobs.running()) == ("cancelled", None, [])
         assert json.loads(jobs.file_of(job).read_text())["status"] == "cancelled"
+
+    asyncio.run(main())
+
+
+def test_a_job_whose_motion_somebody_stopped_did_not_fail(tmp_path):
+    async def stopped(report):
+        raise Stopped("run a: stopped before its end")
+
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        job = jobs.start("experiment", {}, stopped)
+        await job.task
+        assert (job.status, job.message) == ("cancelled", "stopped")
+        assert str(JobFailed(job.brief())) == "run a: stopped before its end"
 
     asyncio.run(main())

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.crowded import Crowded
@@ -37,7 +37,8 @@ log = logging.getLogger("pa10d.jobs")
 
 @dataclass
 class Job:
-    """One job. ``request`` is what was asked for, ``error`` one line where it failed.
+    """One job. ``request`` is what was asked for, ``error`` one line where it failed,
+    or where the arm was stopped.
 
     kept: its document, with the result, is on disk, and the result no longer in memory.
     """
@@ -167,6 +168,8 @@ class Jobs:
             job.status, job.progress, job.message = "succeeded", 1.0, "done"
         except asyncio.CancelledError:
             job.status, job.message = "cancelled", "cancelled"
+        except Stopped as error:
+            job.status, job.message, job.error = "cancelled", "stopped", str(error)
         except (UserError, Crowded) as error:
             job.status, job.error = "failed", str(error)
         except Exception as error:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
@@ -264,7 +264,8 @@ class Experiment:
         told = (info[key] for key in ("id", "name", "status", "duration"))
         self.result.recorded.append(RecordedRun(*told))
         if info["status"] != "success":
-            raise UserError(how_it_ended(info["name"], info["status"], info["reason"]))
+            kind = Stopped if info["status"] == "stopped" else UserError
+            raise kind(how_it_ended(info["name"], info["status"], info["reason"]))
 
     async def _follow(self, number: int, rows: int, report: Progress) -> None:
         """Until the motion is over, whatever ends it."""
@@ -282,7 +283,7 @@ class Experiment:
         await asyncio.wait([ended], timeout=SHORT)
         if not ended.done() and await self._robot.recorder.withdraw():
             where = "stopped on the way to the start; nothing was recorded"
-            raise UserError(f"{where}{self._why()}")
+            raise UserError(f"{where}{self._why()}") if self._why() else Stopped(where)
         await asyncio.wait_for(asyncio.shield(ended), CLOSE_RUN)
 
     async def _analyse(self) -> None:

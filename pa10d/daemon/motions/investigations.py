@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject, parsed
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.kinds import experiment_of
@@ -77,7 +77,7 @@ class _Carrier:
                 course.begun(state, step)
                 await self._save(state)
                 await self._one(state, step)
-            except asyncio.CancelledError:
+            except (asyncio.CancelledError, Stopped):
                 course.put_back(state, "stopped", STOPPED)
                 await asyncio.shield(self._save(state))
                 raise

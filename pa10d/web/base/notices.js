@@ -3,13 +3,23 @@ import { el } from "./dom.js";
 
 const SHOWN = 6000, MOST = 3; // ms, messages that are seen at once
 const region = () => document.getElementById("notices");
+let before = null; // who had the keyboard's focus before it came to a message
+document.addEventListener("focusin", ({ target }) => { if (!region()?.contains(target)) before = target; });
+
+/** Closing goes on to the next message to close, and after the last one back to where one was. */
+function close(boxes) {
+  const had = boxes.some((box) => box.contains(document.activeElement)) || region().querySelector(".more")?.contains(document.activeElement);
+  for (const box of boxes) box.remove();
+  tidy();
+  if (had) ([...region().querySelectorAll(".notice:not([hidden]) > button:last-child")].at(-1) ?? (before?.isConnected ? before : document.querySelector("main")))?.focus();
+}
 
 /** `known`: sentences that are told behind one line; such a message stays until it is closed. */
 export function notice(text, { kind = "info", detail = "", action, known = [] } = {}) {
   const same = [...region().children].find((one) => one.dataset.said === text + detail);
   same?.remove();
   const times = Number(same?.dataset.times ?? 0) + 1;
-  const gone = () => { box.remove(); tidy(); };
+  const gone = () => close([box]);
   const box = el("div", { class: `notice ${kind}`, role: kind === "error" ? "alert" : "status", dataset: { said: text + detail, times } },
     el("p", {}, el("b", {}, text), detail ? ` ${detail}` : "", times > 1 ? el("small", {}, ` (${times} times)`) : null, toKnow(known)),
     action ? el(action.href ? "a" : "button", { class: "button", type: action.href ? null : "button", href: action.href, onclick: () => { gone(); action.do?.(); } }, action.label) : null,
@@ -32,12 +42,13 @@ function tidy() {
   if (all.length > 1) {
     const older = Math.max(0, all.length - MOST);
     region().prepend(el("div", { class: "more row" }, older ? el("span", {}, `${older} older message${older > 1 ? "s" : ""}`) : null,
-      el("button", { type: "button", class: "small", onclick: () => region().replaceChildren() }, "Close all")));
+      el("button", { type: "button", class: "small", onclick: () => close([...region().querySelectorAll(".notice")]) }, "Close all")));
   }
 }
 
-/** Tell what went wrong, with its remedy. */
+/** Tell what went wrong, with its remedy; what somebody wished to end did not go wrong. */
 export function failed(what, error) {
+  if (error.wished) return notice(error.message);
   const remedy = error.message.includes(error.remedy) ? "" : error.remedy;
   notice(what, { kind: "error", detail: [error.message, remedy].filter(Boolean).join(" — ") });
 }

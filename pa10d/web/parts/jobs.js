@@ -18,7 +18,8 @@ export function jobChanged(job) {
   if (over(job)) settle(job);
 }
 
-/** The whole job once it has succeeded; throws its error otherwise. Survives a lost event. */
+/** The whole job once it has succeeded; throws its error otherwise, `wished` where somebody ended
+ * it. Survives a lost event. */
 export async function finished(job) {
   jobChanged(job);
   if (!over(job)) {
@@ -37,7 +38,7 @@ export async function finished(job) {
   }
   const whole = await get(`jobs/${job.id}`);
   if (whole.status === "succeeded") return whole;
-  throw new Error(whole.status === "cancelled" ? "It was cancelled." : whole.error);
+  throw Object.assign(new Error(whole.error ?? "It was cancelled."), { wished: whole.status === "cancelled" });
 }
 
 function settle(job) {
@@ -79,7 +80,7 @@ export function tray(box) {
     idle.hidden = now.length > 0;
     say(more, [now.length > 1 ? `and ${now.length - 1} more` : "", lost ? `(as of ${state.condition.old} s ago)` : ""].filter(Boolean).join(" "));
     const last = [...state.jobs.values()].filter(over).sort((a, b) => (a.finished < b.finished ? -1 : 1)).at(-1);
-    say(idle, last ? `Last: ${WORDS[last.kind] ?? last.kind} ${last.status}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
+    say(idle, last ? `Last: ${WORDS[last.kind] ?? last.kind} ${last.message === "stopped" ? "stopped" : last.status}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
     idle.classList.toggle("bad", last?.status === "failed");
   });
 }

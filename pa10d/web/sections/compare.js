@@ -104,7 +104,7 @@ async function open(id, joint, started = null) {
   try {
     whole = await finished(job);
   } catch (error) {
-    fill(parts.sentences, el("p", { class: "bad" }, error.message));
+    fill(parts.sentences, el("p", { class: error.wished ? "muted" : "bad" }, error.message));
     return;
   }
   if (view.id !== id) return;

@@ -156,7 +156,7 @@ async function begin(found) {
   const job = await post(`investigations/${found.id}/start`);
   finished(job).then(
     (whole) => { if (whole.result.status === "done") notice(`${found.name} is done.`, { action: { href: `#/investigate/${found.id}`, label: "Look" } }); soon(); },
-    (error) => { if (error.message !== "It was cancelled.") notice(`${found.name} did not come to its end.`, { kind: "error", detail: error.message }); soon(); });
+    (error) => { if (!error.wished) notice(`${found.name} did not come to its end.`, { kind: "error", detail: error.message }); soon(); });
   await refresh();
 }
 
