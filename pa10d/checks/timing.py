@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pa10d.checks.finding import CheckFinding, Mend, percent
+from pa10d.checks.finding import CheckFinding, Mend
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
+from pa10d.measurement.timing_words import doubled, interrupted, irregular, rounded
 
 SLOW, TOO_SLOW, TOO_FAST = 50.0, 10.0, 20_000.0  # Hz
 UNEVEN = 0.1  # of a period: later stamps than this cost accuracy at the usual cut-offs
@@ -86,33 +87,28 @@ def _steps(timing: Timing) -> Iterator[CheckFinding]:
         yield CheckFinding(
             "warning" if share > UNEVEN else "info",
             "jitter",
-            f"the stamps are irregular: steps off by up to {timing.jitter * 1e3:.3g} ms "
-            f"({percent(share)} of a period); the samples were interpolated",
+            irregular(timing),
             "let the robot's controller stamp the samples, not the logger",
         )
     if timing.rounding is not None:
         yield CheckFinding(
             "info",
             "rounded_stamps",
-            f"the stamps are rounded to {timing.rounding * 1e3:g} ms and were taken as equal steps",
+            rounded(timing),
         )
     if timing.duplicates:
         yield CheckFinding(
             "warning",
             "duplicate_stamps",
-            f"{timing.duplicates} samples share a stamp with the one before and were averaged",
+            doubled(timing),
             "log more digits of the time",
         )
     if timing.gaps:
-        begin, longest = max(timing.gaps, key=lambda gap: gap[1])
-        many = f"{len(timing.gaps)} gaps" if len(timing.gaps) > 1 else "a gap"
         out = timing.unmeasured
         yield CheckFinding(
             "warning",
             "gaps",
-            f"{many} without samples, {sum(g[1] for g in timing.gaps):.3g} s in "
-            f"all, the longest {longest:.3g} s at {begin:.3f} s, filled by straight lines"
-            + (" that no fit and no judgement uses" if out else ""),
+            interrupted(timing),
             "look for what the logger lost there"
             if out
             else "what stands in them was never measured: log every sample, or cut the file",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pa10d.common.errors import UserError
+from pa10d.measurement import timing_words
 from pa10d.readers.part import Parts
 from pa10d.readers.value_guess import guessed_by_value, one_block
 from pa10d.store.channels import Array, Samples
@@ -21,7 +22,6 @@ from pa10d.store.csv_import import (
     CsvRecording,
     begins_anew,
     of_others,
-    timing_sentences,
     unit_since_1970,
     with_clock,
     wraps_of,
@@ -100,7 +100,7 @@ def recording_of(
         raise UserError(f"{path}: {error}{unit_since_1970(t, clock)}") from error
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
-    said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
+    said = [f"{path}: {sentence}" for sentence in timing_words.told(timing)]
     remarks = [f"{path}: {remark}" for remark in table.remarks]
     called = {field: column for column, field in resolved.fields.items()}
     return CsvRecording(

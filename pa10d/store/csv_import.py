@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.measurement import timing_words
 from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
@@ -104,7 +105,7 @@ def read_csv(
     wraps = wraps_of(samples, given)
     clock = names[columns.time] if columns.time not in columns.units else ""
     timing, samples = _equal_steps(path, t, samples, clock)
-    said = [f"{path}: {sentence}" for sentence in timing_sentences(timing)]
+    said = [f"{path}: {sentence}" for sentence in timing_words.told(timing)]
     zero = -min(0, int(samples.stamps[0]))
     samples.stamps[:] += zero
     called = {name: column for column, name in given.fields.items()}
@@ -168,32 +169,6 @@ def with_clock(said: str, columns: Mapping[str, Array]) -> str:
 def of_others(where: str, rows: int) -> str:
     """What is said of rows that hold nothing of the robot."""
     return f"{where}: {rows} rows without any position or torque, of other signals: left out"
-
-
-def timing_sentences(timing: Timing) -> list[str]:
-    """What a user should know of how the stamps became equal steps."""
-    said = []
-    if timing.duplicates:
-        said.append(f"{timing.duplicates} samples share a stamp with the one before: averaged")
-    if timing.resampled:
-        said.append(
-            f"irregular stamps (steps off by up to {timing.jitter * 1e3:.3g} ms): "
-            f"resampled at {timing.rate:.6g} Hz"
-        )
-    if timing.rounding is not None:
-        said.append(
-            f"stamps rounded to {timing.rounding * 1e3:g} ms: "
-            f"taken as equal steps at {timing.rate:.6g} Hz"
-        )
-    if timing.gaps:
-        begin, longest = max(timing.gaps, key=lambda gap: gap[1])
-        many = f"{len(timing.gaps)} gaps" if len(timing.gaps) > 1 else "a gap"
-        said.append(
-            f"{many} without samples, the longest {longest:.3g} s at {begin:.3f} s: filled by "
-            "straight lines and marked in the extra channel 'gap'"
-            + (", left out of every fit" if timing.unmeasured else "")
-        )
-    return said
 
 
 class _Table:

@@ -148,8 +148,8 @@ def test_irregular_stamps_are_resampled_and_it_is_said(tmp_path, table):
     phase = t[:, None] * [1, 2]
     table |= {"time": t, "q1": np.sin(phase[:, 0]), "q2": np.sin(phase[:, 1])}
     found = _read(write_csv(tmp_path / "a.csv", table))
-    assert "irregular stamps" in found.timing_warnings[0]
-    assert "resampled at 200 Hz" in found.timing_warnings[0]
+    assert "the stamps are irregular" in found.timing_warnings[0]
+    assert "interpolated at 200 Hz" in found.timing_warnings[0]
     grid = found.samples.stamps * 1e-9
     np.testing.assert_allclose(np.diff(grid), 0.005, atol=2e-9)
     assert np.abs(found.samples.q[:, 1] - np.sin(2 * (grid + min(0, t[0])))).max() < 1e-5
@@ -167,7 +167,7 @@ def test_duplicate_stamps_are_merged_and_it_is_said(tmp_path, table):
 def test_a_gap_is_filled_marked_and_said(tmp_path, table):
     table["time"] = np.where(np.arange(400) < 200, table["time"], table["time"] + 1.5)
     found = _read(write_csv(tmp_path / "a.csv", table))
-    assert any("a gap without samples, the longest 1.5" in w for w in found.timing_warnings)
+    assert any("a gap without samples, 1.5" in w for w in found.timing_warnings)
     marked = found.samples.extra["gap"]
     assert marked.sum() == pytest.approx(1.5 * 200, abs=2)
 
