@@ -120,11 +120,13 @@ class Value:
         return replace(self, std_error=whole, random=self.std_error)
 
     def document(self) -> dict[str, object]:
-        """As JSON: std_error is the whole, std_error_random without the torque constants."""
+        """As JSON: std_error is the whole, std_error_random without the torque constants; null:
+        of a value that was assumed nobody knows how far it is off."""
+        assumed = not self.determined and self.std_error == 0.0
         return {
             "value": self.value,
-            "std_error": self.std_error,
-            "std_error_random": self.std_error_random,
+            "std_error": None if assumed else self.std_error,
+            "std_error_random": None if assumed else self.std_error_random,
             "unit": self.unit,
             "determined": self.determined,
         }

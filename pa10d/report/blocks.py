@@ -125,8 +125,8 @@ class Plot:
         choice = _choice(ids) if len(ids) > 1 else ""
         return (
             f'<figure class="plot"><figcaption>{html.escape(self.title)}{choice}</figcaption>'
-            f'<div class="canvas" data-figure="{first}" style="height:{height}px"></div>{stored}'
-            f"{self._words()}</figure>"
+            f'<div class="canvas" data-figure="{first}" style="height:{height / 16:g}rem"></div>'
+            f"{stored}{self._words()}</figure>"
         )
 
     def _words(self) -> str:

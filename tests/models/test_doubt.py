@@ -53,7 +53,17 @@ def test_it_travels_with_the_model_and_stands_in_its_details(tmp_path):
     assert np.array_equal(stored.robot.gain_error, robot.gain_error)
     few, many = (model_details(m).document()["parameters"] for m in (model, stored))
     for a, b in zip(few, many, strict=True):
+        if a["std_error"] is None:  # assumed
+            assert (b["std_error"], a["determined"]) == (None, False)
+            continue
         assert a["std_error_random"] == b["std_error_random"] <= a["std_error"] <= b["std_error"]
+
+
+def test_what_was_assumed_has_no_error_of_nought():
+    found = effect("coulomb").values(np.array([2.0]), np.eye(1) * 1e-4, {"v0": 0.01}, {})
+    told = found["v0"].document()
+    assert (told["determined"], told["std_error"], told["std_error_random"]) == (False, None, None)
+    assert found["Fc"].document()["std_error"] == pytest.approx(0.01)
 
 
 def test_a_shape_whose_error_exceeds_it_is_not_determined():

@@ -96,6 +96,38 @@ def test_with_text_twice_as_large_every_section_and_stop_are_in_sight(archive, v
     )
 
 
+@pytest.mark.parametrize(("size", "letters"), [("100%", 12), ("200%", 24)])
+def test_letters_of_plots_grow_with_the_text(archive, visit, size, letters):
+    visitor = visit(archive[0], bypass_csp=True)
+    page = visitor.page
+    visitor.open("runs")
+    page.evaluate("(size) => { document.documentElement.style.fontSize = size; }", size)
+    page.get_by_role("button", name="train_a").click()
+    tick = page.locator("#run-detail .main-svg .xtick text").first
+    tick.wait_for()
+    assert tick.evaluate("(one) => getComputedStyle(one).fontSize") == f"{letters}px"
+    fits = """() => [...document.querySelectorAll("#run-detail .canvas")].every((one) =>
+      one.querySelector(".main-svg").getBoundingClientRect().height <= one.clientHeight + 1)"""
+    assert page.evaluate(fits)
+
+
+def test_messages_are_closed_by_keyboard_and_one_is_back_where_one_was(archive, visit):
+    visitor = visit(archive[0], bypass_csp=True)
+    page = visitor.page
+    visitor.open("explore")
+    page.locator("#explore summary").first.focus()
+    page.evaluate("""async () => {
+      const main = document.querySelector("script[type=module]").src;
+      const { notice } = await import(new URL("base/notices.js", main).href);
+      for (let k = 0; k < 5; k += 1) notice(`Number ${k} went wrong.`, { kind: "error" });
+    }""")
+    page.get_by_label("Close this message").last.focus()
+    for left in (4, 3, 2, 1, 0):
+        page.keyboard.press("Enter")
+        assert page.locator("#notices .notice").count() == left
+    assert page.evaluate("document.activeElement.matches('#explore summary')")
+
+
 def test_tabs_go_by_arrow_keys(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page

@@ -28,5 +28,5 @@ export function section(b, level = "h2") {
 }
 
 export const table = (head, rows) => el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": `table: ${head.filter(Boolean).join(", ")}` }, el("table", {},
-  el("thead", {}, el("tr", {}, head.map((cell) => el("th", { scope: "col" }, cell)))),
+  el("thead", {}, el("tr", {}, head.map((cell) => (cell ? el("th", { scope: "col" }, cell) : el("td", {}))))),
   el("tbody", {}, rows.map((row) => el("tr", {}, row.map((cell) => el("td", {}, cell)))))));

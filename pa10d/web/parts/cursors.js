@@ -4,7 +4,7 @@ import { table } from "../base/columns.js";
 import { failed } from "../base/notices.js";
 import { number } from "../base/units.js";
 
-const HEADS = ["", "at A", "at B", "B − A", "lowest seen", "highest seen", "unit"];
+const HEADS = ["line", "at A", "at B", "B − A", "lowest seen", "highest seen", "unit"];
 
 /** moved([a, b]): a cursor was set, s or null each; look([a, b]): both are set and are to be zoomed to. */
 export function cursors(moved, look) {

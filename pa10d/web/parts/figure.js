@@ -50,7 +50,7 @@ export function plot({ title, figures, reading, advice }) {
   const names = Object.keys(named);
   const height = Math.max(...names.map((name) => named[name].layout.height ?? 300));
   const canvas = el("div", { class: "canvas" });
-  canvas.style.height = `${height}px`;
+  canvas.style.height = `${height / 16}rem`;
   const choice = names.length > 1
     ? el("select", { "aria-label": `${title}: choose`, onchange: () => draw(canvas, named[choice.value]) },
       names.map((name) => el("option", { value: name }, name)))
@@ -78,7 +78,7 @@ export class Zoomable {
   constructor(height, load, point = null) {
     this.point = point;
     this.canvas = el("div", { class: "canvas" });
-    this.canvas.style.height = `${height}px`;
+    this.canvas.style.height = `${height / 16}rem`;
     this.trouble = el("p", { class: "bad pad", role: "alert", hidden: true });
     this.box = el("div", {}, this.trouble, this.canvas);
     this.load = load;

@@ -20,7 +20,7 @@ export function leftOut(span, runs, changed) {
       notice("Left out of every fit and judgement from now on.", { detail: "Models that were fitted before stay as they are." });
     }) }, "Leave this stretch out of fits");
     fill(box, leave, seen.flatMap((run) => run.excluded.map(([begin, end], k) => el("span", { class: "tag" }, `${run.name}: ${begin.toFixed(2)} to ${end.toFixed(2)} s left out `,
-      el("button", { type: "button", class: "link", "aria-label": `use ${begin.toFixed(2)} to ${end.toFixed(2)} s of ${run.name} again`, onclick: guarded("It stays left out.", () => keep(run.id, run.excluded.filter((_, i) => i !== k))) }, "use again")))));
+      el("button", { type: "button", class: "link", "aria-label": `use again ${begin.toFixed(2)} to ${end.toFixed(2)} s of ${run.name}`, onclick: guarded("It stays left out.", () => keep(run.id, run.excluded.filter((_, i) => i !== k))) }, "use again")))));
   };
   return { box, refresh, stretches: () => (runs().length === 1 ? of(runs()[0])?.excluded ?? [] : []) };
 }

@@ -156,11 +156,11 @@ function rows(groups, units) {
 const wanted = (found, group) => found.channels.filter((one) => one.group === group && (one.joint === null || !view.joints.size || view.joints.has(one.joint)));
 const color = (channel, k, more = 0) => COLOURS[((channel.joint ?? k + 1) - 1 + more) % COLOURS.length];
 
-/** Of a recording: what each line is called and looks like; `place` counts recordings, `laid` quantities,
-    which have colours of their own where there is one joint only. */
+/** Of a recording: what each line is called and looks like; `place` counts recordings, `laid` quantities
+    of all of them. Where there is one joint only, each line has a colour of its own. */
 const styles = (channels, found, { several, place, laid, quantity }) => channels.map((one, k) => ({
   label: [one.joint ? `${one.joint} ${found.joints[one.joint - 1]}` : one.id, quantity, several && found.name].filter(Boolean).join(", "),
-  color: color(one, k, channels.length === 1 ? laid : 0), dash: DASHES[(place + laid) % DASHES.length] }));
+  color: color(one, k, channels.length === 1 ? laid + place : 0), dash: DASHES[(place + laid) % DASHES.length] }));
 
 /** Draws a plot -> its lines as rows of the table. */
 async function draw({ group, over }, { chart, said }, chosen, found, mine) {
