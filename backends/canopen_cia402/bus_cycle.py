@@ -19,6 +19,10 @@ HEARTBEAT = frame(0x700 + MASTER, bytes([5]))
 ANSWER_WITHIN = 0.6  # of a period, in real time: seven answers take half of one on a full bus
 SIMULATION_ANSWERS = 8.0  # s; a simulator may be kept from its work, but not for ever
 THE_OTHERS_ANSWER = 2.0  # s, once one of its drives has answered: it works
+ARM_STOOD_STILL = (
+    f"no drive has sent a TPDO for {SIMULATION_ANSWERS:g} s, in which simulated time stood still: "
+    "the process of the virtual arm does not run"
+)
 LOOKS = 0.1  # s between two looks whether the simulator still lives
 SECOND_CHANCE = 0.02  # s, for an axis that was silent in the last cycle already
 INTERFACE_DOWN = {
@@ -116,6 +120,8 @@ class BusCycle:
             left = started + within - time.monotonic()
             if left <= 0:
                 exchange.counters.missing += 1
+                if not self._pace.realtime and within == SIMULATION_ANSWERS:
+                    raise self._watch.latch(fault("silent", ARM_STOOD_STILL))
                 return
             exchange.take(self._port.receive(min(left, LOOKS)))
 

@@ -149,12 +149,13 @@ def serve(options: argparse.Namespace) -> Answer:
         attached=options.attached,
     )
     profile = _on_bus(profile, options)
-    slow = None
-    if not options.clock and not options.no_sim and not is_simulated(profile):
+    if options.clock or options.no_sim or is_simulated(profile):
+        slow = slower(profile)
+    else:
         profile, slow = kept_time(profile)
-    if (said := slow or slower(profile)) is not None:
-        note(said)
     profile, secret = _with_secret(profile, options)
+    if slow is not None:
+        note(slow)
     run(profile, robot, replace(settings, secret=secret))
     return Answer(None)
 

@@ -18,12 +18,13 @@ RARE = 0.95  # of the cycles shall come within half a period
 
 def kept_time(profile: Profile, delays: Delays | None = None) -> tuple[Profile, str | None]:
     """The profile, in simulated time where this machine is too slow for real time, and the line
-    that says so. Real drives are never changed, ``slower`` tells of them; nor is a virtual arm on a
-    real bus, where others may count on real time."""
+    that says so. Real drives are never changed, nor is a virtual arm on a real bus, where others
+    may count on real time: of them ``slower`` tells. Measured once: at a second look the machine
+    may do better or worse."""
     simulation = profile.simulation
     alone = profile.can.interface == "virtualbus"
     if simulation is None or simulation.clock != "real" or not alone:
-        return profile, None
+        return profile, slower(profile, delays)
     usual = _usual_delay(profile, delays)
     if usual <= 0.5 / profile.control.rate:
         return profile, None

@@ -9,6 +9,8 @@ import pytest
 from test_run_commands import URDF
 
 from pa10d.cli import main, whole_parser
+from pa10d.daemon import timekeeping
+from pa10d.profile import load_profile
 
 CANNOT, USAGE = 1, 2
 WRONG = [  # words as typed, status, what the line speaks of
@@ -124,11 +126,22 @@ def test_bad_input_is_a_status_and_one_line(place, capfd, typed, status, about):
     assert (found, said.out) == (status, "")
     *before_it, line = said.err.splitlines()
     assert about in line
-    assert status == USAGE or all(
-        told.endswith(("base parameters", "real insists")) for told in before_it
-    )
+    assert status == USAGE or all(told.endswith("base parameters") for told in before_it)
     assert "Traceback" not in said.err
     assert _files(place) == before
+
+
+@pytest.mark.parametrize("looks", [[0.0, 0.01], [0.01, 0.0]], ids=["busy later", "busy at first"])
+def test_a_machine_that_is_looked_at_is_not_told_of_where_nothing_starts(
+    place, capfd, monkeypatch, looks
+):
+    """Nor is it looked at twice, each time with another outcome."""
+    late = iter(looks)
+    monkeypatch.setattr(timekeeping, "_bare_loop", lambda period, _: np.full(9, next(late)))
+    profile = load_profile("pa10-sim")
+    assert profile.simulation.clock == "real", "nothing would be looked at"
+    test_bad_input_is_a_status_and_one_line(place, capfd, "serve --hide fairies", CANNOT, "fairies")
+    assert len(list(late)) == 1
 
 
 def test_no_command_is_left_out():

@@ -221,9 +221,9 @@ class World:
             self.advance(self._asleep["control"])
 
     def advance(self, until: float) -> None:
-        """Time passes for the arm."""
+        """Time passes for the arm; of an arm in simulated time only while somebody waits for it."""
         with self._lock:
-            while True:
+            while self.drives.realtime:
                 due = max(
                     self.now, self._asleep["arm"], self.drives._time + 1.5 * self.drives.period
                 )
@@ -303,6 +303,8 @@ class World:
 class _End:
     """One end of the wire."""
 
+    deserted = False
+
     def __init__(self, world: World, inbox: list[bytes], outbox: list[bytes], arm: bool) -> None:
         self._world, self._inbox, self._outbox, self._arm = world, inbox, outbox, arm
 
@@ -317,6 +319,8 @@ class _End:
     def receive(self, timeout: float) -> bytes:
         world = self._world
         if threading.current_thread() is threading.main_thread():
+            if not self._arm and not world.drives.realtime:
+                world._tell_on()  # no cycle waits for its time
             if not self._inbox and timeout > 0:
                 world.wait_for_frames(timeout)
         else:  # the thread that listens while drives are configured
