@@ -139,8 +139,8 @@ def _panel(x: Array, error: Array, chosen: NDArray[np.int64], refs: dict) -> lis
     half = {"fill": "tonexty", "fillcolor": "rgba(232,132,44,0.25)", "legendgroup": "b"}
     return [
         dots("samples", x[chosen], error[chosen], ERROR, legendgroup="a", **refs),
-        line("", rows[:, 0], MODEL, **unseen, **at | {"showlegend": False}),
-        line("middle half", rows[:, 2], MODEL, **unseen, **half, **at),
+        line("lower quartile", rows[:, 0], MODEL, **unseen, **at | {"showlegend": False}),
+        line("middle half", rows[:, 2], MODEL, meta="upper quartile", **unseen, **half, **at),
         line("mean", rows[:, 1], MODEL, width=2.2, legendgroup="c",
              hovertemplate="%{x:.3g}: %{y:.3g}", **at),
     ]  # fmt: skip

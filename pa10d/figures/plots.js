@@ -1,5 +1,6 @@
 // Draws figures (Plotly JSON without colours for paper, text and grid) in the page's own colours.
 const pa10dPlots = (() => {
+  const NARROW = 480; // px
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   /** How much larger than usual the reader wants letters. */
   const larger = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
@@ -7,6 +8,32 @@ const pa10dPlots = (() => {
   const grown = (layout) => {
     const by = larger(), margin = Object.entries(layout.margin ?? {}).map(([side, size]) => [side, size * by]);
     return { ...layout, margin: Object.fromEntries(margin), ...(layout.height ? { height: layout.height * by } : {}) };
+  };
+  /** Words in lines of at most so many letters. */
+  const lines = (text, most) => text.split(" ").reduce((done, word) => {
+    const last = done.at(-1);
+    return last && `${last} ${word}`.length <= most ? [...done.slice(0, -1), `${last} ${word}`] : [...done, word];
+  }, []).join("<br>");
+  /** What stands under a panel goes on in a second line where it would run into the next panel's. */
+  const wrapped = (layout, width) => {
+    const letter = 14.4 * larger() * 0.55, room = width - (layout.margin?.l ?? 0) - (layout.margin?.r ?? 0);
+    const axes = Object.entries(layout).filter(([name, axis]) => /^xaxis\d*$/.test(name) && axis.title?.text).map(([name, axis]) => {
+      const [begin, end] = axis.domain ?? [0, 1], most = Math.max(8, Math.floor((end - begin) * room / letter));
+      return [name, { ...axis, title: { ...axis.title, text: lines(axis.title.text, most) } }];
+    });
+    return { ...layout, ...Object.fromEntries(axes) };
+  };
+  /** Panels that stand two by two stand one under the other where there is no room beside. */
+  const stacked = (layout, width) => {
+    const panels = Object.values(layout.meta?.panels ?? {}), n = panels.length, rows = Math.ceil(n / 2);
+    if (n < 2 || width > NARROW * larger()) return layout;
+    const [low, high] = layout.yaxis.domain, share = (high - low) * rows / n, out = { ...layout, height: layout.height * n / rows };
+    panels.forEach((name, k) => {
+      const y = name.replace("x", "y"), top = 1 - k / n;
+      out[name] = { ...layout[name], domain: [0, 1] };
+      out[y] = { ...layout[y], title: layout.yaxis.title, domain: [Math.max(0, top - share), top] };
+    });
+    return out;
   };
   const template = () => {
     const axis = { gridcolor: css("--grid"), linecolor: css("--line"), tickcolor: css("--line"),
@@ -35,7 +62,9 @@ const pa10dPlots = (() => {
   const draw = async (box, figure) => {
     const first = !drawn.has(box);
     drawn.set(box, figure);
-    const layout = { ...grown(figure.layout), template: template(), autosize: true };
+    const form = stacked(grown(figure.layout), box.clientWidth);
+    if (form.height > box.clientHeight) box.style.height = `${form.height}px`;
+    const layout = { ...wrapped(form, box.clientWidth), template: template(), autosize: true };
     const done = await Plotly.react(box, figure.data, layout, config);
     if (first) box.on("plotly_afterplot", () => clear(box));
     clear(box);

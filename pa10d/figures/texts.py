@@ -51,7 +51,7 @@ TEXTS = {
     "time": Reading(
         "Above, the measured torque with the model's over it; below, their difference. Both are "
         "low-passed alike. Grey: not judged, because the joint stands still (friction at rest is "
-        "indeterminate) or the filter has not settled.",
+        "indeterminate), the filter has not settled, or the stretch is left out.",
         "Spikes at reversals point to friction, a slow offset to gravity, a payload or a sensor "
         "bias, growth with time to warming up, bursts at one speed to a resonance. Choose another "
         "run to see whether it repeats.",

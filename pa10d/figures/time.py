@@ -37,21 +37,23 @@ def torque_over_time(
     marked: NDArray[np.bool_] | None = None,
 ) -> Figure:
     """One joint (0-based) of one run; floor: N·m noise floor, drawn as a band of two standard
-    deviations. Grey: not judged (standstill, ends of the run).
+    deviations. Grey: not judged (standstill, ends of the run). Where a stretch is left out of the
+    run nothing is drawn but the model: what a fit has there instead was not measured.
 
     raw: every sample as measured instead of both sides filtered; span: s, only that part, with as
     much detail as a screen has; marked: (M,) filtered samples to be shown in red
     """
     measured, modelled = run.measured[:, joint], run.modelled[:, joint]
-    counts, dt = run.counts[:, joint], 1.0 / run.equation.rate
+    counts, dt, used = run.counts[:, joint], 1.0 / run.equation.rate, run.equation.used
     if raw:
         measured = run.equation.raw_tau[:, joint]
         modelled = measured - run.raw_error[:, joint]
         counts, dt = run.raw_counts[:, joint], run.seen.dt
         factor = run.equation.lowpass.factor
         marked = None if marked is None else np.repeat(marked, factor)[: len(counts)]
+        used = np.repeat(used, factor)[: len(counts)]
     return torque_plot(
-        measured,
+        np.where(used, measured, np.nan),
         modelled,
         dt,
         floor=None if raw else floor,
@@ -75,7 +77,7 @@ def torque_plot(
     """measured, modelled: (M,) at equal steps of dt s; one cursor runs through both halves."""
     three = np.column_stack([measured, modelled, measured - modelled])
     judged = three[counts, 2] if counts is not None and counts.any() else three[:, 2]
-    reach = 1.1 * max(float(np.max(np.abs(judged))), 3 * (floor or 0.0), 1e-12)
+    reach = 1.1 * max(float(np.nanmax(np.abs(judged))), 3 * (floor or 0.0), 1e-12)
     part = samples_of(span, dt, len(three))
     begin = part.start * dt
     drawn, step = extremes(three[part], POINTS)

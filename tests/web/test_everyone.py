@@ -116,9 +116,8 @@ def test_messages_are_closed_by_keyboard_and_one_is_back_where_one_was(archive, 
     page = visitor.page
     visitor.open("explore")
     page.locator("#explore summary").first.focus()
-    page.evaluate("""async () => {
-      const main = document.querySelector("script[type=module]").src;
-      const { notice } = await import(new URL("base/notices.js", main).href);
+    page.evaluate("""() => {
+      const { notice } = globalThis.pa10dModules.get("base/notices.js");
       for (let k = 0; k < 5; k += 1) notice(`Number ${k} went wrong.`, { kind: "error" });
     }""")
     page.get_by_label("Close this message").last.focus()

@@ -170,12 +170,13 @@ KNOWN = """async (known) => {
 
 def test_much_to_know_lies_behind_one_line_until_it_is_closed(archive, visit):
     visitor = visit(archive[0])
-    visitor.open("models")
     page = visitor.page
+    page.clock.install()
+    visitor.open("models")
     page.evaluate(KNOWN, ["one thing " * 40] * 9)
     message = page.locator(".notice", has_text="m1 is fitted.")
     assert message.bounding_box()["height"] < 120
-    page.wait_for_timeout(6500)  # longer than other messages stay
+    page.clock.fast_forward(6500)  # longer than other messages stay
     message.get_by_text("9 things to know of it").click()
     assert message.locator("li:visible").count() == 9
     message.get_by_label("Close this message").click()
