@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from browsers import until, until_known
 
 PIECES = """async () => {
@@ -239,3 +240,49 @@ def test_what_goes_wrong_in_one_place_keeps_nobody_else_from_knowing(archive, vi
     visitor.open("models")
     assert visitor.page.evaluate(BROKEN) == ["after", "after"]
     assert any("broken" in error for error in visitor.errors), "and it is told"
+
+
+PANELS = {
+    "data": [
+        {"x": [1, 2], "y": [1, 2], "name": "mean"},
+        {"x": [1, 2], "y": [3, 4], "name": "mean", "xaxis": "x2", "yaxis": "y2"},
+    ],
+    "layout": {
+        "height": 200,
+        "meta": {"panels": {"q": "xaxis", "dq": "xaxis2"}},
+        "xaxis": {"domain": [0, 0.45], "title": {"text": "position of joint 4, rad"}},
+        "xaxis2": {"domain": [0.55, 1], "anchor": "y2", "title": {"text": "speed, rad/s"}},
+        "yaxis": {"domain": [0, 1], "title": {"text": "residual, N·m"}},
+        "yaxis2": {"domain": [0, 1], "anchor": "x2"},
+    },
+}
+DRAW = """async (figures) => {
+  const made = globalThis.pa10dModules.get("parts/figure.js").plot({ title: "Panels", figures });
+  document.querySelector("#models").prepend(made);
+  const canvas = made.querySelector(".canvas");
+  await canvas.drawNow();
+  const { xaxis, xaxis2, yaxis, yaxis2 } = canvas.layout;
+  return { wide: [xaxis.domain, xaxis2.domain], high: [yaxis.domain, yaxis2.domain] };
+}"""
+
+
+@pytest.mark.parametrize(
+    ("width", "wide", "high"),
+    [
+        (1280, [[0, 0.45], [0.55, 1]], [[0, 1], [0, 1]]),
+        (390, [[0, 1], [0, 1]], [[0.5, 1], [0, 0.5]]),
+    ],
+)
+def test_panels_stand_where_there_is_room_and_the_table_names_them(
+    archive, visit, width, wide, high
+):
+    visitor = visit(archive[0], viewport={"width": width, "height": 844})
+    visitor.open("models")
+    page = visitor.page
+    assert page.evaluate(DRAW, PANELS) == {"wide": wide, "high": high}
+    page.locator("figure", has_text="Panels").get_by_text("The same in numbers").click()
+    table = page.get_by_role("region", name="Panels in numbers").get_by_role("table")
+    rows = [one.inner_text().split("\t")[:2] for one in table.get_by_role("row").all()]
+    assert [row[0] for row in rows] == ["against", "position of joint 4, rad", "speed, rad/s"]
+    assert [row[1] for row in rows] == ["line", "mean", "mean"]
+    assert not visitor.errors
