@@ -12,6 +12,7 @@ from fastapi import FastAPI
 from pa10d.api import problems, uploads
 from pa10d.api.access import Access, AccessMiddleware
 from pa10d.api.described import describe
+from pa10d.api.ending import EndingMiddleware
 from pa10d.api.held import HeldFiles
 from pa10d.api.packing import PackingMiddleware
 from pa10d.api.repeats import RepeatMiddleware
@@ -106,5 +107,6 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
     app.add_middleware(RepeatMiddleware)
     app.add_middleware(PackingMiddleware)
     app.add_middleware(AccessMiddleware, access=access or Access())
+    app.add_middleware(EndingMiddleware)
     describe(app)
     return app
