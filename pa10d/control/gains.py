@@ -201,9 +201,18 @@ def gravity_slope(robot: Robot, bodies: Array, poses: Array) -> Array:
 def pulls(robot: Robot, figures: JointFigures) -> Array:
     """(n,) N·m/rad by which gravity pulls each joint further away where that is worst, of all poses
     that the arm may come to, by the bodies as they were felt; 0 where it hangs in all of them."""
-    felt = figures.bodies[0] if len(figures.bodies) else robot.parameters
-    slope = gravity_slope(robot, felt, poses_of(robot, figures))
+    slope = gravity_slope(robot, _felt(robot, figures), poses_of(robot, figures))
     return np.asarray(np.maximum(slope.max(axis=0), 0.0))
+
+
+def burdens(robot: Robot, figures: JointFigures) -> Array:
+    """(n,) N·m of gravity on each joint in the worst of the same poses, by the same bodies."""
+    poses = poses_of(robot, figures)
+    return np.asarray(np.abs(_gravity(robot, _felt(robot, figures), poses)).max(axis=0))
+
+
+def _felt(robot: Robot, figures: JointFigures) -> Array:
+    return figures.bodies[0] if len(figures.bodies) else robot.parameters
 
 
 def _gravity(robot: Robot, bodies: Array, q: Array) -> Array:

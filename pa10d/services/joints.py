@@ -23,6 +23,7 @@ from pa10d.control.gains import (
     PidGains,
     after_fall,
     after_swing,
+    burdens,
     fitted_gains,
     lightly_pressed,
     pid_gains,
@@ -134,8 +135,9 @@ def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None
     if not shaky:
         return None
     figures, rate = learned.figures, profile.control.rate
-    pull, unknown = pulls(robot, figures), bool((figures.doubt >= ROUGH).all())
-    each = listed([_not_held(j, learned, float(pull[j])) for j in shaky])
+    pull, load = pulls(robot, figures), burdens(robot, figures)
+    unknown = bool((figures.doubt >= ROUGH).all())
+    each = listed([_not_held(j, learned, float(pull[j]), float(load[j])) for j in shaky])
     source = "by the URDF" if unknown else "by what was measured"
     where = "about its place" if len(figures.about) else "in every pose"
     rates = [r for r in FASTER if r > rate and _held_at(r, profile, robot, figures)]
@@ -153,12 +155,15 @@ def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None
     )
 
 
-def _not_held(j: int, learned: KnownJoints, pull: float) -> str:
-    """What no servo holds, of joint j (0-based)."""
+def _not_held(j: int, learned: KnownJoints, pull: float, load: float) -> str:
+    """What no servo holds, of joint j (0-based); load: N·m of gravity at most."""
     spring = float(learned.figures.stiffness[j])
     said = f"joint {j + 1} is pulled away by gravity with {pull:.2g} N·m/rad"
     if np.isfinite(spring):
-        said += f" behind a spring of {spring:.3g} N·m/rad"
+        said += (
+            f" behind a spring of {spring:.3g} N·m/rad, which {load:.3g} N·m of gravity wind by "
+            f"{load / spring:.2g} rad"
+        )
     return f"{said}, kp that does not shake it is {learned.gains.kp[j]:.2g}"
 
 

@@ -32,7 +32,10 @@ from pa10d.trajectory.kinds import read_request
 
 WRONG = 3.0  # times too heavy or too light a body of the URDF is, at most
 SOFTEST, STIFFEST = 1.2, 60.0  # times gravity's slope, of a gear's spring
-SMALLEST = 0.5  # 1/rad: nobody builds a gear that gives way by more than 2 rad under its own limit
+MOST_WOUND = (
+    0.25  # rad by which a gear gives way under its joint's own limit; harmonic drives do by
+)
+# a hundredth (1e4 N·m/rad for 100 N·m), series elastic joints by a tenth or two
 SPRINGY = 0.35  # of the arms have one
 SPARE = 1.6, 4.0  # times gravity's torque, of a torque limit
 AXES = np.eye(3)
@@ -88,7 +91,7 @@ def drawn(seed: int, folder: Path) -> dict:
     if rng.random() < SPRINGY:
         j = int(rng.integers(0, n))
         times = np.exp(rng.uniform(np.log(SOFTEST), np.log(STIFFEST)))
-        stiffness = max(times * max(slope[j], 0.02 * slope.max()), SMALLEST * effort[j])
+        stiffness = max(times * max(slope[j], 0.02 * slope.max()), effort[j] / MOST_WOUND)
         options["springs"] = {j + 1: float(f"{stiffness:.4g}")}
     document["simulation"]["options"] = options
     return {"rate": rate, "profile": _loaded(folder, document), "options": options,
