@@ -50,6 +50,7 @@ UPRIGHT = 2.5  # kp of what gravity pulls a joint by that stands on it
 HELD = 1.5  # … at least, of what it may be: a sensitivity of 2 asks for that
 WORN = 0.5  # of the measured viscous friction that is there in any case
 AGAIN = 0.6  # of the inertia that explained a swing, where it was not enough
+LONE = 0.5  # of the usual inertia: what is lighter swings without its link
 SMALL = 1e-3  # rad
 BUS_DELAY = 1.5  # periods from a measurement to the middle of the torque that answers it
 
@@ -235,6 +236,20 @@ def after_swing(
         seen = max(seen, before / AGAIN)
     swung[axis] = seen
     return figures.but(swung=swung)
+
+
+def with_rotor(
+    robot: Robot, figures: JointFigures, axis: int, rotor: float, hertz: float
+) -> JointFigures | None:
+    """The same joints, but one whose rotor of kg·m² swung at ``hertz`` in front of a spring that
+    nobody has seen: it is as stiff as swings that rotor so quickly at most, for a stiffer one takes
+    the link along. None where link and rotor are one, or the spring is known."""
+    if np.isfinite(figures.stiffness[axis]) or rotor > LONE * inertias(robot, figures).usual[axis]:
+        return None
+    stiffness, motor, own = figures.stiffness.copy(), figures.motor.copy(), figures.rotor.copy()
+    stiffness[axis] = rotor * (2.0 * np.pi * hertz) ** 2
+    motor[axis] = own[axis] = rotor
+    return figures.but(stiffness=stiffness, motor=motor, rotor=own)
 
 
 def after_fall(

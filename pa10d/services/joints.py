@@ -28,6 +28,7 @@ from pa10d.control.gains import (
     lightly_pressed,
     pid_gains,
     pulls,
+    with_rotor,
 )
 from pa10d.control.joint_figures import ROUGH, JointFigures, first_figures, inertias
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
@@ -277,13 +278,23 @@ def calmed(
     figures, gains = known.figures, known.gains
     lighter = after_swing(robot, profile.control, figures, gains, axis, hertz)
     again = learnt(profile, robot, lighter)
-    share = float(again.gains.kd[axis] / max(gains.kd[axis], 1e-12))
     usual = inertias(robot, figures).usual[axis]
     too_far = not SOFTEST < lighter.swung[axis] / usual < 1.0 / SOFTEST
+    fit = "that"
     if too_far or not np.isfinite(again.sensitivity[axis]):
-        return None
+        rotor = float(lighter.swung[axis])
+        sprung = with_rotor(robot, figures, axis, rotor, hertz)
+        if sprung is None:
+            return None
+        again = learnt(profile, robot, sprung)
+        if not np.isfinite(again.sensitivity[axis]):
+            return None
+        fit = (
+            f"a rotor of {rotor:.2g} kg·m² behind a spring of {sprung.stiffness[axis]:.2g} N·m/rad"
+        )
+    share = float(again.gains.kd[axis] / max(gains.kd[axis], 1e-12))
     note = (
-        f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit that were set (damping "
+        f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit {fit} were set (damping "
         f"{share:.2g} times as high), and it is tried again"
     )
     return Calmer(again, note)

@@ -16,7 +16,7 @@ from pa10d.control.envelope import OVERSHOOT
 from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures, first_figures, inertias, presumed_figures
 from pa10d.dynamics import robot_from_profile
-from pa10d.services.joints import firmed, learnt, not_held
+from pa10d.services.joints import calmed, firmed, learnt, not_held
 from pa10d.services.starting_set import STARTING_SET
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.plan import Plan
@@ -144,6 +144,22 @@ def test_a_spring_found_later_explains_the_swing_before_it():
         r"behind a spring of 755 N·m/rad, which [\d.]+ N·m of gravity wind by 0\.\d+ rad, kp ", said
     )
     assert "100 Hz (by what was measured); raise control.rate" in said
+
+
+def test_what_swings_too_lightly_for_any_gains_is_a_rotor_before_a_spring(tmp_path):
+    """Joint 3: 0.00067 kg·m² behind 54.7 N·m/rad, at 100 Hz. A free joint as light no gains hold;
+    but gravity pulls at the link, and up to the spring's own swing the rotor goes with that."""
+    arm = foreign(819, tmp_path)
+    places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
+    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    again = calmed(arm.profile, arm.robot, known, 2, 50.0)
+    assert "behind a spring of" in again.note
+    figures = again.known.figures
+    assert figures.motor[2] == pytest.approx(arm.plant.rotor[2], rel=0.5)
+    assert figures.stiffness[2] == pytest.approx(arm.plant.stiffness[0], rel=0.5)
+    assert np.isfinite(again.known.sensitivity[2])
+    assert again.known.gains.kd[2] < known.gains.kd[2]
+    assert calmed(arm.profile, arm.robot, again.known, 2, 50.0) is None, "it is known now"
 
 
 def test_a_joint_that_stands_upright_is_held_though_its_urdf_knows_half(tmp_path):
