@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import pkgutil
 import sys
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from pa10d.cli.commands import Subcommands, current, refuse_unwritable, root_par
 from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
+from pa10d.cli.streams import give_up
 from pa10d.common.errors import Unsound, UserError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_failure(": ".join(["interrupted", *map(str, interrupt.args)]), options.json)
         return INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        give_up(sys.stdout)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         print_failure(f"{where}{error.strerror or error}", options.json)

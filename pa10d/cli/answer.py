@@ -7,6 +7,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
+from pa10d.cli.streams import give_up, has_all_letters
 from pa10d.common.jsonable import plain
 
 VERSION = 1
@@ -40,7 +41,7 @@ def print_answer(answer: Answer, as_json: bool, kind: str = "") -> None:
     """To stdout, in one form or the other; kind: of document, as ``pa10d schema`` knows it."""
     if as_json:
         document = tagged(kind, plain(answer.document)) if kind else plain(answer.document)
-        print(json.dumps(document, ensure_ascii=False, allow_nan=False))
+        print(_written(document))
     elif answer.text:
         print(answer.text)
 
@@ -49,7 +50,15 @@ def print_failure(message: str, as_json: bool, **more: Any) -> None:
     """Why it could not be done; ``more`` for programs."""
     note(message)
     if as_json:
-        print(json.dumps({"error": message, **more}, ensure_ascii=False))
+        try:
+            print(_written({"error": message, **more}), flush=True)
+        except OSError:  # nor can that be written; it has been said
+            give_up(sys.stdout)
+
+
+def _written(document: Any) -> str:
+    letters = has_all_letters(sys.stdout)
+    return json.dumps(document, ensure_ascii=not letters, allow_nan=False)
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:

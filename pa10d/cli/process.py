@@ -16,7 +16,7 @@ import time
 from functools import partial
 from typing import NoReturn
 
-from pa10d.cli import INTERRUPTED, main
+from pa10d.cli import INTERRUPTED, main, streams
 from pa10d.cli.answer import note
 from pa10d.cli.commands import current
 from pa10d.cli.progress import show_cursor
@@ -28,6 +28,7 @@ TURNS = 40  # after which the thread that watches has had one, however busy the 
 
 def run() -> NoReturn:
     """The command that the process was started for, and its status."""
+    streams.prepare()
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)

@@ -103,13 +103,21 @@ def test_a_bug_of_ours_is_not_hidden(tmp_path, monkeypatch):
 
 
 def test_help_names_every_command_and_is_quick():
-    assert min(_timed_help() for _ in range(3)) < 0.3
+    """Beside what Python itself takes on this machine."""
+    bare = [
+        sys.executable,
+        "-c",
+        "import argparse, dataclasses, json, pathlib; print('run --data')",
+    ]
+    both = [(_timed([*COMMAND, "--help"]), _timed(bare)) for _ in range(3)]
+    helped, python = (min(took) for took in zip(*both, strict=True))
+    assert helped < 8.0 * max(python, 0.02)
 
 
-def _timed_help():
+def _timed(command):
     """s of processor time, whoever else uses this machine."""
     begin = os.times()
-    done = subprocess.run([*COMMAND, "--help"], capture_output=True, text=True, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     end = os.times()
     took = end.children_user + end.children_system - begin.children_user - begin.children_system
     assert "run " in done.stdout

@@ -21,7 +21,7 @@ from pa10d.store import RunStore
 
 pytestmark = [pytest.mark.alone, pytest.mark.timeout(600)]
 REST = {"real": 4.0, "simulated": 60.0}  # s until the arm is at rest with its brakes on
-TIMES = 2
+TIMES = 1  # by default; that it holds at any moment is shown in stepped time
 FLUSHED = 0.2  # s, after which a sample is on the disk
 
 
