@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 
 import pytest
@@ -286,3 +287,24 @@ def test_panels_stand_where_there_is_room_and_the_table_names_them(
     assert [row[0] for row in rows] == ["against", "position of joint 4, rad", "speed, rad/s"]
     assert [row[1] for row in rows] == ["line", "mean", "mean"]
     assert not visitor.errors
+
+
+TICKS = """async (far) => {
+  const { Chart } = globalThis.pa10dModules.get("parts/chart.js");
+  const chart = new Chart(200);
+  document.querySelector("#explore").prepend(chart.box);
+  await chart.lines({ tables: [[[0, 1, 2], [0, far, 0]]], series: [{ label: "one", color: "red" }],
+                      x: "time, s", y: "rad", span: null });
+  await new Promise(requestAnimationFrame);
+  return chart.plot.axes[1]._values.filter(Boolean).map(Number);
+}"""
+
+
+@pytest.mark.parametrize("far", [0.005, 20_000.0])
+def test_numbers_beside_a_plot_are_those_of_their_lines(archive, visit, far):
+    visitor = visit(archive[0])
+    visitor.open("explore")
+    told = visitor.page.evaluate(TICKS, far)
+    steps = {round(b - a, 9) for a, b in itertools.pairwise(told)}
+    assert len(told) > 2
+    assert len(steps) == 1, told

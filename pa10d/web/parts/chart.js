@@ -17,7 +17,10 @@ function plots() {
   return library;
 }
 
+/** As many digits as tell neighbours apart: 0.0025 is not 0.003. */
+const ticks = (_, places) => places.map((at) => (at === null ? null : String(Number(at.toPrecision(6)))));
 const axis = (label, size) => ({
+  values: ticks,
   label, labelSize: 20 * larger(), labelFont: font(), font: font(), size: size * larger(), stroke: () => css("--muted"),
   grid: { stroke: () => css("--grid"), width: 1 }, ticks: { stroke: () => css("--line"), width: 1 },
 });

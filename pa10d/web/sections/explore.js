@@ -100,7 +100,8 @@ async function refresh() {
   axes(found[0], groups);
   jointChips(found[0].joints);
   parts.out.refresh();
-  say(parts.reading, `${found.map((one) => `${one.name}: ${one.samples} samples, ${number(one.rate, 4)} Hz, ${seconds(one.seconds)}`).join("; ")}. ${view.span ? `Seen: ${view.span.map((at) => at.toFixed(2)).join(" to ")} s.` : "Drag over a plot to zoom all of them; double-click for the whole."}`);
+  const struck = chosen.map((source) => faults.find((one) => source === `fault:${one.id}`)?.sentence).filter(Boolean).map((sentence) => `At the end: ${sentence.replace(/\.$/, "")}. `);
+  say(parts.reading, `${struck.join("")}${found.map((one) => `${one.name}: ${one.samples} samples, ${number(one.rate, 4)} Hz, ${seconds(one.seconds)}`).join("; ")}. ${view.span ? `Seen: ${view.span.map((at) => at.toFixed(2)).join(" to ")} s.` : "Drag over a plot to zoom all of them; double-click for the whole."}`);
   rows(groups, units);
   const drawn = await Promise.all(view.shown.map((one, k) => draw(one, parts.charts.get(k), chosen, found, mine)));
   if (mine !== asked) return;
