@@ -4,7 +4,8 @@ The pseudo-inertia of a link is [[Σ, m·c], [m·cᵀ, m]] with Σ = ½·tr(I)·
 about the joint's origin; it is positive definite exactly if some distribution of positive mass
 has these parameters (Traversaro et al. 2016; Wensing, Kim, Slotine 2018). Least squares under
 that condition is a convex cone programme, solved by Clarabel; a second one chooses, among all that
-torque cannot tell apart, the parameters nearest to a prior, the URDF's.
+torque cannot tell apart, the parameters nearest to a prior, the URDF's. Rotors that base parameters
+take in stand beside the bodies: what a rotor does no body need be able to do.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ AROUND_ITSELF = 2  # times; each leaves a hundredth of the pull
 SLACK = 0.1  # of a standard error that the second stage may move any estimate
 FINEST = 1e5  # ratio of torque to noise beyond which data count as that good and no better
 MARGIN = 1e-6  # smallest eigenvalue, in link sizes: definite, not just semidefinite
+REACH = 10.0  # sizes of a typical link by which bodies may differ that ``least`` speaks of
 
 GOOD = ("Solved", "AlmostSolved")
 _UPPER = [(i, j) for j in range(4) for i in range(j + 1)]  # the cone's order of a triangle
@@ -45,14 +47,18 @@ _UPPER = [(i, j) for j in range(4) for i in range(j + 1)]  # the cone's order of
 
 @dataclass(frozen=True)
 class Feasible:
-    """standard (n, 10) parameters with definite pseudo-inertias, extra (k,) within their bounds.
+    """standard (n, 10) parameters with definite pseudo-inertias, rotors (r,) not negative, extra
+    (k,) within their bounds.
 
-    cost: ‖T·x - y‖² at the solution; status: the solver's word for how it ended
+    cost: ‖T·x - y‖² at the solution; least: below that no bodies within REACH of it can come;
+    status: the solver's word for how it ended
     """
 
     standard: Array
+    rotors: Array
     extra: Array
     cost: float
+    least: float
     status: str
 
     @property
@@ -69,26 +75,34 @@ def feasible_fit(
     lower: Array,
     upper: Array,
     bodies: tuple[Array, Array] | None = None,
+    rotors: Array | None = None,
 ) -> Feasible:
-    """argmin ‖T·[M·h; c] - y‖² over feasible h and lower ≤ c ≤ upper; where that leaves a choice,
-    the h nearest to the prior.
+    """argmin ‖T·[M·h + R·r; c] - y‖² over feasible h, r ≥ 0 and lower ≤ c ≤ upper; where that
+    leaves a choice, the h nearest to the prior.
 
     triangle (m, b+k), target (m,): weighted least-squares problem in base parameters and k more
     unknowns, in units of the noise's standard deviation; prior: (n, 10) standard parameters
-    bodies: rows (r, 10n) and target (r,) of what is known of single ones, in the same units
+    bodies: rows (·, 10n) and target (·,) of what is known of single ones, in the same units
+    rotors: R (b, r), what one of each rotor adds to the base parameters; none where left out
     """
+    share = np.zeros((len(base), 0)) if rotors is None else rotors
+    count = share.shape[1]
+    triangle = np.hstack([triangle, triangle[:, : len(base)] @ share])
+    lower = np.append(lower, np.zeros(count))
+    upper = np.append(upper, np.full(count, np.inf))
     quality = float(np.linalg.norm(target)) / np.sqrt(max(len(target), 1))
     coarser = min(1.0, FINEST / max(quality, 1e-300))
     problem = _Problem(triangle * coarser, target * coarser, base, prior, lower, upper)
     if bodies is not None:
         problem.know(bodies[0] * coarser, bodies[1] * coarser)
-    first, status = problem.nearest_to_data()
+    first, least, status = problem.nearest_to_data()
     if status in GOOD:
-        second, refined = problem.nearest_to_prior(first)
+        second, refined, _ = problem.nearest_to_prior(first)
         first = second if refined in GOOD else first
     standard, chosen = problem.split(first)
     left = triangle @ np.concatenate([base.of(standard), chosen]) - target
-    return Feasible(standard, chosen, float(left @ left), status)
+    extra, found = np.split(chosen, [len(chosen) - count])
+    return Feasible(standard, found, extra, float(left @ left), least / coarser**2, status)
 
 
 class _Problem:
@@ -131,21 +145,26 @@ class _Problem:
         further = np.clip(found[self.inertial :], self.lower, self.upper)
         return found[: self.inertial].reshape(-1, 10), further
 
-    def nearest_to_data(self) -> tuple[Array, str]:
-        """Least squares. A narrow prior would pull; so it is laid around what it led to, twice."""
+    def nearest_to_data(self) -> tuple[Array, float, str]:
+        """Least squares, and what no others leave less than. A narrow prior would pull; so it is
+        laid around what it led to, twice."""
         for width in PRIOR_WIDTHS:
-            found, status = self._near(self.wanted, width)
+            found, least, status = self._near(self.wanted, width)
             if status in GOOD:
                 break
         narrow = status in GOOD and width < PRIOR_WIDTHS[0]
         for _ in range(AROUND_ITSELF if narrow else 0):
-            again, refined = self._near(found[: self.inertial], width)
-            found = again if refined in GOOD else found
-        return found, status
+            again, less, refined = self._near(found[: self.inertial], width)
+            found, least = (again, less) if refined in GOOD else (found, least)
+        return found, least, status
 
-    def _near(self, centre: Array, width: float) -> tuple[Array, str]:
+    def _near(self, centre: Array, width: float) -> tuple[Array, float, str]:
         """With a prior of that width; the residual is an unknown of its own, so that nothing is
-        squared."""
+        squared.
+
+        The cost f and the prior p together are least at x, to within the solver's gap. f is convex,
+        so f(z) ≥ f(x) + ∇p(x)·(x - z) for all feasible z, and |x - z| is at most REACH per unknown.
+        """
         unit = max(1.0, float(np.linalg.norm(self.target)) / np.sqrt(self.rows))
         weight = np.zeros(self.size)
         weight[: self.inertial] = 1.0 / (width * unit) ** 2
@@ -153,11 +172,15 @@ class _Problem:
         linear[: self.inertial] = -weight[: self.inertial] * centre
         quadratic = np.concatenate([weight, np.ones(self.rows)])
         equal = np.hstack([self.data / unit, -np.identity(self.rows)])
-        return self._solve(
+        found, status, gap = self._solve(
             quadratic, linear, equal, self.target / unit, clarabel.ZeroConeT(self.rows)
         )
+        cost = float(np.sum((self.data @ found - self.target) ** 2))
+        pull = float(np.linalg.norm(found[: self.inertial] - centre)) / width**2
+        doubt = pull * REACH * np.sqrt(self.inertial) + unit**2 * gap
+        return found, max(cost - 2.0 * doubt, 0.0), status
 
-    def nearest_to_prior(self, start: Array) -> tuple[Array, str]:
+    def nearest_to_prior(self, start: Array) -> tuple[Array, str, float]:
         """Move within what the data cannot tell: ‖T·(x - start)‖ stays below SLACK."""
         weight = np.zeros(self.size)
         weight[: self.inertial] = 1.0
@@ -170,8 +193,9 @@ class _Problem:
 
     def _solve(
         self, quadratic: Array, linear: Array, matrix: Array, side: Array, cone: Any
-    ) -> tuple[Array, str]:
-        """argmin ½xᵀQx + lᵀx with side - matrix·x in the cone and all that makes x feasible."""
+    ) -> tuple[Array, str, float]:
+        """argmin ½xᵀQx + lᵀx with side - matrix·x in the cone and all that makes x feasible; how it
+        ended, and what the least may lie below."""
         width = len(linear)
         blocks, sides, cones = [matrix], [side], [cone]
         friction = self.scale[self.inertial :]
@@ -198,7 +222,8 @@ class _Problem:
             settings,
         )
         answer = solver.solve()
-        return np.asarray(answer.x)[: self.size], str(answer.status)
+        gap = abs(answer.obj_val - answer.obj_val_dual)
+        return np.asarray(answer.x)[: self.size], str(answer.status), float(gap)
 
 
 def _definite(link: Array, scale: Array) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ from pa10d.export.matlab import matlab_function
 from pa10d.export.mjcf import mjcf
 from pa10d.export.python_module import python_module
 from pa10d.export.ros2_control import ros2_control
+from pa10d.export.rotors import rotors_in_bodies
 from pa10d.export.sdf import sdf
 from pa10d.export.tables import tables
 from pa10d.export.urdf import urdf_with_inertia
@@ -42,6 +43,7 @@ WRITERS: Mapping[Format, Write] = {
 }
 BODIES_ONLY: tuple[Format, ...] = ("urdf", "mjcf", "sdf")
 """Formats of bodies, which base parameters alone do not make."""
+WITHOUT_ROTORS: tuple[Format, ...] = ("urdf", "sdf")
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,8 @@ def export(
             f"identification found some{instead}"
         )
     chosen = model.of(parameters)
+    if format in WITHOUT_ROTORS:
+        chosen = rotors_in_bodies(chosen)
     missed = loss(chosen, format, motions or {})
     about = f"{about or model.name}; {WRITTEN[parameters]}"
     if missed is not None:

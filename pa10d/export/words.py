@@ -25,4 +25,4 @@ def in_comment(text: str) -> str:
 
 
 def _listed(numbers: list[int]) -> str:
-    return ", ".join(map(str, numbers))
+    return ", ".join(map(str, sorted(numbers)))

@@ -76,7 +76,7 @@ def _lost(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:
 def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
     robot, beta, start = layout.robot, fit.solution.beta, len(layout.base)
     if not feasible.found:
-        yield "no feasible standard parameters were found: the data contradict every possible arm"
+        yield "no feasible standard parameters were found: the search for them did not converge"
         return
     sizes = np.sqrt(np.maximum(np.diag(fit.uncertainty.covariance), 0.0))
     for k, name in enumerate(layout.names()[start:], start=start):
@@ -96,10 +96,14 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
             "its inertia is not to be read as a measurement"
         )
     for j in costly:
+        why = (
+            f"nothing that can exist explains all of it; {ASK}"
+            if feasible.converged
+            else "the search for better ones did not converge"
+        )
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
-            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): "
-            f"nothing that can exist explains all of it; {ASK}"
+            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): {why}"
         )
 
 

@@ -27,11 +27,12 @@ def cutoff_note(cutoff: float, why: Cutoff | None) -> CutoffNote:
 
 
 def feasible_note(names: Sequence[str], feasible: FeasibleModel) -> FeasibleNote:
-    """The coefficients that go with the feasible standard parameters, by name, and what they
-    cost."""
+    """What goes with the feasible standard parameters: coefficients by name and rotors; and what
+    they cost."""
     return FeasibleNote(
         tuple(map(float, feasible.rms)),
         dict(zip(names, map(float, feasible.coefficients), strict=True)),
+        tuple(map(float, feasible.rotors)),
     )
 
 

@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics.pseudo_inertia import scales
+from pa10d.dynamics.rotors import rotors_within
 from pa10d.identify.fit import Fit
 from pa10d.identify.given import Given, placed
 from pa10d.model.notes import GivenNote, PriorNote
-from pa10d.regression.layout import Layout, rotors_within
+from pa10d.regression.layout import Layout
 from pa10d.regression.problem import Knowledge
 
 Array = NDArray[np.float64]
@@ -66,7 +67,7 @@ class Beside:
         size = np.concatenate([scales(link) for link in robot.parameters])
         kept = rows[:, base.kept]
         hidden = (rows[:, base.dropped] - kept @ base.relations) * size[base.dropped]
-        out = np.column_stack([hidden, kept @ rotors_within(robot, base)])
+        out = np.column_stack([hidden, kept @ rotors_within(robot, base).share])
         rest = _free_of(out, np.column_stack([kept, self.bodies.target]))
         rest[:, :-1][np.abs(rest[:, :-1]) * size[base.kept] < 1e-9] = 0.0  # rounding
         return Knowledge(rest[:, :-1], rest[:, -1], self.bodies.spread)
@@ -74,7 +75,7 @@ class Beside:
     def of_bodies(self) -> Knowledge:
         """The bodies' rows; a rotor that is one with its link may be any."""
         base, rows = self.layout.base, self.bodies.rows
-        rotors = rows[:, base.kept] @ rotors_within(self.layout.robot, base)
+        rotors = rows[:, base.kept] @ rotors_within(self.layout.robot, base).share
         rest = _free_of(rotors, np.column_stack([rows, self.bodies.target]))
         return Knowledge(rest[:, :-1], rest[:, -1], self.bodies.spread)
 

@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
+from pa10d.dynamics.rotors import rotors_within
 from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model.notes import ModelNotes
-from pa10d.model.term import Term, as_told
+from pa10d.model.term import Term, as_told, rotors_beside
 from pa10d.model.unknowns import Unknowns
 
 Array = NDArray[np.float64]
@@ -110,16 +111,37 @@ class TorqueModel:
 
     def possible(self) -> TorqueModel:
         """The same effects on bodies that can exist: ``standard`` instead of ``h``, and with it
-        the coefficients that the feasible fit found within their bounds."""
+        the coefficients that the feasible fit found within their bounds, and its rotors."""
         if self.standard is None:
             raise UserError(f"model {self.name!r} has no feasible standard parameters")
-        found = {} if self.notes.feasible is None else self.notes.feasible.coefficients
+        noted = self.notes.feasible
+        found = {} if noted is None else noted.coefficients
         own = iter(self.parameter_names()[len(self.h) :])
         terms = []
         for term in self.terms:
             values = [found.get(next(own), float(value)) for value in term.coefficients]
             terms.append(replace(term, coefficients=np.array(values)))
-        return replace(self, h=self.base.of(self.standard), terms=tuple(terms))
+        changed = replace(self, h=self.base.of(self.standard), terms=tuple(terms))
+        return changed if noted is None else changed._with_rotors(np.array(noted.rotors))
+
+    def _with_rotors(self, rotors: Array) -> TorqueModel:
+        """Beside bodies of their own. Torque shows the sum: how sure each is nobody knows. Effects
+        go on to take their loads from the sum, as they did when they were fitted."""
+        beside = rotors_beside(rotors)
+        if not beside:
+            return self
+        size, names = len(self.covariance), self.parameter_names()
+        changed = replace(self, terms=(*self.terms, *beside))
+        covariance = np.diag(np.full(changed.unknowns.size, np.inf))
+        covariance[:size, :size] = self.covariance
+        notes = self.notes.with_open(changed.parameter_names()[len(names) :])
+        if notes.feasible is not None:
+            notes = replace(notes, feasible=replace(notes.feasible, rotors=()))
+        loads = self.loads
+        if loads is None and any(term.effect.uses_model for term in self.terms):
+            within = rotors_within(self.robot, self.base)
+            loads = self.h + within.share @ rotors[list(within.joints)]
+        return replace(changed, covariance=covariance, notes=notes, loads=loads)
 
     def of(self, parameters: Parameters) -> TorqueModel:
         """The model with these parameters: itself, or the ``possible`` one."""

@@ -50,10 +50,13 @@ class ShiftNote(Noted):
 
 @dataclass(frozen=True)
 class FeasibleNote(Noted):
-    """What goes with the feasible standard parameters. rms: (n,) N·m; coefficients: by name."""
+    """What goes with the feasible standard parameters. rms: (n,) N·m; coefficients: by name;
+    rotors: (n,) kg·m² (kg) beside bodies where base parameters hold both, zero elsewhere; not in
+    files of earlier versions."""
 
     rms: tuple[float, ...]
     coefficients: dict[str, float] = field(default_factory=dict)
+    rotors: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

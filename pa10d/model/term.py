@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.dynamics import Robot
-from pa10d.effects import Context, Effect, Value, effect
+from pa10d.effects import Context, Effect, Value, all_effects, effect
 from pa10d.effects.together import torque_of
 
 Array = NDArray[np.float64]
@@ -75,6 +75,12 @@ class Term:
     def torque(self, context: Context) -> Array:
         """(N, n) N·m at the raw rate."""
         return torque_of(self, context)
+
+
+def rotors_beside(inertias: Array) -> tuple[Term, ...]:
+    """Rotors of joints that have one, kg·m² (kg) per joint."""
+    kind = next(kind for kind in all_effects().values() if kind.is_rotor)
+    return tuple(Term(kind.id, (j,), inertias[[j]]) for j in map(int, np.flatnonzero(inertias)))
 
 
 def as_told(robot: Robot, term: Term, values: dict[str, Value]) -> dict[str, Value]:

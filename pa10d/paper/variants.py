@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot, base_parameters
 from pa10d.dynamics.feasible import definiteness, feasible_fit
+from pa10d.dynamics.rotors import rotors_within
 from pa10d.paper.penalty import Rule, penalty_fit
 from pa10d.paper.stack import Stack, least_squares, stacked
 from pa10d.regression.equation import RunEquation
@@ -115,8 +116,10 @@ def _ways(
         r = np.asarray(np.linalg.qr(np.column_stack(stack.whole(weights)), mode="r"))
         size = r.shape[1] - 1 - b
         low, high = np.zeros(size), np.full(size, np.inf)
-        found = feasible_fit(r[:, :-1], r[:, -1], base, prior, low, high)
-        return np.concatenate([base.of(found.standard), found.extra]), found.standard
+        share = rotors_within(robot, base).share
+        found = feasible_fit(r[:, :-1], r[:, -1], base, prior, low, high, rotors=share)
+        whole = base.of(found.standard) + share @ found.rotors
+        return np.concatenate([whole, found.extra]), found.standard
 
     recipes: dict[str, Callable[[], tuple[Array, Array | None]]] = {
         "ols": lambda: free(plain),

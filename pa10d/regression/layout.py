@@ -7,18 +7,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
-from pa10d.dynamics import BaseParameters, Robot, base_parameters, regressor
-from pa10d.dynamics.base import random_motion
+from pa10d.dynamics import Robot, base_parameters
+from pa10d.dynamics.rotors import rotors_within
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.model import Term, Unknowns
 
 Array = NDArray[np.float64]
 
-SPANNED = 1e-5  # share of a rotor inertia's column outside the rigid base, below which it is in it
 START_V0 = 0.01  # rad/s
 
 
@@ -60,13 +58,14 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
     """Rigid bodies, rotor inertia where it is not one of theirs, Coulomb and viscous friction,
     then ``extra`` effects on every joint."""
     base = base_parameters(robot)
-    seen, redundant = structure(robot, base)
+    rotors = rotors_within(robot, base)
     kinds = [kind for kind in all_effects().values() if kind.question == "textbook"]
     terms = [
         Term.of(kind.id, (j,))
         for kind in kinds
         if kind.is_rotor
-        for j in np.flatnonzero(~redundant).tolist()
+        for j in range(robot.n)
+        if j not in rotors.joints
     ]
     for j in range(robot.n):
         terms += [begun(kind, j) for kind in kinds if not kind.is_rotor]
@@ -86,7 +85,7 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
             )
         joints = [(j,) for j in range(robot.n)] if kind.scope == "joint" else [()]
         terms += [Term.of(name, on) for on in joints]
-    return Layout(base, tuple(terms), robot, seen)
+    return Layout(base, tuple(terms), robot, rotors.seen)
 
 
 def begun(kind: Effect, joint: int) -> Term:
@@ -97,41 +96,3 @@ def begun(kind: Effect, joint: int) -> Term:
 def has_sign(term: Term, joint: int) -> bool:
     """Whether this is the joint's dry friction, how sharp whose sign is the data are asked."""
     return bool(term.effect.smoothed_over) and term.joints == (joint,)
-
-
-def structure(robot: Robot, base: BaseParameters) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """(n, b): which base parameters load which joint; (n,): whose rotor inertia is one of them."""
-    columns, ddq = _shown(robot, base)
-    size = np.abs(columns).max(axis=0)
-    seen = size > 1e-12 * size.max(axis=0)
-    basis, _ = np.linalg.qr(columns.reshape(-1, columns.shape[2]))
-    redundant = np.zeros(robot.n, dtype=bool)
-    for j in range(robot.n):
-        rotor = _rotor(ddq, j)
-        redundant[j] = np.linalg.norm(rotor - basis @ (basis.T @ rotor)) < SPANNED
-    return seen, redundant
-
-
-def rotors_within(robot: Robot, base: BaseParameters) -> Array:
-    """(b, r): what 1 kg·m² (or kg) of each rotor adds to the base parameters, for the rotors that
-    the rigid bodies take in."""
-    columns, ddq = _shown(robot, base)
-    matrix = columns.reshape(-1, columns.shape[2])
-    joints = np.flatnonzero(structure(robot, base)[1]).tolist()
-    if not joints:
-        return np.zeros((len(base), 0))
-    torques = np.column_stack([_rotor(ddq, j) * np.linalg.norm(ddq[:, j]) for j in joints])
-    return np.asarray(scipy.linalg.lstsq(matrix, torques)[0])
-
-
-def _shown(robot: Robot, base: BaseParameters) -> tuple[Array, Array]:
-    """Columns (N, n, b) of a random motion, and its accelerations (N, n)."""
-    q, dq, ddq = random_motion(robot, 200, seed=2)
-    return regressor(robot, q, dq, ddq, base.kept), ddq
-
-
-def _rotor(ddq: Array, joint: int) -> Array:
-    """(N·n,) torques of a rotor, of length 1."""
-    torque = np.zeros_like(ddq)
-    torque[:, joint] = ddq[:, joint] / np.linalg.norm(ddq[:, joint])
-    return np.asarray(torque.ravel())

@@ -208,11 +208,16 @@ def _bodies(model: TorqueModel) -> list[Section]:
         [f"{j + 1} {name}", *(f"{v:.4g}" for v in model.standard[j])]
         for j, name in enumerate(model.robot.joint_names)
     ]
-    note = Text(
+    said = (
         "kg, kg·m, kg·m² about the joint frame's origin: one set of bodies that can exist, of many "
-        "that make the same torque.",
-        muted=True,
+        "that make the same torque."
     )
+    rotors = () if model.notes.feasible is None else model.notes.feasible.rotors
+    if any(rotors):
+        head.append("rotor")
+        rows = [[*row, f"{v:.4g}" if v else "–"] for row, v in zip(rows, rotors, strict=True)]
+        said += " Rotor: beside a body where torque shows both in one sum."
+    note = Text(said, muted=True)
     return [Section("Bodies that can exist", [Table(head, rows), note], folded=True)]
 
 

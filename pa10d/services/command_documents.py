@@ -65,6 +65,7 @@ class ShownModel(StoredModel):
 
     parameters: list[ShownParameter]
     standard: dict[str, list[float]] | None
+    rotors: list[float] | None
     shift_s: float
     torque_filter: str | None
     torque_units: list[str]

@@ -149,3 +149,19 @@ def test_data_without_noise_do_not_upset_the_solver():
     found = feasible_fit(r, y, base, robot.parameters, np.zeros(0), np.zeros(0))
     assert found.found
     np.testing.assert_allclose(base.of(found.standard), truth, atol=1e-4 * np.abs(truth).max())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_possible_bodies_leave_less_than_is_certain(seed):
+    """Where the data ask for what nothing can have, the bound lies close below what was found."""
+    robot = robot_from_urdf(SERIAL)
+    base = base_parameters(robot)
+    rng = np.random.default_rng(seed)
+    truth = base.of(robot.parameters) + rng.normal(0, 0.3, len(base))
+    r, y = problem(robot, base, truth, seed=seed)
+    found = feasible_fit(r, y, base, robot.parameters, np.zeros(0), np.zeros(0))
+    assert 0.99 * found.cost < found.least <= found.cost
+    for _ in range(20):
+        share = rng.uniform(0, 0.01)
+        other = (1 - share) * found.standard + share * robot.parameters * rng.uniform(0.5, 2)
+        assert np.sum((r @ base.of(other) - y) ** 2) > found.least

@@ -26,21 +26,32 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
         open=np.array([False]),
     )
     feasible = SimpleNamespace(
-        found=True, coefficients=np.zeros(1), rms=np.array([0.6]), edge=np.array([False])
+        found=True,
+        converged=True,
+        coefficients=np.zeros(1),
+        rms=np.array([0.6]),
+        edge=np.array([False]),
     )
-    said = warnings_of(
-        layout,
-        fit,
-        feasible,
-        SimpleNamespace(found=np.array([True]), v0=np.array([0.01])),
-        SimpleNamespace(seconds=0.0, std_error=0.0, slow=np.nan),
-        None,
-        SimpleNamespace(range=np.array([2.0]), reversals=np.array([9])),
-    )
-    assert [one.split(";")[0] for one in said] == [
+
+    def said(feasible):
+        return warnings_of(
+            layout,
+            fit,
+            feasible,
+            SimpleNamespace(found=np.array([True]), v0=np.array([0.01])),
+            SimpleNamespace(seconds=0.0, std_error=0.0, slow=np.nan),
+            None,
+            SimpleNamespace(range=np.array([2.0]), reversals=np.array([9])),
+        )
+
+    left = "joint 1 (a): feasible parameters leave 20 % more error (0.6 instead of 0.5 N·m): "
+    assert [one.split(";")[0] for one in said(feasible)] == [
         "Fv1 is -0.4 in the free fit and 0, its bound, in the feasible one: as it is, nothing can "
         "have it",
-        "joint 1 (a): feasible parameters leave 20 % more error (0.6 instead of 0.5 N·m): nothing "
-        "that can exist explains all of it",
+        f"{left}nothing that can exist explains all of it",
     ]
-    assert all(one.endswith("whether an effect is missing, a diagnosis says") for one in said)
+    assert all(
+        one.endswith("whether an effect is missing, a diagnosis says") for one in said(feasible)
+    )
+    feasible.converged = False
+    assert said(feasible)[1:] == [f"{left}the search for better ones did not converge"]

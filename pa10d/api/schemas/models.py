@@ -73,6 +73,10 @@ class ModelDetails(Model):
     standard: dict[str, list[float]] | None = Field(
         description="Feasible standard parameters per joint: m mx my mz Ixx Ixy Iyy Ixz Iyz Izz"
     )
+    rotors: list[float] | None = Field(
+        description="kg·m² (kg) per joint that go with them where base parameters hold both, zero "
+        "elsewhere; null: not known"
+    )
     shift_s: float
     warnings: list[str] = Field(description="What is to be known of it before it is used")
     impossible: list[str] = Field(description="What of the free fit no arm can have, in words")
