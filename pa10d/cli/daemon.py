@@ -137,7 +137,7 @@ def serve(options: argparse.Namespace) -> Answer:
     from pa10d.store.location import data_folder
 
     profile, robot = _as_tuned_here(options)
-    secret = options.token_file.read_text() if options.token_file else ""
+    secret = options.token_file.read_text("ascii", "replace") if options.token_file else ""
     settings = Settings(
         data=data_folder(options.data),
         host=options.host,

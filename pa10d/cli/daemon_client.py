@@ -66,7 +66,7 @@ def daemon_for(
 
 def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> JsonObject:
     """``{kind, parameters, …}`` from a file or from what the command line says."""
-    import yaml
+    from pa10d.common.yamlfile import read_value, read_yaml
 
     if (kind is None) == (file is None):
         raise UserError("experiment: expected either KIND or --plan FILE")
@@ -75,14 +75,11 @@ def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> J
         key, equals, value = setting.partition("=")
         if not equals:
             raise UserError(f"--set {setting}: expected KEY=VALUE")
-        given[key] = yaml.safe_load(value)
+        given[key] = read_value(value, f"--set {key}")
     if file is None:
         return {"kind": kind, "parameters": given}
-    try:
-        plan = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UserError(f"{file}: not YAML or JSON; expected kind and parameters") from error
-    if not isinstance(plan, dict) or "kind" not in plan:
+    plan = read_yaml(file).data
+    if "kind" not in plan:
         raise UserError(f"{file}: no 'kind'; expected {{kind: …, parameters: …}}")
     return {**plan, "parameters": {**(plan.get("parameters") or {}), **given}}
 

@@ -186,6 +186,14 @@ def read_yaml(path: Path) -> YamlFile:
     return YamlFile(path, text, data, root)
 
 
+def read_value(text: str, where: str) -> Any:
+    """One value as it stands in YAML: a number, a list, a word."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except BROKEN as error:
+        raise UserError(f"{where}: found {text[:100]!r}, expected a value as in YAML") from error
+
+
 def validate(model: type[Model], file: YamlFile, data: Mapping[str, Any]) -> Model:
     """Build the model; every problem is one line of the raised UserError."""
     try:

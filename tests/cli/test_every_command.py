@@ -22,6 +22,9 @@ WRONG = [  # words as typed, status, what the line speaks of
     ("serve --hide fairies", CANNOT, "fairies"),
     ("experiment fly", CANNOT, "fly"),
     ("experiment --plan none.yaml", CANNOT, "none.yaml"),
+    ("experiment point_to_point --set seed=[", CANNOT, "--set seed: found '['"),
+    ("experiment point_to_point --set seed=2001-99-99", CANNOT, "--set seed: found"),
+    ("experiment --plan bomb.yaml", CANNOT, "bomb.yaml"),
     ("experiment point_to_point --set seed=red", CANNOT, "seed"),
     ("experiment point_to_point --model none", CANNOT, "none"),
     ("controller feed_forward --model none", CANNOT, "no daemon runs on this data"),
@@ -92,6 +95,8 @@ def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("every_command")
     (place / "two.urdf").write_text(URDF)
     (place / "two.yaml").write_text("urdf: two.urdf\n")
+    bomb = [f"k{k}: &k{k} [{', '.join([f'*k{k - 1}'] * 9)}]" for k in range(1, 10)]
+    (place / "bomb.yaml").write_text("\n".join(["kind: tracking", "k0: &k0 1", *bomb]))
     t = np.arange(1000) / 200
     table = np.stack([t, 0.8 * np.sin(t), np.cos(2 * t), np.sin(t), np.cos(t)], axis=1)
     np.savetxt(place / "rec.csv", table, delimiter=",", header="time,q1,q2,tau1,tau2", comments="")
