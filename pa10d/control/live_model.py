@@ -121,7 +121,7 @@ def live_model(model: TorqueModel) -> LiveModel:
     """The loop's part, of the feasible parameters where the model has some: their inertia is
     positive, and friction never pushes."""
     chosen = _commanded(model)
-    at_work = [term for term in chosen.terms if term.effect.live]
+    at_work = [term for term in chosen.terms if term.effect.live and term.coefficients.any()]
     parts = []
     for name in dict.fromkeys(term.effect_id for term in at_work):
         waiting = [term for term in at_work if term.effect_id == name]

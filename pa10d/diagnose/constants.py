@@ -57,7 +57,9 @@ LONGEST_PLAN = 180.0  # s: more is no experiment but a day's work
 
 # -- effort ----------------------------------------------------------------------------------------
 
-MOST_STEPS = 8  # effects that one search adds
+USUAL = 2.0  # times what a model lacked on its own data: other motion may show so much more of it
+STEPS_PER_JOINT = 3  # effects that one search adds at most: friction alone may be two of a joint
+LEAST_STEPS = 8  # of few joints
 PER_JOINT = 4  # candidates of one step and joint that are judged on the held-out side
 SEARCH_THREADS = 2
 TOGETHER = 12  # shapes whose columns are made, filtered and judged at once
@@ -66,6 +68,7 @@ CLOSER_STEPS = (1.0, 0.25)  # parts of a step of those looks, each time they are
 START_THIN = 10  # samples of which one is looked at for where a shape may start
 LINES_WORK = 1e9  # products of samples and orders of a spectrum against angle: some seconds
 ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
+BRISTLE_ROUNDS = 4  # in which a joint's bristles and what they carry draw each other on
 MORE_ROUNDS = 8  # of settling, beyond the usual
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses
 SPRING_STEPS = (3, 20)  # of Gauss and Newton's, from each start and from the best of them
@@ -144,6 +147,12 @@ MAP_KNOTS = 8  # hat functions per variable of a map of two (c: at 16 a map is c
 MAP_FINE_KNOTS = 24  # of a map of one (a, without the LWR4)
 MAP_MEMORIES = (0.4, 2.0)  # s: where the joint has been lately (d)
 FORETOLD_WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered (d)
+FORETOLD_TURNS = (
+    5.0,
+    20.0,
+    60.0,
+)  # s over which it is remembered which way a joint went (b: half and
+#   twice claim the same of friction that follows the last minute, half a tenth more of its error)
 FORETOLD_SHARP = 0.02  # of a joint's fast speed: within that its friction turns round (d)
 PASSED_BAND = 1.5  # times the motion's highest frequency, up to which torque winds a spring:
 #   beyond, its noise does, twice differentiated (c, on 20 arms of two links of which one swings at

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
-from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, MOST_STEPS, SIZED_LEVEL
+from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, SIZED_LEVEL, USUAL
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
@@ -54,7 +54,7 @@ def diagnose(
     *,
     frozen: bool = False,
     only: tuple[str, Sequence[int]] | None = None,
-    steps: int = MOST_STEPS,
+    steps: int | None = None,
     progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Diagnosis:
@@ -77,6 +77,9 @@ def diagnose(
     state = SearchState.start(model, train, held, frozen)
     given = len(state.terms)
     as_given = held_out(model, state)
+    given_error = judged(model.name, as_given)
+    if frozen:
+        state.usual = _usual(model, given_error)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
@@ -88,7 +91,6 @@ def diagnose(
     say(0.9, "standard errors and doubts")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
-    given_error = judged(model.name, as_given)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
     maps, slight = material(left, maps)
     open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
@@ -116,7 +118,15 @@ def diagnose(
         findings=findings,
         unexplained=unexplained,
         remaining=remaining(
-            left, again, unexplained, units, state.terms[given:], slight, doubt, beyond(state)
+            left,
+            again,
+            unexplained,
+            units,
+            state.terms[given:],
+            slight,
+            doubt,
+            beyond(state),
+            state.usual,
         ),
         model=versions[-1],
         versions=versions,
@@ -206,6 +216,14 @@ def _unsaid(left: Judgement, maps: Sequence[Structure]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and have no map."""
     named = {s.joint for s in maps}
     return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
+
+
+def _usual(model: TorqueModel, given: Judgement) -> Array:
+    """(n,) N·m RMS that a model may leave though nothing changed: the noise, and some more than it
+    lacked on the data that it was identified from. Where the noise is not known all
+    that it left may be what it lacked."""
+    floor = np.nan_to_num(given.floor.values)
+    return np.asarray(np.hypot(floor, USUAL * np.sqrt(np.maximum(model.noise**2 - floor**2, 0.0))))
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:

@@ -203,6 +203,10 @@ class Effect(ABC):
     rubs: ClassVar[bool] = False  # is friction that needs nothing but the motion, and heats
     smoothed_over: ClassVar[str] = ""  # shape parameter: the speed over which its sign is smoothed
     # (an identification asks the data for that of every joint's dry friction)
+    carried: ClassVar[bool] = False  # friction of one coefficient, of which ``level`` tells the
+    # size, against its joint's motion: bristles carry it, where the joint has any
+    builds_up_over: ClassVar[str] = ""  # shape parameter: the way over which its joint's friction
+    # builds up after a turn, and all that is carried with it
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in
     also_changes: ClassVar[bool] = False  # asked for, too, where the question is what changed
     seen_by_shared_bodies: ClassVar[bool] = False  # a change that a new fit does not hide: the
@@ -259,6 +263,10 @@ class Effect(ABC):
         Returns (N, k) for the equation of ``joints[0]`` alone, or (N, n, k) where
         ``reaches_other_joints``; k = number of coefficients. N·m per unit.
         """
+
+    def level(self, context: Context, joints: Sequence[int], shape: Shape) -> Array:
+        """(N,) size of its friction per unit of its coefficient, where it is ``carried``."""
+        raise NotImplementedError
 
     def columns_of(
         self, context: Context, joints: Sequence[int], shapes: Sequence[Shape], own: bool = False

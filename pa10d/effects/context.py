@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot, inverse_dynamics, sensitivities, typical_inertia
+from pa10d.effects.bristle import bristle
 from pa10d.effects.sign import smooth_sign
 from pa10d.measurement.motion import Quieting
 
@@ -31,6 +32,9 @@ class Context:
     temperature      (N, n) °C or None
     rotor_in_load    joints (0-based) whose rotor's inertia the rigid bodies have taken in: their
                      load is the torque at the rotor, not at the link
+    ways             (n,) rad over which each joint's friction builds up after a turn; 0: at once
+    levels           (N, n) of all friction that builds up so, by that to which the way belongs: as
+                     bristles are as stiff whatever they carry, they bend as much farther
     rubbing          (N, n) N·m, friction of the model so far that heats the joints, or None
     desired          the motion was not measured but is wanted: without noise, so that no sign of a
                      velocity has to be smoothed against it
@@ -49,6 +53,8 @@ class Context:
     temperature: Array | None = None
     rubbing: Array | None = None
     rotor_in_load: tuple[int, ...] = ()
+    ways: tuple[float, ...] = ()
+    levels: Array | None = None
     desired: bool = False
     apart: bool = False
     quieting: Quieting | None = None
@@ -56,6 +62,18 @@ class Context:
     def sign(self, velocity: Array, v0: float) -> Array:
         """(N,) sign of a velocity smoothed over ±v0; along a motion its mean over each interval."""
         return np.tanh(velocity / v0) if self.apart else smooth_sign(velocity, v0)
+
+    def friction(self, joint: int, level: Array, v0: float) -> Array:
+        """(N,) friction of this level (N,) against a joint's motion: turning round over ±v0, or
+        over the way that the joint's friction takes, where the model knows of one."""
+        way = self.ways[joint] if self.ways and not self.apart else 0.0
+        if way > 0.0:
+            return np.asarray(bristle(self.q[:, joint], level, way * self.stretched(joint)))
+        return level * self.sign(self.dq[:, joint], v0)
+
+    def stretched(self, joint: int) -> Array:
+        """(N,) how many times farther than their own way a joint's bristles bend."""
+        return np.ones(len(self.q)) if self.levels is None else self.levels[:, joint]
 
     def softness(self, v0: float) -> float:
         """rad/s over which a sign that is usually smoothed over v0 is to be smoothed here."""
@@ -104,13 +122,19 @@ class Context:
         return self.rigid_torque(self.q, self.dq, self.quiet_ddq)
 
     def with_total(self, total: Array) -> Context:
-        """The same with another torque of the whole model; what follows from motion and bodies
-        alone is not computed again."""
-        found = replace(self, total=total)
+        """The same with another torque of the whole model."""
+        return self._with(replace(self, total=total))
+
+    def with_levels(self, levels: Array | None) -> Context:
+        """The same with other levels of friction."""
+        return self._with(replace(self, levels=levels))
+
+    def _with(self, other: Context) -> Context:
+        """What follows from motion and bodies alone is not computed again."""
         for name in KEPT:
             if name in self.__dict__:
-                found.__dict__[name] = self.__dict__[name]
-        return found
+                other.__dict__[name] = self.__dict__[name]
+        return other
 
     def rigid_torque(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Link-side torque (N, n) of the model's rigid bodies for another motion."""

@@ -17,6 +17,7 @@ from pa10d.effects.context import Context
 
 Array = NDArray[np.float64]
 
+LEAST_LEVEL = 0.1  # of what bristles usually carry: at none at all they would not bend
 WARMING_ROUNDS = 4  # friction makes heat and heat takes friction: in these the two settle
 
 
@@ -64,6 +65,7 @@ def contextualised(
     where these are others. Load-dependent effects see the rigid bodies, warming ones the friction
     that heats them; sensing effects see the torque of all mechanical ones.
     """
+    context = replace(context, ways=_ways(context.robot.n, terms))
     textbook, rubbing = friction(context, terms)
     own_rotor = [term.joints[0] for term in terms if term.effect.is_rotor]
     loaded = replace(
@@ -73,6 +75,7 @@ def contextualised(
         rubbing=rubbing,
         rotor_in_load=tuple(sorted(set(range(context.robot.n)) - set(own_rotor))),
     )
+    loaded = loaded.with_levels(_levels(loaded, terms))
     own = loaded if loads is None else replace(context, rigid=rigid)
     total = own.load + textbook
     for term in terms:
@@ -82,6 +85,28 @@ def contextualised(
             if term.effect.uses_model:  # whoever draws it next need not integrate it again
                 loaded.drawn[_whose(term)] = columns
     return loaded.with_total(total)
+
+
+def _ways(joints: int, terms: Sequence[AtWork]) -> tuple[float, ...]:
+    """(n,) rad over which each joint's friction builds up; 0: at once."""
+    ways = [0.0] * joints
+    for term in terms:
+        if term.effect.builds_up_over:
+            ways[term.joints[0]] = float(term.shape[term.effect.builds_up_over])
+    return tuple(ways)
+
+
+def _levels(context: Context, terms: Sequence[AtWork]) -> Array | None:
+    """(N, n) of all friction that a joint's bristles carry, by that to which their way belongs."""
+    owners = {t.joints[0]: t.coefficients[0] for t in terms if t.effect.builds_up_over}
+    if context.apart or not owners:
+        return None
+    levels = np.ones_like(context.q)
+    for joint, own in owners.items():
+        others = [t for t in terms if t.effect.carried and t.joints[0] == joint]
+        whole = sum(t.coefficients[0] * t.effect.level(context, t.joints, t.shape) for t in others)
+        levels[:, joint] = np.maximum(whole / own, LEAST_LEVEL) if own > 0.0 else 1.0
+    return levels
 
 
 def friction(context: Context, terms: Sequence[AtWork]) -> tuple[Array, Array]:

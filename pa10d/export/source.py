@@ -24,7 +24,16 @@ import numpy as np
 from pa10d.effects import Effect
 from pa10d.export import bodies
 
-FLAGS = ("sensing", "reaches_other_joints", "rubs", "is_rotor", "feels_own_heat", "uses_model")
+FLAGS = (
+    "sensing",
+    "reaches_other_joints",
+    "rubs",
+    "is_rotor",
+    "feels_own_heat",
+    "uses_model",
+    "carried",
+    "builds_up_over",
+)
 """What the sum of a model's effects asks of each."""
 
 STOOD_IN_FOR = "pa10d.dynamics"
@@ -68,7 +77,9 @@ class SourceText:
         name = trial._name(key, key.__name__, key.__module__)
         head = [f"class {name}:", f'    """{kind.equation}"""', ""]
         head += [f"    {flag} = {getattr(kind, flag)!r}" for flag in FLAGS]
-        found = [trial._member(kind, member) for member in _reached(kind, "columns")]
+        asked = ["columns", "level"] if kind.carried else ["columns"]
+        members = dict.fromkeys(m for method in asked for m in _reached(kind, method))
+        found = [trial._member(kind, member) for member in members]
         values = [line for line, method in found if not method]
         methods = [line for line, method in found if method]
         trial._definitions.append("\n\n".join(["\n".join([*head, *values]), *methods]))

@@ -13,7 +13,7 @@ from pa10d.diagnose.unknown.beyond import Beyond, places_of
 from pa10d.diagnose.unknown.remaining import remaining, unnamed
 from pa10d.judgement import Judgement, NoiseFloor
 
-PLACE = Beyond(0, "q1", above=True, edge=0.4, share=0.99, time=0.3)
+PLACE = Beyond(0, "q1", "rad", above=True, edge=0.4, share=0.99, time=0.3)
 
 
 @given(st.floats(0.02, 0.9), st.floats(0.0, 1.0), st.booleans())
@@ -22,7 +22,7 @@ def test_a_place_is_where_more_error_lies_than_time_is_spent(time, much, above):
     held = np.where(there, 2.0, 0.5) * (1.0 if above else -1.0)
     residual = np.where(there, 1.0, np.sqrt(1.0 - much))
     share = np.sum(residual[there] ** 2) / np.sum(residual**2)
-    found = places_of(0, "q1", np.linspace(-1.0, 1.0, 50), held, residual)
+    found = places_of(0, "q1", "rad", np.linspace(-1.0, 1.0, 50), held, residual)
     if share > there.mean() + 0.5 * (1.0 - there.mean()):
         (place,) = found
         assert place.above == above
@@ -36,8 +36,8 @@ def test_a_place_is_where_more_error_lies_than_time_is_spent(time, much, above):
 def test_noise_alone_is_in_no_place():
     rng = np.random.default_rng(1)
     held, fitted = rng.uniform(-2, 2, 4000), rng.uniform(-1, 1, 4000)
-    assert not places_of(0, "q1", fitted, held, rng.standard_normal(4000))
-    assert not places_of(0, "q1", fitted, held, np.zeros(4000))
+    assert not places_of(0, "q1", "rad", fitted, held, rng.standard_normal(4000))
+    assert not places_of(0, "q1", "rad", fitted, held, np.zeros(4000))
 
 
 @pytest.mark.parametrize("source", ["high frequencies", None])
@@ -48,7 +48,9 @@ def test_the_line_says_the_place_and_what_to_do(ratio, source):
     left = Judgement("m", ("run",), 10.0, 0.1 * np.array([ratio]), known)
     claims = unnamed(left, [None], [], np.zeros(1))
     (line,) = remaining(left, [None], claims, ["N·m"], beyond=[PLACE])
-    assert "99 % of its squared error lies where q1 is above 0.4, where the fit" in line.sentence
+    assert (
+        "99 % of its squared error lies where q1 is above 0.4 rad, where the fit" in line.sentence
+    )
     assert "Fit to motion that goes there." in line.sentence
     assert "noise that is slow" not in line.sentence
     (line,) = remaining(left, [None], claims, ["N·m"], beyond=[None])

@@ -15,7 +15,7 @@ from pa10d.diagnose.regression.partial import PartialFit
 from pa10d.diagnose.search.candidates import Candidate, scan
 from pa10d.diagnose.search.harm import harmful, rms
 from pa10d.diagnose.search.judging import JudgedCandidate
-from pa10d.diagnose.search.refitting import refine
+from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
 from pa10d.effects.base import smooth_sign

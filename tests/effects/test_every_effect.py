@@ -136,6 +136,8 @@ def test_only_those_that_say_so_depend_on_the_model(name):
         rigid=1.3 * context.rigid,
         total=1.7 * context.total + 1.0,
         rubbing=2.0 * context.rubbing,
+        ways=(0.004,) * context.robot.n,
+        levels=np.full_like(context.q, 1.3),
     )
     choices = [s.name for s in kind.shapes if s.scale == "choice"]
     same = [

@@ -81,6 +81,7 @@ def some_term(effect_id: str, seed: int = 0) -> Term:
         shape[s.name] = float(
             np.sqrt(s.lower * s.upper) if s.scale == "log" else 0.5 * (max(s.lower, 1.0) + s.upper)
         )
+    shape.pop("elsewhere", None)  # with it the effect has no torque
     if "rotor" in shape:
         shape["rotor"] = 50.0
     if effect_id == "contact":

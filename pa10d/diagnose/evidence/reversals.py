@@ -14,7 +14,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import BLIND, WIDER
-from pa10d.diagnose.regression.partial import solve_symmetric
+from pa10d.diagnose.regression.partial import column_scale, solve_symmetric
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.measurement.standstill import standstill
 from pa10d.regression.per_joint import PerJoint, gathered
@@ -46,8 +46,9 @@ def moved_by_reversals(state: SearchState, index: int, slopes: PerJoint, varianc
         to_term @ solve_symmetric(g, s) for g, s in zip(grams[::-1], sides[::-1], strict=True)
     )
     spread = [np.diag(to_term @ _inverse(g) @ to_term.T) for g in grams]
-    times = spread[1] / np.maximum(spread[0], 1e-300)
-    lost = variance * np.maximum(times - 1.0, 0.0)
+    times = np.full(len(variance), BLIND)  # of a shape that moves nothing
+    np.divide(spread[1], spread[0], out=times, where=spread[0] > 0.0)
+    lost = variance * np.clip(times - 1.0, 0.0, BLIND)
     tells = (times < BLIND) & (_rank(grams[1]) == _rank(grams[0]))
     return np.asarray(np.where(tells, np.maximum((there - here) ** 2 - lost, 0.0), 0.0))
 
@@ -63,14 +64,14 @@ def _far_from_standstill(state: SearchState) -> dict[int, NDArray[np.bool_]]:
 
 def _rank(gram: Array) -> int:
     """Directions not lost in rounding, as ``solve_symmetric`` and ``_inverse`` count them."""
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scale = column_scale(gram)
     values = np.linalg.eigvalsh(gram / np.outer(scale, scale))
     return int(np.sum(values > 1e-8 * values[-1]))
 
 
 def _inverse(gram: Array) -> Array:
     """Pseudo-inverse, directions lost in rounding left out."""
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scale = column_scale(gram)
     return np.asarray(np.linalg.pinv(gram / np.outer(scale, scale), 1e-8, hermitian=True)) / (
         np.outer(scale, scale)
     )

@@ -46,7 +46,8 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     for i, of_term in slopes.items():
         for j, own in of_term.items():
             weighted[j][:, places[i]] = own / fit.sigma[j]
-    size = np.sqrt(np.maximum(sum(np.sum(w**2, axis=0) for w in weighted.values()), 1e-300))
+    power = np.sum([np.sum(w**2, axis=0) for w in weighted.values()], axis=0)
+    size = np.sqrt(np.where(power > 0.0, power, 1.0))  # a shape may move nothing
     seen = np.sum([fit.basis[j].T @ (w / size) for j, w in weighted.items()], axis=0)
     for j, w in weighted.items():
         columns[j] = np.column_stack([fit.basis[j], w / size - fit.basis[j] @ seen])

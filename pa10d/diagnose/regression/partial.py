@@ -102,8 +102,14 @@ def bounded(gram: Array, rhs: Array, lower: Array, upper: Array) -> Array:
 
 def solve_symmetric(gram: Array, rhs: Array) -> Array:
     """Symmetric solve that drops directions lost in rounding."""
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scale = column_scale(gram)
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
     strong = values > 1e-8 * max(values[-1], 1e-300)
     turned = vectors[:, strong].T @ (rhs / scale)
     return np.asarray(vectors[:, strong] @ (turned / values[strong]) / scale)
+
+
+def column_scale(gram: Array) -> Array:
+    """(k,) lengths of the columns of a Gram matrix; 1 of a column without any."""
+    power = np.diag(gram)
+    return np.asarray(np.sqrt(np.where(power > 0.0, power, 1.0)))

@@ -35,6 +35,7 @@ class SearchState:
     fit: LeastSquares = None  # type: ignore[assignment]
     held_matrix: PerJoint = field(default_factory=dict)
     loads: Array | None = None  # base parameters of the model that the columns look at
+    usual: Array | None = None  # (n,) N·m RMS that a frozen model may leave though nothing changed
 
     @classmethod
     def start(
@@ -92,9 +93,17 @@ class SearchState:
         self.blocks[index] = self._columns(term)
 
     def drop(self, index: int) -> None:
-        """Remove a term; the caller refits."""
+        """Remove a term; the caller refits. What it had taken over is there again."""
+        if self.terms[index].effect.builds_up_over:
+            self._bring_back(self.terms[index].joints)
         self.problem = self.problem.with_terms([*self.terms[:index], *self.terms[index + 1 :]])
         del self.blocks[index]
+
+    def _bring_back(self, joints: tuple[int, ...]) -> None:
+        for index, term in enumerate(self.terms):
+            if term.joints == joints and "elsewhere" in term.shape:
+                shape = {name: v for name, v in term.shape.items() if name != "elsewhere"}
+                self.replace_term(index, replace(term, shape=shape))
 
     def weigh(self, sigma: Array | None) -> None:
         """Weight joints by 1/σ² (None: by what the fit leaves of each); the caller refits."""

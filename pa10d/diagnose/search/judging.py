@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     HELD_OUT_LEVEL,
@@ -25,6 +26,7 @@ from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_lin
 from pa10d.effects import Effect
 from pa10d.regression.per_joint import PerJoint
 
+Array = NDArray[np.float64]
 Place = tuple[str, tuple[int, ...]]
 Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
@@ -37,6 +39,7 @@ class JudgedCandidate:
     evidence: Evidence
     p_corrected: float
     change: PerJoint = field(repr=False, default_factory=dict)
+    usual: Array | None = None
 
     @property
     def place(self) -> Place:
@@ -60,10 +63,13 @@ class JudgedCandidate:
 
     @property
     def acceptable(self) -> bool:
-        """Significant, of the predicted size, material, itself, and harmful to no joint."""
+        """Significant, of the predicted size, material, itself, and harmful to no joint; of a model
+        that is kept as it was, more than it lacked before."""
         e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
         own = self.speaks_on
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
+        if self.usual is not None and np.all(e.before[own] <= self.usual[own]):
+            return False
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate
@@ -95,7 +101,7 @@ class Judging:
         )
         found = judge(self.state.held, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
-        return JudgedCandidate(candidate, found, p, change)
+        return JudgedCandidate(candidate, found, p, change, self.state.usual)
 
     def _corrected(
         self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
@@ -132,7 +138,7 @@ class Judging:
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
         seen = seen_change(rest, train, candidate)
         p = self._corrected(rest, seen, candidate, found, SHORTLIST)
-        return JudgedCandidate(candidate, found, p)
+        return JudgedCandidate(candidate, found, p, usual=self.state.usual)
 
 
 def seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:

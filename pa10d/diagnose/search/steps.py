@@ -9,14 +9,22 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import LEAST_GAIN, MATERIAL_GAIN, MOST_STEPS, OUTDONE, SEARCH_LEVEL
+from pa10d.diagnose.constants import (
+    LEAST_GAIN,
+    LEAST_STEPS,
+    MATERIAL_GAIN,
+    OUTDONE,
+    SEARCH_LEVEL,
+    STEPS_PER_JOINT,
+)
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
 from pa10d.diagnose.search.looking import look, prefer
-from pa10d.diagnose.search.refitting import refine, settled
+from pa10d.diagnose.search.refining import refine
+from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.unknown.structure import all_maps
@@ -46,8 +54,11 @@ class Search:
     steps: list[Addition] = field(default_factory=list)
     progress: Callable[[float, str], None] = lambda share, text: None
 
-    def run(self, steps: int = MOST_STEPS) -> Search:
-        """Add, prune, add again; once more without what turned out unsure in the end."""
+    def run(self, steps: int | None = None) -> Search:
+        """Add, prune, add again; once more without what turned out unsure in the end. steps: the
+        most to add at a time; None: what an arm of so many joints may lack."""
+        if steps is None:
+            steps = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         align(self.state)
         refused: set[Place] = set()
         self._forward(steps, refused)

@@ -45,7 +45,7 @@ def snapshot(
     part = state if size == len(state.terms) else state.bare(size, own_weights=True)
     refitted = size == len(given.terms)
     frozen = state.frozen
-    known = stated(part, settled(part, len(given.terms)))
+    known = stated(part, found_here(part, len(given.terms)))
     terms = [
         replace(term, shape_errors=known.shape_errors.get(index, term.shape_errors))
         for index, term in enumerate(part.terms)
@@ -80,7 +80,7 @@ def snapshot(
     return model if frozen else _with_bodies(model, part)
 
 
-def settled(part: SearchState, given: int) -> list[int]:
+def found_here(part: SearchState, given: int) -> list[int]:
     """Terms whose shapes are estimates of these data: what a frozen model had stays as it was,
     and of the textbook's terms identification says how sure their shapes are."""
     return [

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import MOSTLY_BEYOND
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.unknown.structure import motion_variables, rows_of
+from pa10d.effects import Context
 
 Array = NDArray[np.float64]
 
@@ -17,11 +19,12 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Beyond:
     """share: of a joint's squared error on the held-out side, where the variable (``q1``, ``dq2``)
-    is above (or below) edge, in rad or rad/s (m, m/s), which it never is on the fit side; time:
-    share of the held-out samples."""
+    is above (or below) edge, in unit, which it never is on the fit side; time: share of the
+    held-out samples."""
 
     joint: int
     variable: str
+    unit: str
     above: bool
     edge: float
     share: float
@@ -30,7 +33,8 @@ class Beyond:
     @property
     def place(self) -> str:
         """In words."""
-        return f"{self.variable} is {'above' if self.above else 'below'} {self.edge:.3g}"
+        side = "above" if self.above else "below"
+        return f"{self.variable} is {side} {self.edge:.3g} {self.unit}"
 
 
 def beyond(state: SearchState) -> list[Beyond | None]:
@@ -40,21 +44,33 @@ def beyond(state: SearchState) -> list[Beyond | None]:
     n = state.train.n
     if state.frozen:
         return [None] * n
-    fitted, held = motion_variables(state.train.runs), motion_variables(state.held.runs)
     residual = state.held_residual()
 
     def worst(joint: int) -> Beyond | None:
         places = []
-        for name in (f"q{joint + 1}", f"dq{joint + 1}"):
-            known = rows_of(state.train, fitted, name, joint)
-            asked = rows_of(state.held, held, name, joint)
-            places += places_of(joint, name, known, asked, residual[joint])
+        unit = state.model.robot.angle_unit(joint)
+        names = ((f"q{joint + 1}", unit), (f"dq{joint + 1}", f"{unit}/s"))
+        fitted, held = _own_motion(state.train, joint), _own_motion(state.held, joint)
+        for (name, unit), known, asked in zip(names, fitted, held, strict=True):
+            places += places_of(joint, name, unit, known, asked, residual[joint])
         return max(places, key=lambda place: place.share - place.time, default=None)
 
     return [worst(j) for j in range(n)]
 
 
-def places_of(joint: int, name: str, fitted: Array, held: Array, residual: Array) -> list[Beyond]:
+def _own_motion(side: Side, joint: int) -> tuple[Array, Array]:
+    """(m_j,) each: a joint's angle and speed in the rows of its equation."""
+
+    def rows(of: Callable[[Context], Array]) -> Array:
+        seen = [of(run.context)[:: run.lowpass.factor, joint] for run in side.runs]
+        return side.gathered(seen, joint)
+
+    return rows(lambda context: context.q), rows(lambda context: context.dq)
+
+
+def places_of(
+    joint: int, name: str, unit: str, fitted: Array, held: Array, residual: Array
+) -> list[Beyond]:
     """Beyond either end of what a quantity was on the fit side, where most of the error lies:
     noise leaves as much of itself there as time is spent there.
 
@@ -67,5 +83,5 @@ def places_of(joint: int, name: str, fitted: Array, held: Array, residual: Array
         there = held > edge if above else held < edge
         share, time = float(power[there].sum() / power.sum()), float(there.mean())
         if time < 1.0 and (share - time) / (1.0 - time) > MOSTLY_BEYOND:
-            out.append(Beyond(joint, name, above, edge, share, time))
+            out.append(Beyond(joint, name, unit, above, edge, share, time))
     return out

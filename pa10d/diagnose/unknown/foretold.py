@@ -29,6 +29,7 @@ from pa10d.diagnose.constants import (
     FORETOLD_SHARP,
     FORETOLD_THIN,
     FORETOLD_TRIED,
+    FORETOLD_TURNS,
     FORETOLD_WAVES,
     FORETOLD_WIDTHS,
     FORETOLD_WORK,
@@ -114,6 +115,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
         (*dq, own[0], own[2]),
         (*own, "time"),
         (*own, *_work(joint)),
+        (*own, *(f"turned{joint + 1} {s:g} s" for s in FORETOLD_TURNS)),
     ]
     for k in range(n):
         if k != joint:
@@ -130,7 +132,7 @@ def _work(joint: int) -> tuple[str, ...]:
 
 def _quantities(side: Side) -> Motion:
     """Motion variables, and besides: which way a joint turns, its speed a while before, how much it
-    moved of late, time."""
+    moved of late and which way, time."""
     out = motion_variables(side.runs)
     for run, names in zip(side.runs, out, strict=True):
         names["time"] = run.t
@@ -139,15 +141,22 @@ def _quantities(side: Side) -> Motion:
             fast = max(float(np.quantile(np.abs(speed), 0.99)), 1e-12)
             names[f"turn{j + 1}"] = np.tanh(speed / (FORETOLD_SHARP * fast))
             for s in FORETOLD_WORK:
-                pole = np.exp(-1.0 / (s * run.rate))
-                lately = scipy.signal.lfilter([1.0 - pole], [1.0, -pole], np.abs(speed))
-                names[f"work{j + 1} {s:g} s"] = lately
+                names[f"work{j + 1} {s:g} s"] = _lately(np.abs(speed), s * run.rate)
+            for s in FORETOLD_TURNS:
+                turned = _lately(names[f"turn{j + 1}"], s * run.rate)
+                names[f"turned{j + 1} {s:g} s"] = turned
             for s in FORETOLD_LATE:
                 late = min(round(s * run.rate), len(speed) - 1)
                 names[f"dq{j + 1} {s:g} s before"] = np.concatenate(
                     [np.full(late, speed[0]), speed[: len(speed) - late]]
                 )
     return out
+
+
+def _lately(values: Array, samples: float) -> Array:
+    """(M,) their mean of late, over so many samples."""
+    pole = np.exp(-1.0 / samples)
+    return np.asarray(scipy.signal.lfilter([1.0 - pole], [1.0, -pole], values))
 
 
 def _of_joint(state: SearchState, motions: tuple[Motion, Motion], joint: int) -> list[Prediction]:

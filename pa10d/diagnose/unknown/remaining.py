@@ -178,11 +178,13 @@ def remaining(
     slight: Sequence[Structure] = (),
     doubt: Array | None = None,
     beyond: Sequence[Beyond | None] = (),
+    usual: Array | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
-    side its error lies, if that is where the fit side has not been."""
+    side its error lies, if that is where the fit side has not been; usual (n,) N·m: what a model
+    that is kept as it was may leave though nothing changed."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -208,10 +210,18 @@ def remaining(
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
             line = _with_trace(line, traces[j])
+        if usual is not None and line.material is not False and line.rms <= usual[j]:
+            line = replace(line, sentence=line.sentence + NOT_NEW)
         if parts := _of_one_curve(line, found):
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+NOT_NEW = (
+    " The model lacked about as much on the data that it was identified from: ask what is missing, "
+    "not what changed."
+)
 
 
 def _with_trace(line: Remaining, trace: Structure) -> Remaining:

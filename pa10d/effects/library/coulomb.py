@@ -6,7 +6,8 @@ from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
 class Coulomb(Effect):
     """Dry friction of gears, seals and bearings: a constant torque against the motion, turning
     round with the direction. Close to standstill it is not a jump but a steep slope over the
-    speed v0, which is found from the data as well."""
+    speed v0, which is found from the data as well. Where all of it builds up over a way instead
+    (elsewhere 1), pre-sliding hysteresis is told in its place."""
 
     id = "coulomb"
     title = "Coulomb friction"
@@ -20,7 +21,10 @@ class Coulomb(Effect):
     joint_property = "friction"
     live = True
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)
-    shapes = (ShapeParameter("v0", "rad/s", 1e-4, 0.3, "log", smoothing=True),)
+    shapes = (
+        ShapeParameter("v0", "rad/s", 1e-4, 0.3, "log", smoothing=True),
+        ShapeParameter("elsewhere", "1", 0.0, 1.0, "choice", optional=True),
+    )
     signature = (
         "The error jumps when the joint turns round: as far above zero in one direction as below "
         "it in the other, at any speed."
@@ -39,7 +43,8 @@ class Coulomb(Effect):
     example = Example((9.0,), against="dq", shape={"v0": 0.01})
 
     def columns(self, context, joints, shape):
-        return context.sign(context.dq[:, joints[0]], shape["v0"])[:, None]
+        here = 1.0 - shape.get("elsewhere", 0.0)
+        return (here * context.sign(context.dq[:, joints[0]], shape["v0"]))[:, None]
 
     def starts(self, context, joints):
         return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1)]

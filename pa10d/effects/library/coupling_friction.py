@@ -8,6 +8,8 @@ SHARP = 1e-3
 """rad/s over which the sign is smoothed where the data do not say. What slips turns round while
 both joints move, so those samples are not left out as a joint's own reversals are: a sign that is
 blunter or sharper than the drive's leaves an error there."""
+SOFT = 0.017
+"""rad/s, where its search begins otherwise: the middle of its range, on its scale."""
 
 
 class CouplingFriction(Effect):
@@ -65,7 +67,7 @@ class CouplingFriction(Effect):
     def starts(self, context, joints):
         ratios = [{"ratio": r} for r in (1.0, -1.0)]
         sharp = ratios + [r | {"viscous": 0.0} for r in ratios]
-        return sharp + [start | {"v0": 0.02} for start in sharp]
+        return sharp + [start | {"v0": SOFT} for start in sharp]
 
     def values(self, coefficients, covariance, shape, shape_errors):
         out = super().values(coefficients, covariance, shape, shape_errors)

@@ -18,6 +18,7 @@ class LoadFriction(Effect):
     title = "Load-dependent friction"
     equation = "τ = μ·|τ_load - rotor·q̈|·tanh(q̇/v0),  μ = mu + dmu·sign(τ_load·q̇)"
     uses_model = True
+    carried = True
     coefficients = (Coefficient("mu", "1", lower=0.0),)
     shapes = (
         ShapeParameter("v0", "rad/s", 1e-3, 0.3, "log", smoothing=True),
@@ -47,8 +48,12 @@ class LoadFriction(Effect):
     def columns(self, context, joints, shape):
         j = joints[0]
         load = quiet_link_load(context, j, shape.get("rotor", 0.0))
+        rubs = context.friction(j, self.level(context, joints, shape), shape["v0"])
         sign = context.sign(context.dq[:, j], shape["v0"])
-        return (np.abs(load) * sign + shape.get("uneven", 0.0) * load * sign**2)[:, None]
+        return (rubs + shape.get("uneven", 0.0) * load * sign**2)[:, None]
+
+    def level(self, context, joints, shape):
+        return np.abs(quiet_link_load(context, joints[0], shape.get("rotor", 0.0)))
 
     def starts(self, context, joints):
         alike = [

@@ -14,7 +14,7 @@ class NonlinearViscous(Effect):
     plainly = "friction that grows faster than the speed"
     equation = "τ = Fp·|q̇|^p·sign(q̇), p > 1"
     coefficients = (Coefficient("Fp", "N·m·(s/rad)^p", lower=0.0),)
-    shapes = (ShapeParameter("p", "1", 1.2, 3.5, "linear", step=0.5),)
+    shapes = (ShapeParameter("p", "1", 1.2, 3.5, "log", step=0.2),)
     signature = (
         "Against speed the error is a curve that bends away at high speed, upwards in one "
         "direction and downwards in the other."

@@ -23,6 +23,8 @@ class PositionFriction(Effect):
         ShapeParameter("w", "rad", 0.02, 1.5, "log", step=lambda s: 0.2 if s["wave"] else 0.7),
         ShapeParameter("wave", "1", 0.0, 1.0, "choice"),
     )
+    uses_model = True
+    carried = True
     repeatable = True
     signature = (
         "In one range of the joint's angle friction is higher (or lower), and it opposes the "
@@ -42,10 +44,12 @@ class PositionFriction(Effect):
     example = Example((5.0,), against="q", shape={"qc": 0.7, "w": 0.08, "wave": 0.0})
 
     def columns(self, context, joints, shape):
-        j = joints[0]
-        away = (context.q[:, j] - shape["qc"]) / shape["w"]
-        where = np.cos(away) if shape["wave"] else np.exp(-0.5 * away**2)
-        return (where * context.sign(context.dq[:, j], context.softness(0.01)))[:, None]
+        where = self.level(context, joints, shape)
+        return context.friction(joints[0], where, context.softness(0.01))[:, None]
+
+    def level(self, context, joints, shape):
+        away = (context.q[:, joints[0]] - shape["qc"]) / shape["w"]
+        return np.cos(away) if shape["wave"] else np.exp(-0.5 * away**2)
 
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])

@@ -1,9 +1,9 @@
 """Friction as a function of displacement since the last reversal."""
 
-import numba
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
+from pa10d.effects.bristle import bristle
 
 SLIDES = 0.01  # rad/s: where nothing is known of the way, faster than that it slides
 
@@ -39,14 +39,22 @@ class PreslidingHysteresis(Effect):
         "Nothing to repair as such. A distance that has grown since the last identification "
         "hints at wear."
     )
+    carried = True
+    builds_up_over = "zs"
+    uses_model = True
     remembers = "the way since the joint last turned round (apart: it slides)"
     view = View("travel", along=True, near=("zs", 12.0), over_time=True)
     example = Example((8.0,), against="q", shape={"zs": 0.004}, motion="reversals")
 
     def columns(self, context, joints, shape):
+        j = joints[0]
         if context.apart:
-            return context.sign(context.dq[:, joints[0]], SLIDES)[:, None]
-        return bristle(context.q[:, joints[0]], shape["zs"])[:, None]
+            return context.sign(context.dq[:, j], SLIDES)[:, None]
+        level = self.level(context, joints, shape)
+        return bristle(context.q[:, j], level, shape["zs"] * context.stretched(j))[:, None]
+
+    def level(self, context, joints, shape):
+        return np.ones(len(context.q))
 
     def starts(self, context, joints):
         return [{"zs": z} for z in (5e-4, 2e-3, 5e-3, 0.015, 0.04)]
@@ -59,18 +67,3 @@ class PreslidingHysteresis(Effect):
             shape_errors.get("zs", 0.0) / shape["zs"],
         )
         return {**out, "sigma0": Value(stiffness, float(abs(stiffness) * relative), "N·m/rad")}
-
-
-@numba.njit(cache=True, nogil=True)
-def bristle(q, zs):
-    """Dahl's state z in [-1, 1] at every sample of the displacement q (N,), exact between
-    samples; zs is the displacement over which it forgets."""
-    out = np.empty(len(q))
-    z = 0.0
-    for k in range(len(q)):
-        step = q[k] - q[k - 1] if k > 0 else 0.0
-        to = 1.0 if step > 0 else -1.0
-        if step != 0.0:
-            z = to + (z - to) * np.exp(-abs(step) / zs)
-        out[k] = z
-    return out

@@ -25,6 +25,8 @@ class Stribeck(Effect):
     noun = "Stribeck friction"
     plainly = "extra friction at low speed"
     equation = "τ = Fs·exp(-(|q̇|/vs)^δ)·sign(q̇)"
+    uses_model = True
+    carried = True
     coefficients = (Coefficient("Fs", "N·m", lower=0.0),)
     shapes = (
         ShapeParameter("vs", "rad/s", 2e-3, 1.0, "log"),
@@ -53,9 +55,11 @@ class Stribeck(Effect):
     example = Example((6.0,), against="dq", shape={"vs": 0.06, "delta": 1.0})
 
     def columns(self, context, joints, shape):
-        v = context.dq[:, joints[0]]
-        bump = np.exp(-((np.abs(v) / shape["vs"]) ** shape["delta"]))
-        return (bump * context.sign(v, context.softness(min(0.05 * shape["vs"], SHARP))))[:, None]
+        sharp = context.softness(min(0.05 * shape["vs"], SHARP))
+        return context.friction(joints[0], self.level(context, joints, shape), sharp)[:, None]
+
+    def level(self, context, joints, shape):
+        return np.exp(-((np.abs(context.dq[:, joints[0]]) / shape["vs"]) ** shape["delta"]))
 
     def starts(self, context, joints):
         # well inside the speeds visited: a bump as wide as the data is another effect

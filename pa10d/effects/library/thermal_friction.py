@@ -61,8 +61,8 @@ class ThermalFriction(Effect):
             warm = own_warmth(context, j, shape["T"])
         elif warm is None:
             warm = 1.0 - np.exp(-context.t / shape["T"])
-        v = context.dq[:, j]
-        return -np.column_stack([warm * v, warm * context.sign(v, context.softness(0.01))])
+        dry = context.friction(j, warm, context.softness(0.01))
+        return -np.column_stack([warm * context.dq[:, j], dry])
 
     def starts(self, context, joints):
         span = float(context.t[-1] - context.t[0])

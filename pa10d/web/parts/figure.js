@@ -1,5 +1,5 @@
 // One plot in a card: title, figure, how to read it; with `load`, full detail on zoom.
-import { el } from "../base/dom.js";
+import { el, say } from "../base/dom.js";
 import { inNumbers } from "./in_numbers.js";
 
 /** Draw when it comes near the window: most plots of a page are never looked at. */
@@ -91,24 +91,26 @@ export class Zoomable {
     const mine = ++this.asked;
     this.span = span;
     this.canvas.classList.add("waiting");
-    try {
-      const found = await this.load(span ? { begin: span[0], end: span[1] } : {});
-      if (mine !== this.asked) return null;
-      this.trouble.hidden = true;
-      await draw(this.canvas, found.figure);
-      this.listen();
-      return found;
-    } catch (error) {
+    const found = await this.load(span ? { begin: span[0], end: span[1] } : {}).catch((error) => {
       if (mine === this.asked) this.say(error.message);
-      return null;
-    } finally {
-      if (mine === this.asked) this.canvas.classList.remove("waiting");
-    }
+    });
+    if (mine !== this.asked) return null;
+    const drawn = found && await this.draw(found.figure);
+    if (mine === this.asked) this.canvas.classList.remove("waiting");
+    return drawn ? found : null;
+  }
+
+  /** Whether it could be drawn: the plot says in its own place why not. */
+  async draw(figure) {
+    this.trouble.hidden = true;
+    const drawn = await draw(this.canvas, figure).then(() => true, () => false);
+    if (drawn) this.listen();
+    return drawn;
   }
 
   /** What is drawn below is not what was asked for last. */
   say(text) {
-    this.trouble.textContent = text;
+    say(this.trouble, text);
     this.trouble.hidden = false;
   }
 

@@ -1,0 +1,83 @@
+"""Friction that grows with load or with the place, carried by bristles, and what is no change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_two_at_a_reversal import SUBSTEPS
+from two_links import COULOMB, RATE, V0, motion, recordings, robot, textbook, textbook_torque
+
+from pa10d.diagnose.procedure import diagnose
+from pa10d.dynamics import inverse_dynamics
+from pa10d.effects.base import smooth_sign
+from pa10d.measurement.recording import Recording
+
+WAY = 0.02  # rad
+
+
+def carried(t, dq, level):
+    """(N,) N·m: ż = q̇ - |q̇|·z·σ0/level (LuGre)."""
+    at = np.arange(SUBSTEPS * len(t)) / SUBSTEPS
+    speed, size = (np.interp(at, np.arange(len(t)), x) for x in (dq, level))
+    stiffness, step = COULOMB[0] / WAY, 1.0 / (RATE * SUBSTEPS)
+    force, z = np.zeros(len(speed)), 0.0
+    for k, v in enumerate(speed):
+        z = (z + step * v) / (1.0 + step * abs(v) * stiffness / size[k])
+        force[k] = stiffness * z
+    return force[::SUBSTEPS]
+
+
+def on_load(t, q, dq, ddq):
+    load = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)[:, 0]
+    rubs = carried(t, dq[:, 0], COULOMB[0] + 0.15 * np.abs(load))
+    return np.column_stack([rubs - COULOMB[0] * smooth_sign(dq[:, 0], V0), np.zeros(len(t))])
+
+
+def on_place(t, q, dq, ddq):
+    spot = 0.8 * np.exp(-(((q[:, 0] - 0.3) / 0.3) ** 2))
+    rubs = carried(t, dq[:, 0], COULOMB[0] + spot)
+    return np.column_stack([rubs - COULOMB[0] * smooth_sign(dq[:, 0], V0), np.zeros(len(t))])
+
+
+@pytest.mark.parametrize(
+    ("law", "seed", "effect_id", "values"),
+    [
+        pytest.param(on_load, 2, "load_friction", {"mu": 0.15, "rotor": 0.4}),
+        pytest.param(
+            on_place, 3, "position_friction", {"A": 0.8, "qc": 0.3}, marks=pytest.mark.long
+        ),
+    ],
+)
+def test_what_grows_with_something_on_a_bristle(law, seed, effect_id, values):
+    """Turning round at once beside a bristle of its own it left 85 and 20 times the noise."""
+    runs = recordings(seed, law, 0.02)
+    found = diagnose(
+        textbook(runs), [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    )
+    named = {f.term.effect_id: f.parameters for f in found.findings if f.term.joints == (0,)}
+    assert sorted(named) == sorted([effect_id, "presliding_hysteresis"])
+    for name, true in values.items():
+        assert named[effect_id][name].value == pytest.approx(true, rel=0.02)
+    assert named["presliding_hysteresis"]["F"].value == pytest.approx(COULOMB[0], rel=0.01)
+    assert max(line.ratio for line in found.remaining) < 1.3
+
+
+def bumps(seed, share):
+    """A run whose joints rub more at low speed, as they always did; paced by ``share``."""
+    t, q, dq, ddq = motion(seed)
+    dq, ddq = share * dq, share**2 * ddq
+    rng = np.random.default_rng([seed, 9])
+    more = 1.5 * np.exp(-np.abs(dq) / 0.1) * np.tanh(dq / V0)
+    tau = textbook_torque(q, dq, ddq) + more + 0.02 * rng.standard_normal(q.shape)
+    return Recording(f"run{seed}", t / share, q, tau)
+
+
+def test_what_a_model_always_lacked_has_not_changed():
+    """A model without Stribeck friction, motion at half the pace: less Coulomb friction "now" was
+    named on both joints."""
+    model = textbook({"fit_a": bumps(1, 1.0), "fit_b": bumps(2, 1.0)})
+    found = diagnose(model, [bumps(3, 0.5)], [bumps(4, 0.5)], frozen=True)
+    assert not found.findings
+    for line in found.remaining:
+        assert line.ratio > 2.0
+        assert "The model lacked about as much" in line.sentence
