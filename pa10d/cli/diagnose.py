@@ -177,15 +177,14 @@ def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     import numpy as np
 
-    from pa10d.diagnose.outcome.words import nothing
+    from pa10d.diagnose.outcome.words import nothing, unexplained
 
     n = len(found.rms)
-    what = "has changed" if found.frozen else "is missing"
     says = {
         "none": nothing(
             found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
         ),
-        "unknown": f"Something {what} that no effect of the library explains.",
+        "unknown": f"{unexplained(found)}.",
         "missing": "Missing:" if not found.frozen else "Changed:",
     }
     lines = [says[found.verdict]]

@@ -127,6 +127,7 @@ def diagnose(
             doubt,
             beyond(state),
             state.usual,
+            only is None,
         ),
         model=versions[-1],
         versions=versions,
@@ -137,6 +138,12 @@ def diagnose(
         frozen=frozen,
         identified_from=model.runs,
         with_reversals=scores(seen).rms_with_reversals,
+        only="" if only is None else effect(only[0]).named,
+        lacked=tuple(
+            j
+            for j in range(model.robot.n)
+            if state.usual is not None and left.rms[j] <= state.usual[j]
+        ),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
-from pa10d.diagnose.outcome.words import nothing
+from pa10d.diagnose.outcome.words import nothing, unexplained
 from pa10d.diagnose.unknown.remaining import Unexplained
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
@@ -48,11 +48,8 @@ def answer(found: Diagnosis) -> str:
             found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
         )
     if found.verdict == "unknown":
-        what = "has changed" if found.frozen else "is missing"
-        return (
-            f"Something {what} that no effect of the library explains: "
-            f"{listed([structure_words(s) for s in found.unexplained])}."
-        )
+        places = listed([structure_words(s) for s in found.unexplained])
+        return f"{unexplained(found)}: {places}."
     named = listed([finding_words(f, found.frozen) for f in found.findings])
     verb = "What changed" if found.frozen else "Missing in the model"
     text = f"{verb}: {named}."

@@ -7,6 +7,7 @@ import pytest
 from test_two_at_a_reversal import SUBSTEPS
 from two_links import COULOMB, RATE, V0, motion, recordings, robot, textbook, textbook_torque
 
+from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign
@@ -81,3 +82,17 @@ def test_what_a_model_always_lacked_has_not_changed():
     for line in found.remaining:
         assert line.ratio > 2.0
         assert "The model lacked about as much" in line.sentence
+    assert unexplained(found).startswith("The model keeps an error that it had before")
+
+
+def test_of_one_suspicion_nothing_is_said_about_others():
+    """40 times the floor were "slow noise" where only Stribeck friction of another joint was
+    tested, and "no effect of the library" had explained it."""
+    runs = recordings(3, on_place, 0.02)
+    sides = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    found = diagnose(textbook(runs), *sides, only=("spring", [1]))
+    assert not found.findings
+    assert found.remaining[0].ratio > 5.0
+    assert "slow noise" not in found.remaining[0].sentence
+    assert "library" not in unexplained(found)
+    assert unexplained(found).startswith("Something is left that a spring does not explain")

@@ -91,6 +91,9 @@ class Diagnosis:
     with the samples that count. Whoever draws or tells more of it later reads no run again
     judged_on: in words, which data the fit has not seen
     identified_from: names of the given model's own runs
+    only: the one suspicion that was looked for, as people call it; empty: the whole library was
+    lacked: joints (0-based) that keep no more than a model that stays as it was may leave though
+    nothing changed
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     """
 
@@ -111,6 +114,8 @@ class Diagnosis:
     frozen: bool
     identified_from: tuple[str, ...] = ()
     with_reversals: Array | None = None
+    only: str = ""
+    lacked: tuple[int, ...] = ()
 
     @property
     def noise_floor(self) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.diagnose.constants import MATERIAL_REST
-from pa10d.diagnose.outcome.diagnosis import Confusion
+from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
 
@@ -166,3 +166,14 @@ def _explained(kind: Effect) -> str:
 def _place(term: Term) -> str:
     joints = listed([str(j + 1) for j in term.joints])
     return f"Joint{'s' if len(term.joints) > 1 else ''} {joints}" if joints else "The arm"
+
+
+def unexplained(found: Diagnosis) -> str:
+    """What to say where something is left that was not found, without its end."""
+    if found.only:
+        return f"Something is left that {found.only} does not explain; nothing else was looked for"
+    if not found.frozen:
+        return "Something is missing that no effect of the library explains"
+    if {one.joint for one in found.unexplained} <= set(found.lacked):
+        return "The model keeps an error that it had before: something is missing, not changed"
+    return "Something has changed that no effect of the library explains"

@@ -150,6 +150,7 @@ def all_motion(contexts: Sequence[Context]) -> Context:
         dq=joined(c.dq for c in contexts),
         ddq=joined(c.quiet_ddq for c in contexts),
         quieting=None,  # of one motion, which this is not
+        levels=None,
         total=joined(c.total for c in contexts),
         temperature=of_all(c.temperature for c in contexts),
         rubbing=of_all(c.rubbing for c in contexts),

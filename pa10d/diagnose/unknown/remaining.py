@@ -179,12 +179,14 @@ def remaining(
     doubt: Array | None = None,
     beyond: Sequence[Beyond | None] = (),
     usual: Array | None = None,
+    searched: bool = True,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
     side its error lies, if that is where the fit side has not been; usual (n,) N·m: what a model
-    that is kept as it was may leave though nothing changed."""
+    that is kept as it was may leave though nothing changed; searched: more than one suspicion was
+    looked for."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -205,7 +207,7 @@ def remaining(
             depends_on=() if left is None else left.variables,
             sentence="",
         )
-        line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None)
+        line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None, searched)
         if left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
@@ -268,6 +270,7 @@ def _with_sentence(
     seen: Repeatable | None,
     unit: str,
     beyond: Beyond | None,
+    searched: bool,
 ) -> Remaining:
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
@@ -343,6 +346,8 @@ def _with_sentence(
         )
     elif line.material is False:
         text = f"{size}: explained to the floor"
+    elif not searched:
+        text = f"{size}; what it depends on was not looked for"
     elif line.material is None:
         text = (
             f"{size}, and motion does not predict it: this data cannot say how much of it is "
