@@ -29,9 +29,9 @@ def allowed(searches: int) -> int:
 
 
 @pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.long)])
 def test_a_clean_arm_is_cleared(seed, noise):
-    """Six short sets of seven joints."""
+    """Short sets of seven joints."""
     assert claims(arm(seed, noise=noise, seconds=15.0, cutoff=12.0).diagnose()) == []
 
 
