@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.steady import steady_direction
 
 Array = NDArray[np.float64]
 
 BLOCK = 1.0  # s whose residuals are taken as one: longer than any filter remembers
-SLOW = 0.03  # of the fast speed: there friction may be anything
 
 
 def textbook_columns(run: RunEquation, kept: NDArray[np.int64]) -> Array:
@@ -35,15 +35,10 @@ def _own(run: RunEquation, part: Array) -> Array:
 
 
 def steady_sign(run: RunEquation) -> NDArray[np.bool_]:
-    """(M, n) False near a joint's reversals and standstills.
-
-    Where friction turns around depends on stiction and creeping, so a reversal would tell a delay
-    that is none; moving masses do not lie.
-    """
+    """(M, n) False near a joint's reversals and standstills."""
     c = run.context
     fast = np.quantile(np.abs(c.dq), 0.99, axis=0)
-    direction = np.where(np.abs(c.dq) > SLOW * fast, np.sign(c.dq), 0.0)
-    return np.asarray(np.abs(run.lowpass(direction)) > 0.99)
+    return np.asarray(np.abs(run.lowpass(steady_direction(c.q, c.dq, fast))) > 0.99)
 
 
 def blocks_of(run: RunEquation) -> NDArray[np.int64]:

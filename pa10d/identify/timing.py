@@ -2,9 +2,9 @@
 
 A torque that is read later than the angle, held over a sample, or low-passed by its sensor
 arrives late; so does an angle that passes a slower bus. Beside all other unknowns each joint gets a
-delay of its own, by the first-order change -s·τ̇, away from reversals (what friction does there
-would pose as a delay); the robot's shift is their median, weighted by what each joint knows, so
-that one joint with a delay of its own does not move it.
+delay of its own, by the first-order change -s·τ̇, away from reversals in time and in way: what
+friction does there would pose as a delay. The robot's shift is their median, weighted by what each
+joint knows, so that one joint with a delay of its own does not move it.
 
 A delay is the same for slow and fast parts of the motion. What a model lacks is mostly slow and
 poses as another delay there. Where differenced samples, which weigh fast parts more, say otherwise
@@ -30,16 +30,17 @@ from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.layout import Layout
 from pa10d.regression.solution import estimate_weights, solve
+from pa10d.regression.steady import FAR, steady_direction
 from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 
 ROUNDS = 4
 SETTLED = 2e-5  # s: a change below this ends the iteration
-SLOW = 0.03  # of the fast speed: friction may be anything below
 CORRELATED = 6.0  # decimated samples that are worth one independent one, residuals being coloured
 SIGNIFICANT = 4.0  # standard errors
 LIKELY = 2.0  # standard errors: left out, such a shift costs more than its own doubt does
+USUAL = 5e-3  # s: what channels are late by, as a standard deviation before the data
 AGREE = 3.0  # standard errors by which slow and fast parts of the motion may differ
 FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
 
@@ -73,26 +74,49 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     """What all joints say; where fast parts of the motion say otherwise, what those say."""
     motion = motion_up_to([(r.q, r.rate) for r in pieces.recordings])
     band = min(1.0, motion / pieces.cutoff)
-    found = _iterated(pieces, layout, band, lambda rows: rows, LIKELY)
+    found = _near_or_far(pieces, layout, band)
     if abs(found.estimate) > SIGNIFICANT * found.std_error:
-        fast = _iterated(pieces, layout, band, _differenced, 0.0)
-        doubt = np.hypot(found.std_error, fast.std_error)
-        if abs(fast.estimate - found.estimate) > AGREE * doubt:
+        fast = _iterated(pieces, layout, band, FAR, _differenced)
+        if _differ(found, fast):
             found = replace(fast, slow=found.estimate)
-    likely = LIKELY * found.std_error < abs(found.estimate) < FARTHEST
-    return replace(found, seconds=found.estimate if likely else 0.0)
+    return replace(found, seconds=found.estimate if _likely(found) else 0.0)
+
+
+def _likely(found: Shift) -> bool:
+    """Is none worse than the estimate, beside what is usual? 23 ± 9 ms are rather no shift."""
+    standard_errors = found.estimate / found.std_error / np.hypot(1.0, found.std_error / USUAL)
+    return bool(abs(standard_errors) > LIKELY) and abs(found.estimate) < FARTHEST
+
+
+def _near_or_far(pieces: Pieces, layout: Layout, band: float) -> Shift:
+    """Friction that builds up over a way bends what is seen near reversals, and most of what a
+    short run knows may stand there: the sharper one of two estimates, the far one if they differ.
+    """
+    near, far = (_iterated(pieces, layout, band, way, least=LIKELY) for way in (0.0, FAR))
+    return near if near.std_error < far.std_error and not _differ(near, far) else far
+
+
+def _differ(one: Shift, other: Shift) -> bool:
+    doubt = np.hypot(one.std_error, other.std_error)
+    return bool(abs(one.estimate - other.estimate) > AGREE * doubt)
 
 
 def _iterated(
-    pieces: Pieces, layout: Layout, band: float, seen: Callable[[Rows], Rows], least: float
+    pieces: Pieces,
+    layout: Layout,
+    band: float,
+    far: float,
+    seen: Callable[[Rows], Rows] = lambda rows: rows,
+    least: float = 0.0,
 ) -> Shift:
     """A shift of several samples is not a first-order change; band: part of the cut-off that is
-    heard; least: standard errors of a first step that make it worth another."""
+    heard; far: part of a joint's range that it has come since it turned; least: standard errors of
+    a first step that make it worth another."""
     total = 0.0
     shift = Shift(0.0, 0.0, np.inf, np.zeros(layout.robot.n))
     for _ in range(ROUNDS):
         shifted = (piece.shifted(total) for piece in pieces.some())
-        rows = (seen(_within(_with_slope(p, layout), p, band)) for p in shifted)
+        rows = (seen(_within(_with_slope(p, layout, far), p, band, far)) for p in shifted)
         shift = _shift_left(triangles_of(rows), layout, band)
         total += shift.estimate
         nothing = total == shift.estimate and abs(total) < least * shift.std_error
@@ -101,14 +125,14 @@ def _iterated(
     return replace(shift, estimate=total, joints=total + shift.joints)
 
 
-def _with_slope(piece: Piece, layout: Layout) -> Rows:
+def _with_slope(piece: Piece, layout: Layout, far: float) -> Rows:
     rows = rows_of(piece, layout)
     slope = -piece.equation.lowpass.of_torque(piece.equation.raw_tau, 1)
     columns = [np.column_stack([c, slope[:, j]]) for j, c in enumerate(rows.columns)]
-    return Rows(columns, rows.tau, piece.keep & _steady(_direction(piece)), rows.rest)
+    return Rows(columns, rows.tau, piece.keep & _steady(_direction(piece, far)), rows.rest)
 
 
-def _within(rows: Rows, piece: Piece, band: float) -> Rows:
+def _within(rows: Rows, piece: Piece, band: float, far: float) -> Rows:
     """What a low-pass at this part of the cut-off leaves, clear of reversals by its memory."""
     if band == 1.0:
         return rows
@@ -117,7 +141,7 @@ def _within(rows: Rows, piece: Piece, band: float) -> Rows:
     columns = [low(c) for c in rows.columns]
     inner = np.zeros(len(rows.tau), dtype=bool)
     inner[low.settle : -low.settle] = True
-    keep = rows.keep & _steady(low(_direction(piece))) & inner[:, None]
+    keep = rows.keep & _steady(low(_direction(piece, far))) & inner[:, None]
     return Rows(columns, low(rows.tau), keep, rows.rest)
 
 
@@ -136,11 +160,10 @@ def _steady(direction: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(direction) > 0.99)
 
 
-def _direction(piece: Piece) -> Array:
+def _direction(piece: Piece, far: float) -> Array:
     """(M, n) where each joint goes, filtered."""
-    dq = piece.context.dq
-    direction = np.where(np.abs(dq) > SLOW * piece.fast, np.sign(dq), 0.0)
-    return piece.equation.lowpass(direction)
+    c = piece.context
+    return piece.equation.lowpass(steady_direction(c.q, c.dq, piece.fast, far))
 
 
 def _shift_left(triangles: list[Triangle], layout: Layout, band: float) -> Shift:
