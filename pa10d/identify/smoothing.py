@@ -31,6 +31,7 @@ FINE = np.array([0.5, 0.7, 0.85, 1.0, 1.18, 1.43, 2.0])  # around the best of th
 FINEST = np.array([0.96, 1.0, 1.04])
 BLUNTER, SHARPER = 16.0, 6.0  # drop of the squared error, in units of one independent sample, that
 # proves a v0 above or below the usual one: a blunt sign imitates other effects, a sharp one nothing
+FAR_BETTER = 2.0  # times: a curve gains less by a sign that is smoothed over more
 WIDEST = 0.03  # of the fast speed: a sign smoothed over more is no Coulomb friction but a curve
 
 
@@ -62,11 +63,13 @@ def find_smoothing(pieces: Pieces, layout: Layout) -> Smoothing:
     )
     best = np.array([COARSE[k] for k in chosen])
     at_optimum = [_is_lowest(loss, k) for k, loss in zip(chosen, losses, strict=True)]
+    beyond = [_lies_beyond(loss, k, w) for k, loss, w in zip(chosen, losses, widest, strict=True)]
+    best = np.where(beyond, widest, best)
     spread = np.full(n, np.inf)
     for factors in (FINE, FINEST):
         grids = [
             np.unique(np.clip(b * factors, COARSE[0], w)) if fine else np.array([b])
-            for b, w, fine in zip(best, widest, at_optimum, strict=True)
+            for b, w, fine in zip(best, widest, np.logical_or(beyond, at_optimum), strict=True)
         ]
         fits = _fits(pieces, layout, grids)
         losses = [_loss(f, len(g)) for f, g in zip(fits, grids, strict=True)]
@@ -163,6 +166,12 @@ def _nearest_as_good(loss: Array, count: int) -> int:
 def _is_lowest(loss: Array, k: int) -> bool:
     """Whether no neighbour on the grid is better, so that a finer search around k makes sense."""
     return bool(loss[k] <= loss[max(0, k - 1) : k + 2].min())
+
+
+def _lies_beyond(loss: Array, k: int, widest: float) -> bool:
+    """Whether the sign asks for more than the last of the coarse grid below the widest v0."""
+    after = k + 1
+    return after < len(loss) and COARSE[after] > widest and loss[k] > FAR_BETTER * loss[after]
 
 
 def _loss(fit: Triangle, count: int) -> Array:

@@ -3,8 +3,9 @@
 Three ways to see it. Where a motion comes again, the difference of the passes is noise and
 nothing else. Where a joint stands still, its torque's wavering is. And above the cut-off, where
 little motion reaches, the spectrum of torque or error (whichever is smaller there: one still has
-motion in it, the other the noise of twice differentiated angles) is: white noise of that
-strength, behind such smoothing as it shows, would leave so much below (``extrapolated``). The
+motion in it, the other the noise of twice differentiated angles), without what torque shares with
+the angle (a servo's answer to its encoder's noise, which grows with frequency), is: white noise of
+that strength, behind such smoothing as it shows, would leave so much below (``extrapolated``). The
 last two are lower bounds (noise may be stronger in motion, or at low frequencies), so the larger
 is taken where no motion comes again; but not a standstill whose torque wavers more than the error
 in motion, because then it is creep or braking. And never more than the error itself: friction
@@ -31,6 +32,7 @@ from pa10d.judgement.extrapolated import extrapolated
 from pa10d.judgement.repeats import differences
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving, scores
+from pa10d.regression.equation import motion_band
 
 Array = NDArray[np.float64]
 
@@ -45,6 +47,7 @@ BAND = (1.5, 4.0)  # cut-offs between which the error's spectrum is taken as the
 NEARLY_WHITE = 0.5  # half-way from the flat spectrum of white noise to a random walk's 1/f²
 TOP = 0.45  # of the sampling rate: up to where the spectrum is looked at
 WIDEST = 1.0  # relative standard error of a variance, from which on it may as well be nothing
+ANSWERED = 0.5  # of a torque's power, below which most of it is a servo's answer to its encoder
 COARSE = 4.0  # times the power of rounding below which a spectrum is that of the rounding
 
 
@@ -152,15 +155,17 @@ def _above(run: RunResidual, joint: int) -> _Seen:
     """Variance behind the low-pass of the noise whose spectrum error or torque have above it."""
     lowpass, torque = run.equation.lowpass, run.equation.raw_tau[:, joint]
     segments = _segments(run, joint)
-    f, power = scipy.signal.periodogram(
+    f, power, whole = _periodograms(
         np.array([[x[s] for s in segments] for x in (run.raw_error[:, joint], torque)]),
+        np.array([run.seen.q[s] for s in segments]).transpose(2, 0, 1)[joint],
         lowpass.rate,
-        window="hann",
-        detrend="linear",
     )
     top = min(BAND[1] * lowpass.cutoff, 0.4 * lowpass.rate)
     low = min(BAND[0] * lowpass.cutoff, 0.5 * top)
     above, near = (f >= low) & (f <= TOP * lowpass.rate), (f >= low) & (f <= top)
+    seen = above & (f <= motion_band(lowpass.rate, lowpass.cutoff))
+    if power[1][:, seen].mean() < ANSWERED * whole[:, seen].mean():
+        above = seen  # beyond that the angle was filtered, and nothing shows what it shares
     weaker = min(power, key=lambda p: float(np.median(p[:, near].mean(axis=1))))
     wavering = float(np.median(weaker[:, above].mean(axis=1))) * 0.5 * lowpass.rate
     if wavering < COARSE * _step(torque) ** 2 / 12.0:
@@ -173,6 +178,28 @@ def _above(run: RunResidual, joint: int) -> _Seen:
         return NOTHING
     scatter = found.error * float(np.sqrt(len(segments)))
     return _Seen(found.variance, len(segments), scatter, _fall(f[near], weaker[:, near]))
+
+
+def _periodograms(
+    signals: Array, angle: Array, rate: float
+) -> tuple[NDArray[np.float64], Array, Array]:
+    """f Hz; densities of signals (signals, segments, N), in place of the last one's of what it does
+    not share with the angle (segments, N), where it shares motion, or a servo's answer to its
+    encoder's noise; and the last one's own."""
+    window = scipy.signal.get_window("hann", signals.shape[-1])
+    whole = np.concatenate([signals, angle[None]])
+    x = scipy.fft.rfft(scipy.signal.detrend(whole, type="linear") * window, axis=-1)
+    power = 2.0 * np.abs(x) ** 2 / (rate * float(window @ window))
+    count = len(angle)
+    cross = np.abs((x[-2] * x[-1].conj()).mean(axis=0)) ** 2
+    both = (np.abs(x[-2]) ** 2).mean(axis=0) * (np.abs(x[-1]) ** 2).mean(axis=0)
+    shared = np.clip(cross / np.maximum(both, 1e-300), 0.0, 1.0)
+    alone = power[-2] * (1.0 - shared) * count / max(count - 1, 1)
+    return (
+        scipy.fft.rfftfreq(signals.shape[-1], 1.0 / rate),
+        np.stack([*power[:-2], alone]),
+        power[-2],
+    )
 
 
 def _repeated(torque: Array) -> float:

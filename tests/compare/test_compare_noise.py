@@ -54,6 +54,18 @@ def test_without_repetition_the_spectrum_above_the_cutoff_tells():
     assert floor.values == pytest.approx(np.full(3, truth()), rel=0.2)
 
 
+@pytest.mark.parametrize("sigma", [0.05, SIGMA])
+def test_what_a_servo_answers_to_its_encoder_is_no_noise(sigma):
+    """It grows with frequency: the floor was 2 and 10 times the noise. Here it is not known."""
+    record = arm.recording(1, 60.0, sigma, slope)
+    read = record.q + 5e-5 * np.random.default_rng(2).standard_normal(record.q.shape)
+    speed = np.diff(read - record.q, axis=0, prepend=0.0) * arm.RATE
+    answer = scipy.signal.lfilter([0.3], [1.0, -0.7], speed, axis=0)
+    answer *= 5.0 * SIGMA / np.std(answer)
+    found = seen(replace(record, q=read, tau=record.tau - answer))
+    assert not np.any(found.values > 1.3 * truth() * sigma / SIGMA)
+
+
 @pytest.mark.parametrize("fall", [0.6, 1.0, 1.7, 2.3])
 def test_however_fast_a_spectrum_falls_noise_is_no_slower_than_a_random_walk(fall):
     """An error whose kinks fell off as 1/f³ was no claim at 1800 times its floor: noise that went

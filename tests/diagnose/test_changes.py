@@ -24,6 +24,7 @@ CHANGES = {
     "coulomb fell": ("coulomb", 0, -0.8, lambda dq: [-0.8, 0.0] * sign(dq)),
     "viscous rose": ("viscous", 0, 0.6, lambda dq: [0.6, 0.0] * dq),
     "viscous fell": ("viscous", 1, -0.5, lambda dq: [0.0, -0.5] * dq),
+    "rotor rose": ("rotor_inertia", 0, 0.25, None),
 }
 
 
@@ -38,9 +39,10 @@ LONG = {"coulomb rose", "viscous fell"}
 @pytest.mark.parametrize(
     "name", [pytest.param(k, marks=[pytest.mark.long] * (k in LONG)) for k in CHANGES]
 )
-def test_friction_that_rose_or_fell_is_named_with_its_size(name):
+def test_what_rose_or_fell_is_named_with_its_size(name):
     kind, joint, size, torque = CHANGES[name]
-    runs = recordings(3, lambda t, q, dq, ddq: torque(dq))
+    rotor = size * np.eye(2)[joint]
+    runs = recordings(3, lambda t, q, dq, ddq: torque(dq) if torque else rotor * ddq)
     found = asked(textbook(recordings(4)), runs)
     assert (found.verdict, found.unexplained) == ("missing", ())
     (finding,) = found.findings

@@ -52,15 +52,16 @@ def on_place(t, q, dq, ddq):
 def test_what_grows_with_something_on_a_bristle(law, seed, effect_id, values):
     """Turning round at once beside a bristle of its own it left 85 and 20 times the noise."""
     runs = recordings(seed, law, 0.02)
-    found = diagnose(
-        textbook(runs), [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
-    )
+    model = textbook(runs)
+    found = diagnose(model, [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]])
     named = {f.term.effect_id: f.parameters for f in found.findings if f.term.joints == (0,)}
     assert sorted(named) == sorted([effect_id, "presliding_hysteresis"])
     for name, true in values.items():
         assert named[effect_id][name].value == pytest.approx(true, rel=0.02)
     assert named["presliding_hysteresis"]["F"].value == pytest.approx(COULOMB[0], rel=0.01)
     assert max(line.ratio for line in found.remaining) < 1.3
+    # the model before had friction of its own, whatever carries it at the end
+    assert found.findings[0].rms_before[0] < 1.5 * model.noise[0]
 
 
 def bumps(seed, share):

@@ -94,14 +94,15 @@ class SearchState:
 
     def drop(self, index: int) -> None:
         """Remove a term; the caller refits. What it had taken over is there again."""
-        if self.terms[index].effect.builds_up_over:
-            self._bring_back(self.terms[index].joints)
+        self._give_back(self.terms[index])
         self.problem = self.problem.with_terms([*self.terms[:index], *self.terms[index + 1 :]])
         del self.blocks[index]
 
-    def _bring_back(self, joints: tuple[int, ...]) -> None:
+    def _give_back(self, gone: Term) -> None:
+        """Dry friction that bristles had taken over turns round at once again."""
         for index, term in enumerate(self.terms):
-            if term.joints == joints and "elsewhere" in term.shape:
+            taken = gone.effect.builds_up_over and term.joints == gone.joints
+            if taken and "elsewhere" in term.shape:
                 shape = {name: v for name, v in term.shape.items() if name != "elsewhere"}
                 self.replace_term(index, replace(term, shape=shape))
 
@@ -121,6 +122,8 @@ class SearchState:
         """
         problem = self.problem.with_terms(self.terms[:count])
         copy = replace(self, problem=problem, blocks=self.blocks[:count])
+        for term in self.terms[count:]:
+            copy._give_back(term)
         if own_weights:
             copy.fit = None  # type: ignore[assignment]
         copy.refit()

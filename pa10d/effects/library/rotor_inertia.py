@@ -14,13 +14,16 @@ class RotorInertia(Effect):
     equation = "τ = Ia·q̈"
     question = "textbook"
     is_rotor = True
+    also_changes = True
     joint_property = "armature"
     live = True
     coefficients = (Coefficient("Ia", "kg·m²", lower=0.0),)
     signature = "The error is proportional to the joint's own acceleration, alike in every pose."
     confounders = {
         "coupling_inertia": "both grow with acceleration in every pose; this one follows the "
-        "joint's own, the other a neighbour's"
+        "joint's own, the other a neighbour's",
+        "payload": "a load that is new resists being sped up, too, but it weighs and moves other "
+        "joints' torque",
     }
     experiment = (
         "Accelerate the joint alone, in two poses in which it moves light and heavy links: "
@@ -30,7 +33,8 @@ class RotorInertia(Effect):
     source = "Khalil & Dombre, Modeling, Identification and Control of Robots (2002), ch. 9"
     remedy = (
         "Nothing to repair: part of every model. A value far from the motor's data sheet hints at "
-        "a wrong gear ratio."
+        "a wrong gear ratio. Where it has changed since the model was made, another motor, gear or "
+        "brake was fitted, or something else that turns with the motor."
     )
     example = Example((3.0,), against="ddq")
 
