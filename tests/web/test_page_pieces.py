@@ -283,6 +283,7 @@ def test_panels_stand_where_there_is_room_and_the_table_names_them(
     assert page.evaluate(DRAW, PANELS) == {"wide": wide, "high": high}
     page.locator("figure", has_text="Panels").get_by_text("The same in numbers").click()
     table = page.get_by_role("region", name="Panels in numbers").get_by_role("table")
+    table.get_by_role("row").first.wait_for()
     rows = [one.inner_text().split("\t")[:2] for one in table.get_by_role("row").all()]
     assert [row[0] for row in rows] == ["against", "position of joint 4, rad", "speed, rad/s"]
     assert [row[1] for row in rows] == ["line", "mean", "mean"]

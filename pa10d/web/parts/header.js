@@ -23,7 +23,7 @@ export function header(box) {
     for (const link of links) {
       if (link.hash === `#/${state.section}`) {
         link.setAttribute("aria-current", "page");
-        link.scrollIntoView({ block: "nearest", inline: "nearest" }); // on a narrow screen the row is longer than it
+        reveal(link);
       } else link.removeAttribute("aria-current");
     }
   });
@@ -50,4 +50,12 @@ async function giveBack() {
   if (state.robot?.lease.holder !== client) return;
   await remove("robot/lease");
   await loadRobot();
+}
+
+// On a narrow screen the row is longer than it. Not by scrollIntoView: some browsers let Tab go on
+// from there, and the first thing that Tab reaches is to be STOP.
+function reveal(link) {
+  const row = link.closest("nav");
+  const [shown, here] = [row.getBoundingClientRect(), link.getBoundingClientRect()];
+  row.scrollLeft += Math.min(0, here.left - shown.left) + Math.max(0, here.right - shown.right);
 }
