@@ -10,6 +10,7 @@ from pa10d.identify.feasibility import FeasibleModel
 from pa10d.identify.fit import Fit
 from pa10d.identify.smoothing import Smoothing
 from pa10d.identify.timing import Shift
+from pa10d.identify.told import Errors
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import ModelNotes, TorqueModel
@@ -47,14 +48,15 @@ def model_of(
     channel: TorqueFilter | None,
     recordings: Sequence[Recording],
     notes: ModelNotes,
+    told: Errors,
 ) -> TorqueModel:
-    """The model of a finished fit."""
+    """The model of a finished fit; told: standard errors of asked-for effects' shapes."""
     beta = fit.solution.beta
     terms = []
-    for term in layout.fitted(beta):
+    for index, term in enumerate(layout.fitted(beta)):
         speed = term.effect.smoothed_over
         errors = {speed: float(smoothing.errors[term.joints[0]])} if speed else {}
-        terms.append(replace(term, shape_errors=errors))
+        terms.append(replace(term, shape_errors={**errors, **told.get(index, {})}))
     return TorqueModel(
         name=name,
         robot=layout.robot,

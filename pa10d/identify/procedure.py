@@ -33,6 +33,7 @@ from pa10d.identify.smoothing import (
     with_smoothing,
 )
 from pa10d.identify.timing import find_shift
+from pa10d.identify.told import Errors, refined
 from pa10d.measurement.recording import Recording
 from pa10d.model import ModelNotes, TorqueModel
 from pa10d.model.notes import ShiftNote
@@ -102,6 +103,11 @@ def identify(
         rest = find_shift(pieces, layout)
         pieces.shift_by(rest.seconds)
         shift = shift.later(rest)
+    told: Errors = {}
+    if with_effects:
+        say(0.55, "shapes of the effects that were asked for")
+        layout, told = refined(layout, pieces)
+        smoothing, layout = _sharpened(pieces, layout)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
     fitted = robust_fit if options.robust else weighted_fit
@@ -132,7 +138,7 @@ def identify(
     )
     say(1.0, "done")
     return model_of(
-        name, layout, fit, smoothing, feasible, cutoff, shift, channel, recordings, notes
+        name, layout, fit, smoothing, feasible, cutoff, shift, channel, recordings, notes, told
     )
 
 

@@ -16,7 +16,7 @@ from pa10d.regression.triangle import left_over
 def with_starting_shapes(layout: Layout, pieces: Pieces) -> Layout:
     """The layout with a shape for every effect that has one and was not given it.
 
-    Judged on the joint's own equation; refining them is what adding an effect to a model does.
+    Judged on the joint's own equation; ``told`` refines them once the timing is known.
     """
     shapes = {
         i: _best(layout, pieces, term)
