@@ -29,6 +29,8 @@ class Payload(Effect):
         "All joints that carry the tool are off together, as if the last link had become heavier."
     )
     confounders = {
+        "rotor_inertia": "another rotor resists being sped up, too, but it weighs nothing and "
+        "moves no other joint's torque",
         "base_tilt": "both change gravity in several joints",
         "torque_gain": "on one joint a heavier load and a weaker motor look alike",
     }
