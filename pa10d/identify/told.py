@@ -31,11 +31,11 @@ SURE = 1e-9  # of the largest singular value, from which on a direction is one
 
 
 def refined(layout: Layout, pieces: Pieces) -> tuple[Layout, Errors]:
-    """The layout with the best shape of every effect that was asked for, and by index of the term
-    the standard errors of its shape (inf: the data do not tell it)."""
+    """The layout with the best shape of every effect of one joint that was asked for, and by index
+    of the term the standard errors of its shape (inf: the data do not tell it)."""
     errors: Errors = {}
     for index, term in enumerate(layout.terms):
-        if term.effect.question == "textbook" or not term.joints or not _free(term):
+        if term.effect.question == "textbook" or len(term.joints) != 1 or not _free(term):
             continue
         own = _Equation(layout, pieces, index)
         found, doubts = own.solve()
