@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import MORE_ROUNDS, WORTH_A_ROUND
+from pa10d.diagnose.constants import AT_HOME, HOME_ROUNDS, MORE_ROUNDS, WORTH_A_ROUND
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.bristles import carried_wholly, give_way, halfway, what_is_left
 from pa10d.diagnose.search.refining import only_rounds, refine
 from pa10d.diagnose.search.springs import follow
 from pa10d.diagnose.search.timing import align
+from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
@@ -28,9 +30,7 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
     best, least, idle = state, np.inf, 0
     for number in range(1, rounds + MORE_ROUNDS + 1):
         before = state.terms
-        _relinearise(state, fixed)
-        state.relook()
-        state.refit()
+        _come_home(state, fixed)
         for index, term in enumerate(state.terms):
             early = number == 1 and only_rounds(term)  # it would imitate what is not settled
             if term.effect.shapes and not early and _worth_refining(state, fixed, index):
@@ -62,11 +62,36 @@ def _with_springs_followed(best: SearchState, least: float, begun: Array | None)
     return best
 
 
-def _relinearise(state: SearchState, fixed: int) -> None:
+def _come_home(state: SearchState, fixed: int) -> None:
+    """Refitted, with secants of nonlinear laws taken anew until they are those of their answer, as
+    far as the data can tell: a step that brings little may still be one of many."""
+    for _ in range(HOME_ROUNDS):
+        before, moved = state.terms[fixed:], _relinearise(state, fixed)
+        state.relook()
+        state.refit()
+        if not moved or _unmoved(state, fixed, before):
+            return
+
+
+def _unmoved(state: SearchState, fixed: int, before: Sequence[Term]) -> bool:
+    """Are the terms beyond the given ones where they were, to a fraction of what noise does?"""
+    noise = np.sqrt(np.maximum(np.diag(state.fit.covariance()), 0.0))
+    for index, old in enumerate(before, fixed):
+        step = np.abs(state.terms[index].coefficients - old.coefficients)
+        if np.any(step > AT_HOME * noise[state.place(index)]):
+            return False
+    return True
+
+
+def _relinearise(state: SearchState, fixed: int) -> bool:
+    """Columns at the coefficients found; whether any of them has to be taken elsewhere."""
+    moved = False
     for index, term in enumerate(state.terms[fixed:], fixed):
         shape = term.effect.relinearised(term.coefficients, term.shape)
         if shape != term.shape:
             state.problem = state.problem.with_term(index, replace(term, shape=shape))
+            moved = True
+    return moved
 
 
 def _worth_refining(state: SearchState, fixed: int, index: int) -> bool:
