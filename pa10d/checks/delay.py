@@ -1,7 +1,6 @@
 """How late the torque channel is against the position, and whether friction brakes.
 
-The textbook model is fitted to the whole recording; what its residual has in common with the
-slope of the model's torque, beyond what the model could absorb, is the delay.
+Both are asked of identification's own first steps, so that a check and a model say the same.
 """
 
 from __future__ import annotations
@@ -13,72 +12,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
-from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
-from pa10d.dynamics import Robot, base_parameters
+from pa10d.dynamics import Robot
+from pa10d.identify.first_look import first_look
 from pa10d.measurement.recording import Recording
-from pa10d.regression.equation import RunEquation, delayed, prepare
 
 Array = NDArray[np.float64]
 
-CUTOFF = 10.0  # Hz
-LONGEST = 120.0  # s of the recording that are used: more does not sharpen the answer
-FEWEST = 12  # blocks for an honest standard error
-FARTHEST = 0.05  # s: beyond that the linearisation means nothing
+SHORTEST = 12.0  # s: friction of less may seem to drive
+FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
+DOUBTFUL = 5e-3  # s: what channels are late by; a standard error of as much tells nothing new
 
 
 @dataclass(frozen=True)
 class Delay:
-    """seconds: positive where the torque is late. friction: (n,) mean braking power, W."""
+    """seconds: positive where the torque is late, over so many seconds of a recording. friction:
+    (n,) mean braking power, W."""
 
     seconds: float
     std_error: float
-    blocks: int
+    over: float
     friction: Array
 
     @property
     def known(self) -> bool:
-        """Whether the estimate settled and its error can be stated."""
-        return self.blocks >= FEWEST and abs(self.seconds) < FARTHEST
+        """Whether the estimate settled and says more than what is usual."""
+        settled = self.std_error < DOUBTFUL and abs(self.seconds) < FARTHEST
+        return settled and self.over >= SHORTEST
 
 
 def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
     """One delay for the whole robot; None where the recording is too short for a fit."""
-    rate = recording.rate
-    wanted = int(LONGEST * rate)
-    first = max(0, (len(recording.t) - wanted) // 2)
-    part = recording.part(first, min(len(recording.t), first + wanted), "")
-    part = replace(part, dq=None)  # late against the position, not against a reported velocity
-    run = prepare(part, robot, min(CUTOFF, rate / 8))
-    columns = textbook_columns(run, base_parameters(robot).kept)
-    blocks = blocks_of(run)
-    keep = run.keep & steady_sign(run)
-    if keep.sum() < 3 * columns.shape[2] or len(np.unique(blocks[keep.any(axis=1)])) < 2:
+    recording = replace(recording, dq=None)  # late against the position, not a reported velocity
+    found = first_look(recording, robot)
+    if found is None:
         return None
-    weights, seconds, error, count = np.ones(robot.n), 0.0, np.inf, 0
-    parameters = np.zeros(columns.shape[2])
-    for turn in range(5):
-        tau = run.lowpass(delayed(part.tau, -seconds, rate))
-        parameters, basis = fit_textbook(columns, tau, keep, weights)
-        model = columns @ parameters
-        residual = np.where(keep, tau - model, 0.0)
-        spread = np.sqrt((residual**2).sum(axis=0) / np.maximum(keep.sum(axis=0), 1))
-        if turn == 0:
-            weights = 1.0 / np.maximum(spread, 1e-9 * spread.max() + 1e-12)
-            continue
-        slope = -_slope(model, run.rate)
-        slope_left = _beyond(slope, basis, keep, weights)
-        residual_left = (residual * weights)[keep]
-        information = float(slope_left @ slope_left)
-        if information <= 0:
-            return None
-        seconds += float(slope_left @ residual_left) / information
-        rows = np.broadcast_to(blocks[:, None], keep.shape)[keep]
-        scores = np.bincount(rows, slope_left * residual_left)
-        count = len(np.unique(rows))
-        error = float(np.sqrt((scores**2).sum() * count / max(count - 1, 1)) / information)
-        if abs(seconds) >= FARTHEST:
-            break
-    return Delay(seconds, error, count, _braking(run, columns, parameters, robot.n))
+    shift = found.shift
+    return Delay(shift.estimate, shift.std_error, recording.duration, found.braking)
 
 
 def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
@@ -118,22 +87,3 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
             int(j) + 1,
             (tau, q),
         )
-
-
-def _beyond(values: Array, basis: Array, keep: NDArray[np.bool_], weights: Array) -> Array:
-    rows = (values * weights)[keep]
-    return np.asarray(rows - basis @ (basis.T @ rows))
-
-
-def _slope(model: Array, rate: float) -> Array:
-    """Time derivative of a signal that is almost at its Nyquist rate."""
-    step = 0.25 / rate
-    return (delayed(model, -step, rate) - delayed(model, step, rate)) / (2 * step)
-
-
-def _braking(run: RunEquation, columns: Array, parameters: Array, n: int) -> Array:
-    """Mean power (n,) W that the fitted Coulomb and viscous terms take from the motion."""
-    friction = slice(columns.shape[2] - 3 * n, columns.shape[2] - n)
-    torque = columns[:, :, friction] @ parameters[friction]
-    speed = run.lowpass(run.context.dq)
-    return np.asarray((torque * speed).mean(axis=0))

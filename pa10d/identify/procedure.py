@@ -13,31 +13,26 @@ from pa10d.common.errors import Cancelled
 from pa10d.common.parallel import one_thread
 from pa10d.dynamics import Robot
 from pa10d.identify.advice import warnings_of
-from pa10d.identify.blocks import Pieces, middle
+from pa10d.identify.blocks import Pieces
 from pa10d.identify.channel import find_channel
-from pa10d.identify.cutoff import Cutoff, choose_cutoff, probe_cutoff
+from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
+from pa10d.identify.first_look import cut_off, sharpened
 from pa10d.identify.fit import trust, weighted_fit
-from pa10d.identify.loads import first_model, look_through_all, look_through_textbook
+from pa10d.identify.loads import look_through_all, look_through_textbook
 from pa10d.identify.options import FitOptions
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
 from pa10d.identify.prior import Prior
 from pa10d.identify.refusals import check, check_length, check_motion, check_speeds
 from pa10d.identify.robust import robust_fit
 from pa10d.identify.shapes import with_starting_shapes
-from pa10d.identify.smoothing import (
-    Smoothing,
-    find_smoothing,
-    sharp_where_unseen,
-    with_smoothing,
-)
 from pa10d.identify.timing import find_shift
 from pa10d.identify.told import Errors, refined
 from pa10d.measurement.recording import Recording
 from pa10d.model import ModelNotes, TorqueModel
 from pa10d.model.notes import ShiftNote
-from pa10d.regression.layout import Layout, textbook
+from pa10d.regression.layout import textbook
 from pa10d.regression.problem import LinearProblem
 from pa10d.regression.told import names_of
 
@@ -81,7 +76,7 @@ def identify(
     why: Cutoff | None = None
     if cutoff is None:
         say(0.05, "cut-off")
-        why = _cut_off(recordings, robot, textbook(robot) if with_effects else layout, tick)
+        why = cut_off(recordings, robot, textbook(robot) if with_effects else layout, tick)
         cutoff = why.hertz
     check_length(recordings, cutoff)
     pieces = Pieces(recordings, robot, layout, cutoff, 0.0, tick, speeds)
@@ -89,17 +84,17 @@ def identify(
     look_through_textbook(pieces, layout)
     layout = with_starting_shapes(layout, pieces)
     say(0.2, "smoothing speed of the friction sign")
-    smoothing, layout = _sharpened(pieces, layout)
+    smoothing, layout = sharpened(pieces, layout)
     say(0.4, "timing of torque against position")
     shift = find_shift(pieces, layout)
     if shift.seconds != 0.0:
         pieces.shift_by(shift.seconds)
-        smoothing, layout = _sharpened(pieces, layout)
+        smoothing, layout = sharpened(pieces, layout)
     say(0.5, "what the torque channel has passed")
     channel = find_channel(pieces, layout, smoothing, shift)
     if channel is not None:
         pieces.pass_through(channel)
-        smoothing, layout = _sharpened(pieces, layout)
+        smoothing, layout = sharpened(pieces, layout)
         rest = find_shift(pieces, layout)
         pieces.shift_by(rest.seconds)
         shift = shift.later(rest)
@@ -107,7 +102,7 @@ def identify(
     if with_effects:
         say(0.55, "shapes of the effects that were asked for")
         layout, told = refined(layout, pieces)
-        smoothing, layout = _sharpened(pieces, layout)
+        smoothing, layout = sharpened(pieces, layout)
     say(0.6, "least squares")
     look_through_all(pieces, layout)
     fitted = robust_fit if options.robust else weighted_fit
@@ -140,20 +135,3 @@ def identify(
     return model_of(
         name, layout, fit, smoothing, feasible, cutoff, shift, channel, recordings, notes, told
     )
-
-
-def _sharpened(pieces: Pieces, layout: Layout) -> tuple[Smoothing, Layout]:
-    """How sharp the friction signs are, and the layout with them."""
-    smoothing = sharp_where_unseen(find_smoothing(pieces, layout), pieces.faster_than)
-    return smoothing, with_smoothing(layout, smoothing)
-
-
-def _cut_off(
-    recordings: Sequence[Recording], robot: Robot, layout: Layout, tick: Callable[[], None]
-) -> Cutoff:
-    """From a first fit with a wide band to no more data than the question needs."""
-    parts = [middle(r) for r in recordings]
-    check_length(parts, probe_cutoff(parts))
-    pieces = Pieces(parts, robot, layout, probe_cutoff(parts), 0.0, tick)
-    check_motion(excitation(pieces), parts)
-    return choose_cutoff(first_model(pieces, _sharpened(pieces, layout)[1]), parts)

@@ -24,10 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
+from pa10d.identify.loads import first_model
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, rows_of, triangles_of
 from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
+from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout
 from pa10d.regression.solution import estimate_weights, solve
 from pa10d.regression.steady import FAR, steady_direction
@@ -36,12 +38,14 @@ from pa10d.regression.triangle import Triangle
 Array = NDArray[np.float64]
 
 ROUNDS = 4
-SETTLED = 2e-5  # s: a change below this ends the iteration
+SETTLED_SHARE = 0.1  # standard errors: a step below this is the last
+LEAST_HEARD = 0.2  # of a delay: below that, noise is nearly all that the slope shows
 CORRELATED = 6.0  # decimated samples that are worth one independent one, residuals being coloured
 SIGNIFICANT = 4.0  # standard errors
 LIKELY = 2.0  # standard errors: left out, such a shift costs more than its own doubt does
 USUAL = 5e-3  # s: what channels are late by, as a standard deviation before the data
 AGREE = 3.0  # standard errors by which slow and fast parts of the motion may differ
+BENT = 1.0 / 3.0  # of what a lack bends slow parts by, fast ones may be bent by, too (policy)
 FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
 
 
@@ -78,7 +82,9 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     if abs(found.estimate) > SIGNIFICANT * found.std_error:
         fast = _iterated(pieces, layout, band, FAR, _differenced)
         if _differ(found, fast):
-            found = replace(fast, slow=found.estimate)
+            bent = BENT * (found.estimate - fast.estimate)
+            error = float(np.hypot(fast.std_error, bent))
+            found = replace(fast, slow=found.estimate, std_error=error)
     return replace(found, seconds=found.estimate if _likely(found) else 0.0)
 
 
@@ -109,25 +115,41 @@ def _iterated(
     seen: Callable[[Rows], Rows] = lambda rows: rows,
     least: float = 0.0,
 ) -> Shift:
-    """A shift of several samples is not a first-order change; band: part of the cut-off that is
-    heard; far: part of a joint's range that it has come since it turned; least: standard errors of
-    a first step that make it worth another."""
-    total = 0.0
-    shift = Shift(0.0, 0.0, np.inf, np.zeros(layout.robot.n))
+    """The shift that leaves none; band: part of the cut-off that is heard; far: part of a joint's
+    range that it has come since it turned; least: standard errors that make it worth more rounds.
+
+    A shift of several samples is not a first-order change, and a measured slope has noise of its
+    own, so that only part of a delay is heard: how much shows by a second look, at another shift.
+    """
+
+    def look(shift: float) -> Shift:
+        shifted = (piece.shifted(shift) for piece in pieces.some())
+        rows = (seen(_within(_with_slope(p, layout, model, far), p, band, far)) for p in shifted)
+        return _shift_left(triangles_of(rows), layout, band)
+
+    model = first_model(pieces, layout)
+    found = look(0.0)
+    if not np.isfinite(found.std_error):
+        return found
+    at = max(abs(found.estimate), found.std_error) * (-1.0 if found.estimate < 0.0 else 1.0)
+    left = look(at)
+    heard = min((found.estimate - left.estimate) / at, 1.0)
+    if heard < LEAST_HEARD:
+        return replace(found, std_error=np.inf)
     for _ in range(ROUNDS):
-        shifted = (piece.shifted(total) for piece in pieces.some())
-        rows = (seen(_within(_with_slope(p, layout, far), p, band, far)) for p in shifted)
-        shift = _shift_left(triangles_of(rows), layout, band)
-        total += shift.estimate
-        nothing = total == shift.estimate and abs(total) < least * shift.std_error
-        if nothing or abs(total) > FARTHEST or abs(shift.estimate) < SETTLED:
+        total, error = at + left.estimate / heard, left.std_error / heard
+        joints = at + left.joints / heard
+        step = abs(total - at)
+        if abs(total) < least * error or abs(total) > FARTHEST or step < SETTLED_SHARE * error:
             break
-    return replace(shift, estimate=total, joints=total + shift.joints)
+        at = total
+        left = look(at)
+    return Shift(total, total, error, joints)
 
 
-def _with_slope(piece: Piece, layout: Layout, far: float) -> Rows:
+def _with_slope(piece: Piece, layout: Layout, model: TorqueModel, far: float) -> Rows:
     rows = rows_of(piece, layout)
-    slope = -piece.equation.lowpass.of_torque(piece.equation.raw_tau, 1)
+    slope = -piece.equation.lowpass(model.predict(piece.context), 1)
     columns = [np.column_stack([c, slope[:, j]]) for j, c in enumerate(rows.columns)]
     return Rows(columns, rows.tau, piece.keep & _steady(_direction(piece, far)), rows.rest)
 
