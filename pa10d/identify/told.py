@@ -3,7 +3,8 @@
 The effect's own starting values stand a factor of two apart: left there, friction at low speed that
 the model holds looks like an effect that it lacks. How smooth the joint's dry friction turns round
 varies with them: a sign that was right for another bump would hold this one back. (It is found anew
-afterwards, by its own rules.)
+afterwards, by its own rules.) What reversals make of an encoder's steps and of a sampled sign would
+bend both, so only samples clear of them count, as in a diagnosis.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class _Equation:
         widest = float(np.clip(WIDEST * pieces.fast[joint], COARSE[1], COARSE[-1]))
         self._signs = (float(COARSE[0]), widest)
         self._pieces, self._rate = list(pieces.some()), pieces.rate
-        self._masks = [piece.moving[:, joint] for piece in self._pieces]
+        self._masks = [piece.keep[:, joint] for piece in self._pieces]
         rows = [
             np.column_stack([p.rigid[joint], p.filtered(others, joint)])[keep]
             for p, keep in zip(self._pieces, self._masks, strict=True)
