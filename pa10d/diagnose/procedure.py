@@ -78,9 +78,10 @@ def diagnose(
     given = len(state.terms)
     as_given = held_out(model, state)
     given_error = judged(model.name, as_given)
+    asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     if frozen:
         state.usual = _usual(model, given_error)
-    asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
+        asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
     if only is None:
@@ -231,6 +232,16 @@ def _usual(model: TorqueModel, given: Judgement) -> Array:
     that it left may be what it lacked."""
     floor = np.nan_to_num(given.floor.values)
     return np.asarray(np.hypot(floor, USUAL * np.sqrt(np.maximum(model.noise**2 - floor**2, 0.0))))
+
+
+def _always_lacked(
+    kind: Effect, joints: Sequence[int], model: TorqueModel, given: Judgement
+) -> bool:
+    """May what a model always lacked pose as this change? Friction that it never had shows more in
+    one motion than in another, and a law with a shape of its own bends to it."""
+    floor = given.floor.values[list(joints)]
+    bends = kind.question == "missing" and bool(kind.shapes)
+    return bends and bool(np.any(model.noise[list(joints)] > MATERIAL_REST * floor))
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:

@@ -31,7 +31,6 @@ from pa10d.regression.layout import Layout, textbook
 
 Array = NDArray[np.float64]
 
-FRICTION = ("coulomb", "viscous")
 LONGEST = 120.0  # s of a recording that are looked at: more does not sharpen the answer
 
 
@@ -92,7 +91,7 @@ def _braking(pieces: Pieces, model: TorqueModel) -> Array:
     power, samples = np.zeros(model.robot.n), 0
     for piece in pieces.some():
         context = piece.context
-        torque = sum(t.torque(context) for t in model.terms if t.effect.id in FRICTION)
-        power += np.sum(torque * context.dq, axis=0)
+        rubs = [t for t in model.terms if not t.effect.is_rotor]
+        power += np.sum(sum(t.torque(context) for t in rubs) * context.dq, axis=0)
         samples += len(context.dq)
     return np.asarray(power / max(samples, 1))

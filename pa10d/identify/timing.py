@@ -95,16 +95,16 @@ def _likely(found: Shift) -> bool:
 
 
 def _near_or_far(pieces: Pieces, layout: Layout, band: float) -> Shift:
-    """Friction that builds up over a way bends what is seen near reversals, and most of what a
-    short run knows may stand there: the sharper one of two estimates, the far one if they differ.
-    """
+    """Friction that builds up over a way bends what is seen near reversals, but most of what a
+    short run knows may stand there: the sharper one of two estimates, the far one if they differ
+    (by less than is asked for elsewhere, since much of what they hear is the same)."""
     near, far = (_iterated(pieces, layout, band, way, least=LIKELY) for way in (0.0, FAR))
-    return near if near.std_error < far.std_error and not _differ(near, far) else far
+    return near if near.std_error < far.std_error and not _differ(near, far, LIKELY) else far
 
 
-def _differ(one: Shift, other: Shift) -> bool:
+def _differ(one: Shift, other: Shift, by: float = AGREE) -> bool:
     doubt = np.hypot(one.std_error, other.std_error)
-    return bool(abs(one.estimate - other.estimate) > AGREE * doubt)
+    return bool(abs(one.estimate - other.estimate) > by * doubt)
 
 
 def _iterated(

@@ -54,6 +54,22 @@ def test_what_rose_or_fell_is_named_with_its_size(name):
     assert finding.sentence.startswith(f"Joint {joint + 1} now has {way} ")
 
 
+def test_friction_that_came_at_low_speed_is_named_with_its_shape():
+    """A joint that ran dry: it was "something that no effect of the library explains"."""
+
+    def torque(t, q, dq, ddq):
+        return [0.0, 0.8] * np.exp(-((dq / 0.3) ** 2)) * sign(dq)
+
+    found = asked(textbook(recordings(4)), recordings(3, torque))
+    (finding,) = found.findings
+    assert (finding.term.effect_id, finding.term.joints) == ("stribeck", (1,))
+    assert finding.sentence.startswith("Joint 2 now has Stribeck friction")
+    for name, true in (("Fs", 0.8), ("vs", 0.3)):
+        value = finding.parameters[name]
+        assert abs(value.value - true) < 4 * value.std_error
+        assert value.std_error < 0.3 * true
+
+
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_where_nothing_changed_friction_did_not(seed):
     def colour(rng, samples):

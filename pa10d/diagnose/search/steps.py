@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 import scipy
@@ -215,7 +216,8 @@ class Search:
         return []
 
     def contest(self) -> list[int]:
-        """Joints on which the findings are beaten by a plain smooth map of the motion.
+        """Joints on which the findings are beaten by a plain smooth map of the motion, or of a gain
+        by which the torque reads differently from place to place.
 
         A true effect explains its error better than any generic map can. Where a map alone
         leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
@@ -226,11 +228,8 @@ class Search:
             return []
         bare = self.state.bare(self.fixed)
         now = self.state.held_residual()
-        outdone = [
-            maps[0].joint
-            for maps in all_maps(bare, concerned)
-            if any(m.outdoes(now, OUTDONE) for m in maps)
-        ]
+        tried = chain(all_maps(bare, concerned), all_maps(bare, concerned, swaying=True))
+        outdone = [maps[0].joint for maps in tried if any(m.outdoes(now, OUTDONE) for m in maps)]
         for index in reversed(range(self.fixed, len(self.state.terms))):
             if any(j in outdone for j in self.state.terms[index].joints):
                 self.state.drop(index)

@@ -106,13 +106,19 @@ def _without(state: SearchState, joints: list[int]) -> SearchState:
     return rest
 
 
-def all_maps(state: SearchState, joints: Iterable[int]) -> Iterator[list[Structure]]:
-    """The significant maps of each of the joints that have any."""
+def all_maps(
+    state: SearchState, joints: Iterable[int], swaying: bool = False
+) -> Iterator[list[Structure]]:
+    """The significant maps of each of the joints that have any.
+
+    swaying: of a gain, by which the joint's torque reads differently from place to place, or from
+    speed to speed
+    """
     motions = motion_variables(state.train.runs), motion_variables(state.held.runs)
     residual = state.held_residual()
     n = state.train.n
     asked = list(joints)
-    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j), asked)
+    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j, swaying), asked)
     tried = dict(zip(asked, maps_of, strict=True))
     noise = noise_beside(state, residual, [p for maps in tried.values() for p in maps])
     for maps in tried.values():
@@ -165,6 +171,7 @@ class _Map:
     gain: float
     absorbed: Array
     visited: NDArray[np.bool_]
+    swaying: bool
 
 
 def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
@@ -173,13 +180,20 @@ def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -
 
 
 def _fit_map(
-    state: SearchState, motion: list[dict[str, Array]], joint: int, names: Sequence[str]
+    state: SearchState,
+    motion: list[dict[str, Array]],
+    joint: int,
+    names: Sequence[str],
+    swaying: bool = False,
 ) -> _Map:
+    """swaying: the map is that of a gain on the joint's torque, its values N·m at the torque's
+    RMS."""
     fit = state.fit
     x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in names]
     grid = tuple(knots(v, MAP_FINE_KNOTS if len(names) == 1 else MAP_KNOTS) for v in x)
     basis = basis_of(x, grid)
-    columns = basis / fit.sigma[joint]
+    acts = _share_of_torque(state, 0, joint)[::MAP_THIN] if swaying else np.ones(len(x[0]))
+    columns = (basis * (acts / fit.sigma[joint])[:, None]).tocsr()
     across = columns.T.tocsr()
     seen = MAP_THIN * (across @ fit.basis[joint][::MAP_THIN]).T
     gram = MAP_THIN * (across @ columns).toarray()
@@ -193,8 +207,15 @@ def _fit_map(
     shape = tuple(len(g) for g in grid)
     return _Map(
         joint, tuple(names), grid, theta.reshape(shape), gain - 2 * effective,
-        fit.to_beta @ (seen @ theta), MAP_THIN * basis.power(2).sum(axis=0) > FEW_VISITS,
+        fit.to_beta @ (seen @ theta), MAP_THIN * basis.power(2).sum(axis=0) > FEW_VISITS, swaying,
     )  # fmt: skip
+
+
+def _share_of_torque(state: SearchState, side: int, joint: int) -> Array:
+    """(m_j,) what the model has of the joint's torque, over its RMS on the training side."""
+    train = state.matrix(0)[joint] @ state.fit.beta
+    there = train if side == 0 else state.held_matrix[joint] @ state.fit.beta
+    return np.asarray(there / max(float(np.sqrt(np.mean(train**2))), 1e-12))
 
 
 @dataclass
@@ -210,10 +231,16 @@ class Prediction:
 
 
 def _strongest(
-    state: SearchState, motion: list[dict[str, Array]], held: list[dict[str, Array]], joint: int
+    state: SearchState,
+    motion: list[dict[str, Array]],
+    held: list[dict[str, Array]],
+    joint: int,
+    swaying: bool,
 ) -> list[Prediction]:
     """The maps of one joint that help the fit side most, among those that know enough ground."""
-    maps = (_fit_map(state, motion, joint, names) for names in questions(joint, state.train.n))
+    own = [(f"q{joint + 1}",), (f"dq{joint + 1}",)]
+    asked = own if swaying else questions(joint, state.train.n)
+    maps = (_fit_map(state, motion, joint, names, swaying) for names in asked)
     strongest = sorted(maps, key=lambda m: -m.gain)[:MAPS_PER_JOINT]
     predictions = (_predict(state, held, m) for m in strongest)
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
@@ -224,7 +251,8 @@ def _predict(state: SearchState, motion: list[dict[str, Array]], m: _Map) -> Pre
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
     inside &= basis @ ~m.visited < UNKNOWN_GROUND
-    values = basis @ m.values.ravel() - state.held_matrix[m.joint] @ m.absorbed
+    acts = _share_of_torque(state, 1, m.joint) if m.swaying else 1.0
+    values = acts * (basis @ m.values.ravel()) - state.held_matrix[m.joint] @ m.absorbed
     return Prediction(m.joint, m.names, np.where(inside, values, 0.0), inside, m)
 
 

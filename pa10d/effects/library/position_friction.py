@@ -26,6 +26,7 @@ class PositionFriction(Effect):
     uses_model = True
     carried = True
     repeatable = True
+    also_changes = True
     signature = (
         "In one range of the joint's angle friction is higher (or lower), and it opposes the "
         "motion in both directions."

@@ -32,6 +32,7 @@ class Stribeck(Effect):
         ShapeParameter("vs", "rad/s", 2e-3, 1.0, "log"),
         ShapeParameter("delta", "1", 0.5, 2.0, "linear", step=0.5),
     )
+    also_changes = True
     signature = (
         "More friction at low speed, in both directions: a bump on either side of zero speed that "
         "is gone above two to three times vs."
