@@ -42,7 +42,7 @@ def add_commands(commands: Subcommands) -> None:
     )
     parser.add_argument(
         "--with", dest="effects", metavar="EFFECT", nargs="+", action="extend", default=[],
-        help="further effects on every joint, such as torque_offset",
+        help="further effects, on every joint (torque_offset) or on one (stribeck:2)",
     )  # fmt: skip
     parser.add_argument(
         "--faster-than", type=float, nargs="+", metavar="V",

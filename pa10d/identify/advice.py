@@ -95,16 +95,30 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
             f"link {links}: the feasible mass distribution is at the edge of what a body can have; "
             "its inertia is not to be read as a measurement"
         )
+    held = _told_beyond_bounds(layout, beta)
     for j in costly:
-        why = (
-            f"nothing that can exist explains all of it; {ASK}"
-            if feasible.converged
-            else "the search for better ones did not converge"
-        )
+        why = f"nothing that can exist explains all of it; {ASK}"
+        if not feasible.converged:
+            why = "the search for better ones did not converge"
+        elif held:
+            why = f"what was told does not fit ({', '.join(held)} beyond its bounds); {ASK}"
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
             f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): {why}"
         )
+
+
+def _told_beyond_bounds(layout: Layout, beta: Array) -> list[str]:
+    """Coefficients of effects that were asked for, where the free fit leaves what they can be:
+    a law that does not fit costs bodies their share of the error."""
+    names, out = layout.names(), []
+    for term, place in zip(layout.terms, layout.places, strict=True):
+        if term.effect.question == "textbook":
+            continue
+        for k, c in zip(range(place.start, place.stop), term.effect.coefficients, strict=True):
+            if not c.lower <= beta[k] <= c.upper:
+                out.append(names[k])
+    return out
 
 
 def _uncertain(layout: Layout, fit: Fit, seen: MotionExtent) -> Iterator[str]:

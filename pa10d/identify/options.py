@@ -14,7 +14,7 @@ from pa10d.identify.given import read_given
 class FitOptions:
     """cutoff         Hz of the zero-phase low-pass on both sides of the equation; default: from the
                    data
-    with_effects   ids of further effects, on every joint
+    with_effects   ids of further effects, on every joint (stribeck) or one of them (stribeck:2)
     robust         let samples far off the model count less (knocks, collisions, glitches)
     faster_than    rad/s per joint; only samples in which the joint is faster are fitted, because
                    friction is linear there (set A of Vuong & Ang 2009)

@@ -56,7 +56,7 @@ class Layout(Unknowns):
 
 def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
     """Rigid bodies, rotor inertia where it is not one of theirs, Coulomb and viscous friction,
-    then ``extra`` effects on every joint."""
+    then ``extra`` effects: ``stribeck`` on every joint, ``stribeck:2`` on the second one."""
     base = base_parameters(robot)
     rotors = rotors_within(robot, base)
     kinds = [kind for kind in all_effects().values() if kind.question == "textbook"]
@@ -69,7 +69,8 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
     ]
     for j in range(robot.n):
         terms += [begun(kind, j) for kind in kinds if not kind.is_rotor]
-    for name in extra:
+    for asked in extra:
+        name, joint = told_place(asked, robot.n)
         if name in {kind.id for kind in kinds}:
             continue
         kind = effect(name)
@@ -83,9 +84,26 @@ def textbook(robot: Robot, extra: Sequence[str] = ()) -> Layout:
                 f"--with {name}: acts on a pair of joints; expected an effect of one joint or the "
                 f"whole robot (pa10d add … {name} --joint 6 7 takes pairs)"
             )
-        joints = [(j,) for j in range(robot.n)] if kind.scope == "joint" else [()]
-        terms += [Term.of(name, on) for on in joints]
+        if joint is not None and kind.scope == "robot":
+            raise UserError(f"--with {asked}: acts on the whole robot, expected {name} alone")
+        joints = range(robot.n) if joint is None else (joint,)
+        told = (
+            [Term.of(name, (j,)) for j in joints] if kind.scope == "joint" else [Term.of(name, ())]
+        )
+        there = {(t.effect_id, t.joints) for t in terms}
+        terms += [t for t in told if (t.effect_id, t.joints) not in there]
     return Layout(base, tuple(terms), robot, rotors.seen)
+
+
+def told_place(asked: str, n: int | None = None) -> tuple[str, int | None]:
+    """Id and joint (from 0; None: every one) of an effect that is told, of ``n`` joints."""
+    name, colon, number = asked.partition(":")
+    if not colon:
+        return name, None
+    last = "the last" if n is None else str(n)
+    if not (number.isdecimal() and number.isascii()) or not 1 <= int(number) <= (n or int(number)):
+        raise UserError(f"--with {asked}: found joint {number!r}, expected 1 to {last}")
+    return name, int(number) - 1
 
 
 def begun(kind: Effect, joint: int) -> Term:

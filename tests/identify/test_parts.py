@@ -211,6 +211,26 @@ def test_an_effect_with_a_shape_gets_the_best_of_its_starts():
     assert all(t.shape for t in model.terms if t.effect_id == "stribeck")
 
 
+def test_an_effect_is_told_of_one_joint():
+    truth = pa10_truth(2)
+    run = noisy(truth, 12.0)
+
+    def told(*effects):
+        model = identify([run], truth.robot, name="m", cutoff=10.0, with_effects=effects)
+        return [(t.effect_id, t.joints) for t in model.terms if t.effect_id == "torque_offset"]
+
+    assert told("torque_offset:2") == [("torque_offset", (1,))]
+    assert told("torque_offset:2", "torque_offset") == [
+        ("torque_offset", (1,)),
+        ("torque_offset", (0,)),
+    ]
+    for wrong in ("torque_offset:3", "torque_offset:0", "torque_offset:", "torque_offset:x"):
+        with pytest.raises(UserError, match=f"--with {wrong}: found joint .* expected 1 to 2"):
+            told(wrong)
+    with pytest.raises(UserError, match="acts on the whole robot, expected payload alone"):
+        told("payload:2")
+
+
 def test_refusals_in_words():
     truth = pa10_truth(2)
     run = noisy(truth, 8.0)

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from pa10d.identify.advice import warnings_of
+from pa10d.model import Term
 
 
 def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
@@ -15,7 +16,7 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
         n=1, angle_unit=lambda j: "rad", joint_names=("a",), parameters=np.zeros((1, 10))
     )
     layout = SimpleNamespace(
-        robot=joint, base=[], names=lambda: ["Fv1"], owners=lambda: [0], effects=()
+        robot=joint, base=[], names=lambda: ["Fv1"], owners=lambda: [0], terms=(), places=()
     )
     solution = SimpleNamespace(beta=np.array([-0.4]), lost=np.zeros((1, 0)), scale=np.ones(1))
     fit = SimpleNamespace(
@@ -55,3 +56,9 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
     )
     feasible.converged = False
     assert said(feasible)[1:] == [f"{left}the search for better ones did not converge"]
+    feasible.converged = True
+    spring = Term("joint_elasticity", (0,), np.zeros(1), {"K": 100.0})
+    layout.terms, layout.places = (spring,), (slice(0, 1),)
+    assert said(feasible)[-1].startswith(
+        f"{left}what was told does not fit (Fv1 beyond its bounds)"
+    )

@@ -28,6 +28,7 @@ from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.export.endings import ENDINGS, FOLDERS, Format
 from pa10d.identify import FitOptions
+from pa10d.regression.layout import told_place
 from pa10d.store.entries import SetAside
 from pa10d.store.models import ModelInfo
 
@@ -75,8 +76,8 @@ async def identify(
     """Fit the textbook model to runs; the job's result is that of ``pa10d identify``."""
     may_replace(request.replace)
     await _check(daemon, request.runs, request)
-    for effect_id in request.with_effects:
-        refuse_wrong_effect(effect_id)
+    for asked in request.with_effects:
+        refuse_wrong_effect(told_place(asked)[0])
     FitOptions.read(request.model_dump())  # what is wrong with it is said before a worker is asked
     job = daemon.compute(
         "identify", "identify", request.model_dump(), profile=str(daemon.profile.path)
