@@ -14,6 +14,7 @@ from pa10d.cli.daemon_client import robot_options
 from pa10d.control.laws import LAWS
 
 if TYPE_CHECKING:
+    from pa10d.common.jsonable import JsonObject
     from pa10d.daemon.night import Secret
     from pa10d.dynamics import Robot
     from pa10d.profile import Profile
@@ -68,6 +69,7 @@ def add_commands(commands: Subcommands) -> None:
             "pa10d experiment excitation --name train",
             "pa10d experiment tracking --set period=4 joints=[1,2] --name fast",
             "pa10d experiment --plan settle.yaml",
+            "pa10d experiment load_sweep --to motion.csv",
         ),
     )
     experimenting.add_argument("kind", metavar="KIND", nargs="?", help="such as tracking")
@@ -83,6 +85,11 @@ def add_commands(commands: Subcommands) -> None:
     experimenting.add_argument("--controller", choices=LAWS)
     experimenting.add_argument("--model", help="for the laws with a model")
     experimenting.add_argument("--check", action="store_true", help="the pre-check only")
+    experimenting.add_argument(
+        "--to", type=Path, metavar="FILE",
+        help="write the motion as CSV (time, q1 …) for an arm that another program moves, and run "
+        "nothing",
+    )  # fmt: skip
     experimenting.add_argument(
         "--recover", action="store_true",
         help="bring an arm that stands outside its position limits back inside first, slowly",
@@ -179,6 +186,8 @@ def experiment(options: argparse.Namespace) -> Answer:
         if options.model is not None:
             open_library(options.data).models.find(options.model)
 
+    if options.to is not None:
+        return _motion_for_others(options, plan)
     with daemon_for(options, before) as client:
         if options.check:
             found = client.check_experiment({**plan, **chosen})
@@ -188,6 +197,25 @@ def experiment(options: argparse.Namespace) -> Answer:
     for sentence in [*found.get("notes", ()), *found["recommendation"]]:
         note(sentence)
     return Answer(found, "\n".join(found["runs"]))
+
+
+def _motion_for_others(options: argparse.Namespace, plan: JsonObject) -> Answer:
+    """A file of the motion; what the robot's limits forbid is refused as before a run."""
+    from pa10d.common.errors import UserError
+    from pa10d.diagnose.outcome.settling import NextExperiment
+    from pa10d.investigation.doubts import RATE, motion_text
+    from pa10d.services.robots import load_robot
+    from pa10d.store.folders import write_text
+
+    if not options.to.absolute().parent.is_dir():
+        raise UserError(f"--to {options.to}: no such folder, expected one that is there")
+    robot = load_robot(options.profile)[1]
+    text = motion_text(robot, NextExperiment.read(plan))
+    write_text(options.to, text)
+    seconds = (text.count("\n") - 2) / RATE
+    file = str(options.to.absolute())
+    words = f"{file}: {seconds:.1f} s from rest to rest at {RATE:g} Hz, joints in rad (m)"
+    return Answer({"file": file, "seconds": seconds, "rate": RATE}, words)
 
 
 def controller(options: argparse.Namespace) -> Answer:

@@ -201,7 +201,10 @@ def in_words(found: Diagnosis) -> str:
         for would, names in open_.items():
             lines.append(f"   not determined: {listed(names)}; would be by: {would}")
         if finding.next_experiment is not None:
-            lines.append(f"   settle the doubt with: {finding.next_experiment.command}")
+            lines.append(
+                f"   settle the doubt with: {finding.next_experiment.command} "
+                "(--to motion.csv where another program moves the arm)"
+            )
     maps = {s.joint: s for s in found.mapped}
     for line in found.remaining:
         lines.append(line.sentence)

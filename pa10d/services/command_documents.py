@@ -281,6 +281,14 @@ class ExperimentResult(Document):
     recorded: list[Recorded]
 
 
+class MotionFile(Document):
+    """Of ``experiment --to``. seconds: of the motion; rate: Hz of its samples."""
+
+    file: str
+    seconds: float
+    rate: float
+
+
 class CheckedMotion(Document):
     """Of ``experiment --check``."""
 
@@ -378,7 +386,7 @@ KINDS_OF_DOCUMENT: Mapping[str, Any] = {
     "effect-new": NewEffect,
     "effect-page": EffectPage,
     "excite": Excited,
-    "experiment": ExperimentResult | CheckedMotion,
+    "experiment": ExperimentResult | CheckedMotion | MotionFile,
     "model-export": ExportedModel,
     "model-history": OneVersion,
     "model-list": StoredModel,
