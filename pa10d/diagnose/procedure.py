@@ -80,7 +80,7 @@ def diagnose(
     given_error = judged(model.name, as_given)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     if frozen:
-        state.usual = _usual(model, given_error)
+        state.usual, state.as_given = _usual(model, given_error), given_error.rms
         asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)

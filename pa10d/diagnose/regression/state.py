@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import OWN_LEVEL, OWN_ROUNDS, OWN_STEP
 from pa10d.diagnose.regression.least_squares import LeastSquares, solved
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import Side
@@ -36,6 +39,7 @@ class SearchState:
     held_matrix: PerJoint = field(default_factory=dict)
     loads: Array | None = None  # base parameters of the model that the columns look at
     usual: Array | None = None  # (n,) N·m RMS that a frozen model may leave though nothing changed
+    as_given: Array | None = None  # (n,) N·m RMS that it leaves held out as it was
 
     @classmethod
     def start(
@@ -137,9 +141,32 @@ class SearchState:
         """Solve for all coefficients and hand them to the terms and the model."""
         start = None if self.fit is None else self.fit.rms()
         self.fit = solved(self.train, self.matrix(0), self.problem, start)
+        self.fit = self._within_its_doubt(lambda fit: fit)
         self.held_matrix = self.matrix(1)
         self.model = self.with_coefficients(self.fit.beta)
         self.problem = self.problem.with_terms(self.model.terms)
+
+    def fit_without(self, index: int) -> LeastSquares:
+        """The same without terms[index], all else solved anew."""
+        place = self.place(index)
+        return self._within_its_doubt(lambda fit: fit.without(place))
+
+    def _within_its_doubt(self, seen: Callable[[LeastSquares], LeastSquares]) -> LeastSquares:
+        """What is ``seen`` of the fit, of a frozen model no farther away than its own uncertainty:
+        thousands of samples would pull it beyond, to where it imitates what has changed."""
+        fit, own, stiff = seen(self.fit), self.problem.prior, 1.0
+        if own is None:
+            return fit
+        farthest = float(scipy.special.chdtri(len(own.rows), OWN_LEVEL))
+        for _ in range(OWN_ROUNDS):
+            far = float(np.sum((own.wide(self.unknowns.size) @ fit.beta - own.target) ** 2))
+            if far <= farthest:
+                break
+            stiff *= OWN_STEP * float(np.sqrt(far / farthest))
+            held = replace(own, rows=stiff * own.rows, target=stiff * own.target)
+            problem = replace(self.problem, prior=held)
+            fit = seen(solved(self.train, self.matrix(0), problem, self.fit.sigma))
+        return fit
 
     def relook(self) -> None:
         """Loads have changed: columns that depend on the model are made again.

@@ -101,7 +101,7 @@ class Judging:
         )
         found = judge(self.state.held, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
-        return JudgedCandidate(candidate, found, p, change, self.state.usual)
+        return JudgedCandidate(candidate, found, p, change, self._usual())
 
     def _corrected(
         self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
@@ -126,7 +126,7 @@ class Judging:
 
     def term(self, index: int) -> JudgedCandidate:
         """Held-out evidence of a term already in the model, on top of all others."""
-        rest = self.state.fit.without(self.state.place(index))
+        rest = self.state.fit_without(index)
         term = self.state.terms[index]
         train, held = self.state.blocks[index]
         kind = term.effect
@@ -138,7 +138,19 @@ class Judging:
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
         seen = seen_change(rest, train, candidate)
         p = self._corrected(rest, seen, candidate, found, SHORTLIST)
-        return JudgedCandidate(candidate, found, p, usual=self.state.usual)
+        return JudgedCandidate(candidate, found, p, usual=self._usual(but=index))
+
+    def _usual(self, but: int | None = None) -> Array | None:
+        """(n,) N·m that a joint may keep though nothing changed; none where the model as it was
+        leaves more and nothing has been found: within its own uncertainty it hides most changes."""
+        usual, given = self.state.usual, self.state.as_given
+        if usual is None or given is None:
+            return usual
+        found = np.zeros(len(usual), dtype=bool)
+        for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
+            if index != but:
+                found[term.effect.speaks_on(term.joints)] = True
+        return np.where((given > usual) & ~found, 0.0, usual)
 
 
 def seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 def refine(state: SearchState, fixed: int, index: int) -> None:
     """The shape of one term that fits best beside all else."""
     term = state.terms[index]
-    rest = state.fit.without(state.place(index))
+    rest = state.fit_without(index)
     width = len(term.effect.coefficients)
     falls = index >= fixed and state.may_fall(term.effect)
 

@@ -15,6 +15,7 @@ class Spring(Effect):
     equation = "τ = k·(q - q0)"
     follows_angle = True
     coefficients = (Coefficient("k", "N·m/rad"), Coefficient("kq0", "N·m"))
+    also_changes = True
     signature = (
         "Against the joint's angle the error is a straight line, at any speed and whatever the "
         "other joints do."
