@@ -73,8 +73,8 @@ def test_friction_that_came_at_low_speed_is_named_with_its_shape():
 
 
 def test_a_doubtful_model_does_not_swallow_a_change():
-    """Its coefficients are known to a few percent, as where it lacks something. Thousands of samples
-    pulled them seventeen standard errors away, and a motor that reads 6 % too high was denied."""
+    """Its coefficients are known to a few percent, as where it lacks something. Thousands of
+    samples pulled them far away, and a motor that reads 6 % too high was denied."""
     reference = textbook(recordings(4))
     doubtful = replace(
         reference, covariance=3000.0 * reference.covariance, noise=np.array([0.2, 0.1])
