@@ -47,6 +47,7 @@ def fast_wrist() -> Plan:
     return planned("tracking", {"joints": [7], "amplitude": 2.0, "period": 2.5, "cycles": 1})
 
 
+@pytest.mark.long
 def test_friction_at_250_hz_is_measured_and_met():
     """Gains by the URDF alone leave the last joint behind; after a first motion it follows."""
     arm = ArmBench(250.0, **FRICTION_250)

@@ -60,6 +60,7 @@ def test_nothing_is_found_where_nothing_is_hidden(samples):
     assert (found.findings, found.unexplained) == ((), ())
 
 
+@pytest.mark.long
 def test_friction_that_grows_with_the_load(samples):
     found = answer(samples, "s02")
     assert places(found) == [("load_friction", (3,))]

@@ -153,7 +153,14 @@ def lay_a_model_over_a_run(page) -> None:
     page.get_by_role("region", name="values that are drawn").locator("td").first.wait_for()
 
 
-@pytest.mark.parametrize(("width", "text"), [(390, 1), (390, 2), (1024, 1), (1360, 2)])
+@pytest.mark.parametrize(
+    ("width", "text"),
+    [
+        (390, 2),
+        (1360, 2),
+        *(pytest.param(*of, marks=pytest.mark.long) for of in ((390, 1), (1024, 1))),
+    ],
+)
 def test_nothing_sticks_out_on_any_screen(archive, visit, width, text):
     url, _ = archive
     visitor = visit(url, viewport={"width": width, "height": 768})

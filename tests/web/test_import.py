@@ -249,7 +249,9 @@ def test_a_file_that_is_no_longer_kept_can_be_left(page, archive, strange):
     page.locator(".preview").wait_for(state="detached")
 
 
-@pytest.mark.parametrize(("scheme", "width"), [("light", 1440), ("dark", 390)])
+@pytest.mark.parametrize(
+    ("scheme", "width"), [pytest.param("light", 1440, marks=pytest.mark.long), ("dark", 390)]
+)
 def test_everyone_can_use_it(archive, visit, strange, scheme, width):
     size = {"width": width, "height": 900}
     visitor = visit(archive[0], color_scheme=scheme, viewport=size, bypass_csp=True)
