@@ -34,7 +34,7 @@ from pa10d.diagnose.unknown.remaining import (
     remaining,
     unnamed,
 )
-from pa10d.diagnose.unknown.structure import Structure, find_structure
+from pa10d.diagnose.unknown.structure import Structure, find_structure, swaying_gains
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
 from pa10d.judgement.scores import scores
@@ -129,6 +129,7 @@ def diagnose(
             beyond(state),
             state.usual,
             only is None,
+            swaying_gains(state, maps),
         ),
         model=versions[-1],
         versions=versions,

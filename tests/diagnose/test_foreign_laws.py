@@ -60,6 +60,7 @@ def test_a_gain_that_sways_is_not_put_together_from_the_library(draw, joint):
     )
     assert (found.verdict, found.findings) == ("unknown", ())
     assert [one.joint for one in found.unexplained] == [joint]
+    assert "read differently from angle to angle" in found.remaining[joint].sentence
 
 
 @pytest.mark.long

@@ -97,8 +97,10 @@ def test_a_stretch_is_left_out_of_fits_and_used_again(page):
     leave.click()
     tag = page.locator("#explore .tag", has_text="train_a: 15.00 to 45.00 s left out")
     tag.wait_for()
+    assert leave.is_disabled(), "it is left out already"
     tag.get_by_role("button").click()
     tag.wait_for(state="detached")
+    assert leave.is_enabled()
 
 
 def numbers(page) -> dict[str, list[str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import signal
@@ -82,14 +83,23 @@ def test_connection_fault_and_queue_outrank_the_story(bench, visit):
     story = lights(page)["guide"]
     assert any(words in story for words in ("Nothing is recorded yet", "Mark which runs"))
 
-    # an experiment that is planned does not move the arm yet
-    job = client.start("experiments", {"kind": "boundary_velocity"})
-    page.locator(".guide", has_text="An experiment is being prepared").first.wait_for()
-    said = lights(page)
-    assert "the arm stands still" in said["guide"]
-    assert said["header"] == "inactive"
-    assert page.get_by_role("button", name="Enable").count() == 1
-    client.cancel(job["id"])
+    # an experiment that is planned does not move the arm yet; nobody plans before it was seen
+    workers = children_of(pid, "pa10d.daemon.processes.worker")
+    assert workers
+    for one in workers:
+        os.kill(one, signal.SIGSTOP)
+    try:
+        job = client.start("experiments", {"kind": "boundary_velocity"})
+        page.locator(".guide", has_text="An experiment is being prepared").first.wait_for()
+        said = lights(page)
+        assert "the arm stands still" in said["guide"]
+        assert said["header"] == "inactive"
+        assert page.get_by_role("button", name="Enable").count() == 1
+        client.cancel(job["id"])
+    finally:
+        for one in workers:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(one, signal.SIGCONT)
 
     # a daemon that hangs: nothing is claimed, what was known is grey and tells its age
     os.kill(pid, signal.SIGSTOP)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -180,13 +180,14 @@ def remaining(
     beyond: Sequence[Beyond | None] = (),
     usual: Array | None = None,
     searched: bool = True,
+    gains: Mapping[int, Structure] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
     side its error lies, if that is where the fit side has not been; usual (n,) N·m: what a model
     that is kept as it was may leave though nothing changed; searched: more than one suspicion was
-    looked for."""
+    looked for; gains: by joint, such as sway and explain more than the map of it."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -208,6 +209,8 @@ def remaining(
             sentence="",
         )
         line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None, searched)
+        if gains and j in gains:
+            line = _with_gain(line, gains[j])
         if left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
@@ -359,6 +362,16 @@ def _with_sentence(
             "Record one motion twice: what comes again is no noise"
         )
     return Remaining(**{**vars(line), "sentence": f"{text}."})
+
+
+def _with_gain(line: Remaining, gain: Structure) -> Remaining:
+    """With what a reading would explain that is larger here and smaller there."""
+    where = "speed" if gain.variables[0].startswith("dq") else "angle"
+    text = (
+        f" Were the joint's torque read differently from {where} to {where}, {percent(gain.share)} "
+        "would be gone: look at how it is measured."
+    )
+    return replace(line, sentence=line.sentence + text)
 
 
 def _size(line: Remaining, unit: str) -> str:

@@ -91,6 +91,14 @@ def find_structure(state: SearchState) -> list[Structure]:
     return certain
 
 
+def swaying_gains(state: SearchState, maps: Sequence[Structure]) -> dict[int, Structure]:
+    """Joints of which a gain that sways explains more than the map that was found: by joint."""
+    shares = {m.joint: m.share for m in maps}
+    tried = all_maps(state, sorted(shares), swaying=True)
+    best = [max(gains, key=lambda m: m.share) for gains in tried]
+    return {m.joint: m for m in best if m.share > shares[m.joint]}
+
+
 def _best_maps(state: SearchState, joints: Iterable[int]) -> list[Structure]:
     found = [max(maps, key=lambda m: m.there) for maps in all_maps(state, joints)]
     return sorted(found, key=lambda m: -m.there)

@@ -12,9 +12,9 @@ STIFFNESS = 0.1, 1e7  # N·m/rad, N/m: a finger's tendon, a large robot's first 
 class JointElasticity(Effect):
     """The gear gives under load like a stiff spring. The link lags behind the motor, where the
     angle is measured, and can swing against it at a frequency of its own. K is the spring's
-    stiffness, zeta its damping (1 would let it creep back without swinging); a share near 1
-    confirms that the lag explains the error. Where a rigid model cannot tell rotor from link (axes
-    that are fixed), the spring can: rotor is the inertia on the motor's side."""
+    stiffness, zeta its damping at the median of the link's inertia over the joint's range; a share
+    near 1 confirms that the lag explains the error. Where a rigid model cannot tell rotor from link
+    (axes that are fixed), the spring can: rotor is the inertia on the motor's side."""
 
     id = "joint_elasticity"
     title = "Joint elasticity"

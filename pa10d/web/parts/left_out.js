@@ -4,6 +4,8 @@ import { patch } from "../base/api.js";
 import { loadRuns, state } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 
+const SAME = 1e-3; // s: what was sent comes back rounded
+
 /** span(): what is zoomed to; runs(): ids of those that are seen; then `changed()`. */
 export function leftOut(span, runs, changed) {
   const box = el("div", { class: "row" });
@@ -15,8 +17,10 @@ export function leftOut(span, runs, changed) {
   };
   const refresh = () => {
     const seen = runs().map(of).filter(Boolean), stretch = span();
-    const leave = el("button", { type: "button", class: "small", disabled: !stretch || !seen.length, title: stretch ? "" : "zoom to the stretch first", onclick: guarded("It could not be left out.", async () => {
-      for (const run of seen) await keep(run.id, [...run.excluded, [Math.max(0, stretch[0]), Math.min(run.duration, stretch[1])]]);
+    const within = (run) => [Math.max(0, stretch[0]), Math.min(run.duration, stretch[1])];
+    const gone = Boolean(stretch) && seen.every((run) => run.excluded.some(([begin, end]) => begin <= within(run)[0] + SAME && end >= within(run)[1] - SAME));
+    const leave = el("button", { type: "button", class: "small", disabled: !stretch || !seen.length || gone, title: !stretch ? "zoom to the stretch first" : gone ? "it is left out already" : "", onclick: guarded("It could not be left out.", async () => {
+      for (const run of seen) await keep(run.id, [...run.excluded, within(run)]);
       notice("Left out of every fit and judgement from now on.", { detail: "Models that were fitted before stay as they are." });
     }) }, "Leave this stretch out of fits");
     fill(box, leave, seen.flatMap((run) => run.excluded.map(([begin, end], k) => el("span", { class: "tag" }, `${run.name}: ${begin.toFixed(2)} to ${end.toFixed(2)} s left out `,
