@@ -115,6 +115,9 @@ BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size 
 BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated arms reaches 7
 MATERIAL_GAIN = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
 MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
+AS_WELL = (
+    1.2  # the same of a gain that sways: findings that leave more may stand in for it (policy)
+)
 OUTDONE = 2.5  # times the squared error of a map: findings that leave more are imitations
 SLOPES = (0.5, 1.8)  # held-out slope of a real effect; shapes and loads are refined after adding
 SAME_DIRECTION = 0.8  # cosine of two predicted changes above which they are rivals

@@ -129,7 +129,7 @@ def diagnose(
             beyond(state),
             state.usual,
             only is None,
-            swaying_gains(state, maps),
+            {**search.rival_gains, **swaying_gains(state, maps)},
         ),
         model=versions[-1],
         versions=versions,

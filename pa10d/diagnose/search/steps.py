@@ -11,6 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
+    AS_WELL,
     LEAST_GAIN,
     LEAST_STEPS,
     MATERIAL_GAIN,
@@ -28,7 +29,7 @@ from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_springs
 from pa10d.diagnose.search.timing import align, late_joints
-from pa10d.diagnose.unknown.structure import all_maps
+from pa10d.diagnose.unknown.structure import Structure, all_maps
 from pa10d.effects import Effect
 from pa10d.model import Term
 
@@ -53,6 +54,7 @@ class Search:
     suspects: Suspects
     fixed: int
     steps: list[Addition] = field(default_factory=list)
+    rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
@@ -228,8 +230,15 @@ class Search:
             return []
         bare = self.state.bare(self.fixed)
         now = self.state.held_residual()
-        tried = chain(all_maps(bare, concerned), all_maps(bare, concerned, swaying=True))
+        gains = list(all_maps(bare, concerned, swaying=True))
+        tried = chain(all_maps(bare, concerned), gains)
         outdone = [maps[0].joint for maps in tried if any(m.outdoes(now, OUTDONE) for m in maps)]
+        self.rival_gains = {
+            m.joint: m
+            for maps in gains
+            for m in maps
+            if m.joint not in outdone and m.outdoes(now, AS_WELL)
+        }
         for index in reversed(range(self.fixed, len(self.state.terms))):
             if any(j in outdone for j in self.state.terms[index].joints):
                 self.state.drop(index)

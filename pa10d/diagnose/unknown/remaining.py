@@ -187,7 +187,7 @@ def remaining(
     uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
     side its error lies, if that is where the fit side has not been; usual (n,) N·m: what a model
     that is kept as it was may leave though nothing changed; searched: more than one suspicion was
-    looked for; gains: by joint, such as sway and explain more than the map of it."""
+    looked for; gains: by joint, such as sway and explain more than its map or findings do."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -210,7 +210,7 @@ def remaining(
         )
         line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None, searched)
         if gains and j in gains:
-            line = _with_gain(line, gains[j])
+            line = _with_gain(line, gains[j], any(j in t.joints for t in found))
         if left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
@@ -364,12 +364,18 @@ def _with_sentence(
     return Remaining(**{**vars(line), "sentence": f"{text}."})
 
 
-def _with_gain(line: Remaining, gain: Structure) -> Remaining:
-    """With what a reading would explain that is larger here and smaller there."""
+def _with_gain(line: Remaining, gain: Structure, found: bool) -> Remaining:
+    """With what a reading would explain that is larger here and smaller there; found: beside
+    findings on the joint, which leave more than that alone would."""
     where = "speed" if gain.variables[0].startswith("dq") else "angle"
+    gone = (
+        "that alone would leave less than what was found there"
+        if found
+        else f"{percent(gain.share)} would be gone"
+    )
     text = (
-        f" Were the joint's torque read differently from {where} to {where}, {percent(gain.share)} "
-        "would be gone: look at how it is measured."
+        f" Were the joint's torque read differently from {where} to {where}, {gone}: look at how "
+        "it is measured."
     )
     return replace(line, sentence=line.sentence + text)
 
