@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 
 ROUNDS = 4
 SETTLED_SHARE = 0.1  # standard errors: a step below this is the last
+NEAREST = 1e-4  # s of a second look: closer, rounding decides
 LEAST_HEARD = 0.2  # of a delay: below that, noise is nearly all that the slope shows
 CORRELATED = 6.0  # decimated samples that are worth one independent one, residuals being coloured
 SIGNIFICANT = 4.0  # standard errors
@@ -118,8 +119,9 @@ def _iterated(
     """The shift that leaves none; band: part of the cut-off that is heard; far: part of a joint's
     range that it has come since it turned; least: standard errors that make it worth more rounds.
 
-    A shift of several samples is not a first-order change, and a measured slope has noise of its
-    own, so that only part of a delay is heard: how much shows by a second look, at another shift.
+    A shift of several samples is not a first-order change, and the slope of the model's torque has
+    noise of its own, its encoders', so that only part of a delay is heard: how much shows by a
+    second look, at another shift.
     """
 
     def look(shift: float) -> Shift:
@@ -131,7 +133,8 @@ def _iterated(
     found = look(0.0)
     if not np.isfinite(found.std_error):
         return found
-    at = max(abs(found.estimate), found.std_error) * (-1.0 if found.estimate < 0.0 else 1.0)
+    aside = min(max(abs(found.estimate), found.std_error, NEAREST), FARTHEST)
+    at = -aside if found.estimate < 0.0 else aside
     left = look(at)
     heard = min((found.estimate - left.estimate) / at, 1.0)
     if heard < LEAST_HEARD:
