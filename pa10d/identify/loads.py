@@ -14,6 +14,7 @@ from pa10d.identify.smoothing import find_smoothing, with_smoothing
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout, textbook
 
+AT_HOME = 12  # rounds in which a law that swings about its answer comes near enough
 ROUNDS = 2  # the first takes off what a textbook fit had wrong for want of these terms
 
 
@@ -40,7 +41,15 @@ def look_through_textbook(pieces: Pieces, layout: Layout) -> None:
         pieces.look_through(first_model(pieces, plain))
 
 
-def look_through_all(pieces: Pieces, layout: Layout) -> None:
-    """Shapes, smoothing and timing are found: let loads and torques be those of all terms."""
-    for _ in range(ROUNDS if layout.follows_model else 0):
-        pieces.look_through(first_model(pieces, layout))
+def look_through_all(pieces: Pieces, layout: Layout) -> Layout:
+    """Shapes, smoothing and timing are found: let loads and torques be those of all terms, and
+    secants of nonlinear laws those of their own answer; the layout with them."""
+    for number in range(AT_HOME if layout.follows_model else 0):
+        model = first_model(pieces, layout)
+        pieces.look_through(model)
+        shapes = [t.effect.relinearised(t.coefficients, t.shape) for t in model.terms]
+        moved = shapes != [t.shape for t in layout.terms]
+        layout = layout.with_shapes(dict(enumerate(shapes)))
+        if number + 1 >= ROUNDS and not moved:
+            break
+    return layout

@@ -104,7 +104,7 @@ def identify(
         layout, told = refined(layout, pieces)
         smoothing, layout = sharpened(pieces, layout)
     say(0.6, "least squares")
-    look_through_all(pieces, layout)
+    layout = look_through_all(pieces, layout)
     fitted = robust_fit if options.robust else weighted_fit
     problem = LinearProblem(layout, sigma=trust(pieces, layout))
     pieces.without_stands()

@@ -28,6 +28,7 @@ Errors = dict[int, dict[str, float]]
 
 EVALUATIONS = 30  # of the torque beside its derivatives
 STARTS = 4  # from where it is sought: a bump and a sign that hold each other back end elsewhere
+CLEAR = 16.0  # squared error, in units of one independent sample, that tells a wave from a bump
 SURE = 1e-9  # of the largest singular value, from which on a direction is one
 
 
@@ -82,12 +83,12 @@ class _Equation:
         bounds = [(s.lower, s.upper) if k == 0 else self._signs for k, s in free]
         log = np.array([s.scale == "log" or k > 0 for k, s in free])
 
-        def shaped(x: Array) -> list[Term]:
+        def shaped(begun: list[Term], x: Array) -> list[Term]:
             values = np.where(log, np.exp(np.where(log, x, 0.0)), x)
-            shapes = [dict(t.shape) for t in self._terms]
+            shapes = [dict(t.shape) for t in begun]
             for (k, s), value in zip(free, values, strict=True):
                 shapes[k][s.name] = float(value)
-            return [replace(t, shape=shape) for t, shape in zip(self._terms, shapes, strict=True)]
+            return [replace(t, shape=shape) for t, shape in zip(begun, shapes, strict=True)]
 
         def on_scale(values: Sequence[float]) -> Array:
             given = np.asarray(values, dtype=np.float64)
@@ -99,7 +100,7 @@ class _Equation:
         def from_there(terms: list[Term]) -> scipy.optimize.OptimizeResult:
             start = on_scale([terms[k].shape[s.name] for k, s in free])
             return scipy.optimize.least_squares(
-                lambda x: self._left(shaped(x)),
+                lambda x: self._left(shaped(terms, x)),
                 np.clip(start, low + room, high - room),
                 bounds=(low, high),
                 x_scale=np.where(log, 1.0, np.maximum(np.abs(start), 1e-3)),
@@ -107,8 +108,12 @@ class _Equation:
                 max_nfev=EVALUATIONS,
             )
 
-        solved = min(map(from_there, self._starts()), key=lambda one: float(one.cost))
-        term = shaped(solved.x)[0]
+        ends = [(from_there(begun), begun) for begun in self._starts()]
+        solved, begun = min(ends, key=lambda end: float(end[0].cost))
+        enough = 0.5 * CLEAR * self._unit(solved.fun) + float(solved.cost)
+        near = [end for end in ends if float(end[0].cost) <= enough]
+        solved, begun = min(near, key=lambda end: (self._choices(end[1]), float(end[0].cost)))
+        term = shaped(begun, solved.x)[0]
         spread = self._spread(solved.jac, solved.fun)
         unit = np.where(log, np.exp(np.where(log, solved.x, 0.0)), 1.0)
         doubts = {
@@ -131,7 +136,16 @@ class _Equation:
             if shape.keys() == own.shape.keys()
         ]
         trials.sort(key=lambda terms: float(np.sum(self._left(terms) ** 2)))
-        return [self._terms, *trials[: STARTS - 1]]
+        best: dict[tuple[float, ...], list[Term]] = {}
+        for terms in trials:  # a bump or a wave: none is left out because others begin nearer
+            best.setdefault(self._choices(terms), terms)
+        others = [terms for terms in trials if not any(terms is b for b in best.values())]
+        return [self._terms, *best.values(), *others[: max(0, STARTS - 1 - len(best))]]
+
+    def _choices(self, terms: list[Term]) -> tuple[float, ...]:
+        """What is chosen of the told effect, the plainer first: a bump is 0, a wave 1."""
+        kinds = [s.name for s in terms[0].effect.shapes if s.scale == "choice"]
+        return tuple(terms[0].shape.get(name, 0.0) for name in kinds)
 
     def _left(self, terms: list[Term]) -> Array:
         found = [
