@@ -18,7 +18,7 @@ Trace = JsonObject
 MEASURED, MODEL, ERROR, NOISE, ALERT = "#8a97a6", "#e8842c", "#3d8fd6", "#2fa58a", "#d8475c"
 MANY_DECADES = 300.0  # ratio of values beyond which an axis has room for powers of ten only
 LEAST_SPAN = 3.0  # ratio that a logarithmic axis shows at least: half a decade
-JOINTS = ("#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c")
+JOINTS = ("#3d8fd6", "#e8842c", "#2fa58a", "#b8479c", "#9a6210", "#7747ff", "#8a97a6", "#d8475c")
 
 
 def packed(values: ArrayLike, precise: bool = False) -> dict[str, str]:

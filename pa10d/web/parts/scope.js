@@ -2,7 +2,7 @@
 // limits and what happened meanwhile.
 import { el, larger, say } from "../base/dom.js";
 
-export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#c46ab0", "#b5862a", "#7d72dd", "#8a97a6", "#d8475c"];
+export const COLOURS = ["#3d8fd6", "#e8842c", "#2fa58a", "#b8479c", "#9a6210", "#7747ff", "#8a97a6", "#d8475c"];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const LEFT = 58, RIGHT = 8, TOP = 8, BOTTOM = 20, MOST = 700; // px, points of a line
 const TICKS = [1, 2, 5, 10, 15, 20, 30], APART = 10; // s between marks of time; px between their words
