@@ -41,7 +41,7 @@ class Loop:
         arm.starved = self._clock.starved
         self._told: tuple[Any, ...] = ()
         self._ending = ""
-        self._stop = False
+        self._stop, self._signals = False, 0
         self._heard = time.monotonic()
         self._settle = round(SETTLE / arm.backend.period)
         self._unsettled = 0  # cycles to go until simulated time stands still
@@ -110,7 +110,7 @@ class Loop:
 
     def _listen(self) -> None:
         if self._stop:
-            self._stop = False
+            self._stop, self._signals = False, self._signals + 1
             self._arm.stop("stopped by a signal (SIGUSR1)")
         while (message := self._mailbox.take()) is not None:
             self._heard = time.monotonic()
@@ -142,17 +142,17 @@ class Loop:
 
     def _tell_changes(self) -> None:
         arm = self._arm
-        state = (arm.state, arm.fault, arm.path.controller)
+        state = (arm.state, arm.fault, arm.path.controller, self._signals)
         if state != self._told:
             self._told = state
             self._unsettled = self._settle
-            self._mailbox.tell(describe(arm).document())
+            self._mailbox.tell(describe(arm, self._signals).document())
         else:
             self._mailbox.flush()
 
 
-def describe(arm: Arm) -> ArmTold:
-    """What clients are told of its state."""
+def describe(arm: Arm, signals: int = 0) -> ArmTold:
+    """What clients are told of its state; signals: that told it to stop."""
     model = getattr(arm.path.controller, "model", None)
     return ArmTold(
         state=arm.state.label,
@@ -161,6 +161,7 @@ def describe(arm: Arm) -> ArmTold:
         model=None if model is None else model.name,
         warnings=tuple(_warnings(arm)),
         sequence=arm.journal.count,
+        signals=signals,
     )
 
 

@@ -13,7 +13,7 @@ from pa10d.control.faults import Fault
 @dataclass(frozen=True)
 class ArmTold:
     """controller: the law in force; model: its name; warnings: the backend's; sequence: of the
-    record at which it was so."""
+    record at which it was so; signals: how often this process was told to stop by one."""
 
     state: str = "offline"
     fault: Fault | None = None
@@ -21,6 +21,7 @@ class ArmTold:
     model: str | None = None
     warnings: tuple[str, ...] = ()
     sequence: int = 0
+    signals: int = 0
 
     def document(self) -> JsonObject:
         """The event."""
@@ -38,4 +39,5 @@ class ArmTold:
             model=event.get("model"),
             warnings=tuple(map(str, event["warnings"])),
             sequence=int(event.get("sequence", 0)),
+            signals=int(event.get("signals", 0)),
         )

@@ -16,7 +16,7 @@ from pa10d.common.words import listed
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.daemon.events import Events
 from pa10d.daemon.hanging import with_weight
-from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report
+from pa10d.daemon.jobs.jobs import Job, Jobs, Progress, Report, Work
 from pa10d.daemon.jobs.shelf import Shelf
 from pa10d.daemon.night import Night, Secret
 from pa10d.daemon.notify import notify, watchdog_period
@@ -330,8 +330,20 @@ class Daemon:
         live = await self.answer("live_model_of", model=model)
         await self.robot.law.use({"name": name, "model": live}, model)
 
+    def move(self, kind: str, request: JsonObject, work: Work) -> Job:
+        """Start a job of one of the ``MOVING`` kinds: a stop from now on ends it."""
+        began = self.robot.stops.count
+
+        async def heeding(report: Report) -> Any:
+            with self.robot.stops.heard_by(began):
+                return await work(report)
+
+        return self.jobs.start(kind, request, heeding)
+
     def stop(self) -> None:
-        """Rest, whoever asks; a running experiment ends as stopped."""
+        """Rest, whoever asks. A running experiment ends as stopped; what was about to move the arm
+        does not any more."""
+        self.robot.stops.ask()
         self.robot.stop()
 
 

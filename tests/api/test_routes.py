@@ -126,6 +126,33 @@ def test_only_one_client_commands_but_everybody_stops(arm):
     arm.wait_for_robot("inactive", timeout=BUSY)
 
 
+def test_a_stop_is_heard_by_what_has_not_moved_yet(arm):
+    runs = len(arm.runs())
+    job = arm.start("experiments", {"kind": "excitation", "parameters": {"cycles": 1}})
+    assert arm.stop()["state"] == "inactive"
+    with pytest.raises(JobFailed, match="stopped"):
+        arm.wait(job)
+    assert arm.job(job["id"])["status"] == "cancelled"
+    assert arm.robot()["state"] == "inactive"
+    assert len(arm.runs()) == runs
+
+
+def test_a_stop_between_two_motions_ends_the_series(arm):
+    brief = {"kind": "tracking", "parameters": {"cycles": 1}}
+    job = arm.start("experiments/series", {"experiments": [brief] * 3})
+    until = time.monotonic() + BUSY
+    while not arm.job(job["id"])["message"].startswith(("2 of", "3 of")):
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    arm.stop()
+    with pytest.raises(JobFailed, match="stopped"):
+        arm.wait(job)
+    assert arm.robot()["state"] == "inactive"
+    assert len(arm.job(job["id"])["result"]["runs"]) < 3
+    assert arm.enable()["state"] == "holding", "whoever asks after the stop is obeyed"
+    arm.disable()
+
+
 def test_lease_is_taken_and_given_back(arm):
     with Client(arm.url, name="another") as other:
         arm._ask("DELETE", "/api/v1/robot/lease")

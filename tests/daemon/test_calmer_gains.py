@@ -15,6 +15,7 @@ from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.daemon.motions import first_motion
+from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
 
@@ -29,6 +30,7 @@ class Robot:
     def __init__(self, swings):
         self.swings, self.fault, self.moving = swings, None, False
         self.used, self.resets, self.joints = [], 0, None
+        self.stops = Stops()
 
     def pose(self):
         return np.zeros(2)

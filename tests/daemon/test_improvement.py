@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from loops import run_apart
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.daemon.motions import improvement
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.experiments.outcome import Outcome
@@ -33,7 +33,7 @@ class PaperDaemon:
         return {"doubt": asked if arguments["tried"] is not None else None, "name": "new"}
 
 
-def improved(monkeypatch, daemon, request=REQUEST, refuses=(), stops=()):
+def improved(monkeypatch, daemon, request=REQUEST, refuses=(), stops=(), before=()):
     class Experiment:
         def __init__(self, daemon, request, report):
             self.request, self.moved = request, False
@@ -42,6 +42,8 @@ def improved(monkeypatch, daemon, request=REQUEST, refuses=(), stops=()):
             kind = self.request.kind
             if kind in refuses:
                 raise UserError("the pre-check refused the motion")
+            if kind in before:
+                raise Stopped("stopped: it does not move any more")
             self.moved = True
             if kind in stops:
                 raise UserError("run x: stopped")
@@ -86,6 +88,13 @@ def test_whoever_stops_the_arm_stops_the_improvement(monkeypatch):
     daemon = PaperDaemon(SWEEP, CHIRP)
     with pytest.raises(UserError, match="stopped"):
         improved(monkeypatch, daemon, stops=("velocity_sweep",))
+    assert len(daemon.looks) == 1
+
+
+def test_a_stop_before_the_first_motion_stops_it_too(monkeypatch):
+    daemon = PaperDaemon(SWEEP, CHIRP)
+    with pytest.raises(Stopped):
+        improved(monkeypatch, daemon, before=("velocity_sweep",))
     assert len(daemon.looks) == 1
 
 

@@ -9,18 +9,20 @@ from types import SimpleNamespace
 import pytest
 from known_joints import measured_joints
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.control.faults import Fault
 from pa10d.daemon.motions.experiment import TRIES, Experiment
+from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.request import MotionRequest
 
 FAST = Fault("velocity_limit", "moves at 2.1 rad/s, more than it may", axis=1)
 
 
-def tried(monkeypatch, faults, request, tmp_path):
-    """→ what each try was asked to be slower by, and the outcome or the error."""
+def tried(monkeypatch, faults, request, tmp_path, stopped_at=0):
+    """→ what each try was asked to be slower by, and the outcome or the error. stopped_at: the try
+    during which somebody presses stop."""
     law = SimpleNamespace(name="pid")
-    robot = SimpleNamespace(fault=None, joints=measured_joints(), law=law)
+    robot = SimpleNamespace(fault=None, joints=measured_joints(), law=law, stops=Stops())
     paces = []
 
     async def reset():
@@ -31,6 +33,8 @@ def tried(monkeypatch, faults, request, tmp_path):
         paces.append(pace)
         self.result.adjusted = {"pace": pace}
         self.result.runs.append(f"run{len(paces)}")
+        if len(paces) == stopped_at:
+            robot.stops.ask()
         if len(paces) <= len(faults):
             robot.fault = faults[len(paces) - 1]
             raise UserError("run x: aborted")
@@ -41,7 +45,8 @@ def tried(monkeypatch, faults, request, tmp_path):
     daemon = SimpleNamespace(robot=robot, runtime=tmp_path)
     experiment = Experiment(daemon, request, lambda *_: None)
     try:
-        return paces, asyncio.run(experiment.carry_out())
+        with robot.stops.heard_by(robot.stops.count):
+            return paces, asyncio.run(experiment.carry_out())
     except UserError as error:
         return paces, error
 
@@ -71,3 +76,10 @@ def test_three_tries_are_the_most(monkeypatch, tmp_path):
     paces, found = tried(monkeypatch, [FAST] * 9, MotionRequest("excitation"), tmp_path)
     assert len(paces) == TRIES
     assert isinstance(found, UserError)
+
+
+def test_what_somebody_has_stopped_is_not_tried_again(monkeypatch, tmp_path):
+    asked = MotionRequest("excitation")
+    paces, found = tried(monkeypatch, [FAST, FAST], asked, tmp_path, stopped_at=1)
+    assert paces == [1.0]
+    assert isinstance(found, Stopped)

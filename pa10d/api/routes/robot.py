@@ -43,7 +43,8 @@ async def enable(
     if request is not None and request.recover:
         if (busy := daemon.busy()) is not None:
             raise Problem("conflict", busy, remedy="wait for it, or cancel it")
-        await bring_inside(daemon)
+        with daemon.robot.stops.heard_by(daemon.robot.stops.count):
+            await bring_inside(daemon)
     else:
         await daemon.robot.enable()
     return describe(daemon)

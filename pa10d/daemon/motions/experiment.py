@@ -114,7 +114,10 @@ class Experiment:
         for _ in range(TRIES - 1):
             try:
                 return await self._once()
+            except Stopped:
+                raise
             except UserError:
+                self._robot.stops.refuse()
                 if not (await self._calmed() or await self._slowed()):
                     raise
         return await self._once()
@@ -187,8 +190,9 @@ class Experiment:
 
     async def _plan(self) -> None:
         self._report(0.0, "planning")
-        self.result.plan = await planned(
-            self._daemon.workers, self._request, self._where, part(self._report, 0.0, PLANNED)
+        told = part(self._report, 0.0, PLANNED)
+        self.result.plan = await self._robot.stops.unless(
+            planned(self._daemon.workers, self._request, self._where, told)
         )
 
     @property
@@ -199,7 +203,9 @@ class Experiment:
         """The way to the plan and the pre-check of both; nothing has moved yet."""
         self._report(PLANNED, "checking limits, torque and collisions")
         carried = carried_by(self._robot, self._request, self._figures, self._slower)
-        found = await prepare(self._daemon, self._where, carried, self._weight)
+        found = await self._robot.stops.unless(
+            prepare(self._daemon, self._where, carried, self._weight)
+        )
         self.result.checks = [*readiness(self._robot), *found.checks]
         if wrong := wrong_in(self.result.checks):
             raise UserError("the pre-check refused the motion: " + "; ".join(wrong[:3]))
@@ -210,6 +216,7 @@ class Experiment:
             self._report(CHECKED, "enabling the arm")
             await self._robot.enable()
         state = await self._robot.until("holding", "fault", timeout=5.0)
+        self._robot.stops.refuse()
         if state != "holding":
             raise UserError(f"the arm is {state}, expected holding{self._why()}")
         if np.abs(self._robot.pose() - prepared.start).max() > SHIFTED:

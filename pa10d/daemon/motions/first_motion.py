@@ -98,6 +98,7 @@ class FirstMotion:
             try:
                 found = await experiment.carry_out()
             except UserError as error:
+                self._robot.stops.refuse()
                 fault = self._robot.fault
                 if fault is None or fault.kind not in STILL:
                     raise

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.experiment import Experiment
@@ -53,7 +53,7 @@ def improvement_job(daemon: Daemon, request: ImprovementRequest) -> Job:
     async def work(report: Report) -> JsonObject:
         return await _improve(daemon, request, report)
 
-    return daemon.jobs.start("improvement", dict(vars(request)), work)
+    return daemon.move("improvement", dict(vars(request)), work)
 
 
 async def _improve(daemon: Daemon, request: ImprovementRequest, report: Report) -> JsonObject:
@@ -86,7 +86,7 @@ async def _settle(daemon: Daemon, plan: NextExperiment, report: Progress) -> Set
     try:
         found = await experiment.carry_out()
     except UserError as error:
-        if experiment.moved:
+        if experiment.moved or isinstance(error, Stopped):
             raise  # stopped by somebody, or a fault: not to be followed by more motion
         return Settled(plan, [], str(error))
     return Settled(plan, found.runs)

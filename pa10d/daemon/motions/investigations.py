@@ -41,7 +41,7 @@ def investigation_job(daemon: Daemon, state: Investigation, recover: bool = Fals
         return await _Carrier(daemon, state.id, report, recover).carry_out()
 
     kind = MOVES if state.moves else RECORDINGS
-    return daemon.jobs.start(kind, {"investigation": state.id, "name": state.name}, work)
+    return daemon.move(kind, {"investigation": state.id, "name": state.name}, work)
 
 
 class _Carrier:
@@ -107,7 +107,8 @@ class _Carrier:
         try:
             found = await experiment.carry_out()
         except UserError as error:
-            if experiment.moved or self._daemon.robot.state not in ABLE:
+            stopped = isinstance(error, Stopped)
+            if stopped or experiment.moved or self._daemon.robot.state not in ABLE:
                 raise
             course.left_out(step, str(error))
             return

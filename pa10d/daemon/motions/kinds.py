@@ -30,4 +30,4 @@ def experiment_job(daemon: Daemon, request: MotionRequest) -> Job:
         report.job.result = experiment.result
         return await experiment.carry_out()
 
-    return daemon.jobs.start("experiment", request.document(), work)
+    return daemon.move("experiment", request.document(), work)

@@ -27,7 +27,7 @@ def series_job(daemon: Daemon, requests: Sequence[MotionRequest]) -> Job:
             result.runs += experiment.result.runs
         return result
 
-    return daemon.jobs.start("series", {"experiments": [one.document() for one in requests]}, work)
+    return daemon.move("series", {"experiments": [one.document() for one in requests]}, work)
 
 
 def _named(report: Progress, request: MotionRequest, k: int, count: int) -> Progress:

@@ -31,7 +31,7 @@ def tracking_job(daemon: Daemon, request: TrackingRequest) -> Job:
             with contextlib.suppress(CommandRefused):
                 await robot.law.go_back_to(*before, robot.state)
 
-    return daemon.jobs.start("tracking", request.document(), work)
+    return daemon.move("tracking", request.document(), work)
 
 
 async def _track(daemon: Daemon, request: TrackingRequest, report: Report) -> JsonObject:

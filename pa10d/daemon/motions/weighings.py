@@ -45,4 +45,4 @@ def weighing_job(daemon: Daemon, state: Weighing, weight: int) -> Job:
             weighing=state.id, weight=weight, runs=found.runs,
         )  # fmt: skip
 
-    return daemon.jobs.start("weighing", {"weighing": state.id, "weight": weight}, work)
+    return daemon.move("weighing", {"weighing": state.id, "weight": weight}, work)

@@ -40,6 +40,7 @@ from pa10d.daemon.robot.refusals import (
     not_unpowered,
     still_in_fault,
 )
+from pa10d.daemon.robot.stops import MOVES, Stops
 from pa10d.dynamics import Robot
 from pa10d.profile import Gains, Profile
 
@@ -89,6 +90,7 @@ class RobotProcess:
         self._renewing = False  # control ends because it shall begin anew
         self._renewals = asyncio.Lock()  # what was wanted before one is no other's to remember
         self.bus_ready = asyncio.Event()  # nobody answers before that
+        self.stops = Stops()
         self.runs = AwaitedRuns()
 
     # -- life -------------------------------------------------------------------------------
@@ -200,7 +202,10 @@ class RobotProcess:
     # -- commands ---------------------------------------------------------------------------
 
     async def command(self, do: str, timeout: float = 15.0, **fields: Any) -> Message:
-        """Ask control; CommandRefused with its reasons."""
+        """Ask control; CommandRefused with its reasons. Stopped where this would power or move the
+        arm for a work that somebody has stopped."""
+        if do in MOVES:
+            self.stops.refuse()
         if self.control is None or self._renewing:
             raise CommandRefused(self._no_control(do))
         self._commanded += 1
@@ -429,6 +434,8 @@ class RobotProcess:
             self.runs.closed(info)
             return
         before, self._told = self._told, ArmTold.from_document(message)
+        if self._told.signals > before.signals:
+            self.stops.ask()
         fault = self._told.fault
         if fault is not None and fault != before.fault:
             keep_fault(self._data, fault, self.ring, self.robot.joint_names)
