@@ -177,13 +177,11 @@ def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     import numpy as np
 
-    from pa10d.diagnose.outcome.words import nothing, unexplained
+    from pa10d.diagnose.outcome.words import none_found, unexplained
 
     n = len(found.rms)
     says = {
-        "none": nothing(
-            found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
-        ),
+        "none": none_found(found),
         "unknown": f"{unexplained(found)}.",
         "missing": "Missing:" if not found.frozen else "Changed:",
     }

@@ -18,15 +18,16 @@ much of the torque, it poses as the channel's. So only as much of the band is he
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
+from pa10d.identify.jackknife import Blocks, blocks_of, moved_by_stretches, whole, without_each
 from pa10d.identify.loads import first_model
 from pa10d.identify.piece import Piece
-from pa10d.identify.rows import Rows, rows_of, triangles_of
+from pa10d.identify.rows import Rows, rows_of
 from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
 from pa10d.model import TorqueModel
@@ -56,6 +57,8 @@ class Shift:
 
     estimate, std_error: what the joints say together; joints (n,) what each says, s
     slow: what all parts of the motion say together where fast ones say otherwise, else nan
+    noise: what noise alone makes of the standard error; without (stretches,): the estimate from
+    all stretches of the data but one
     """
 
     seconds: float
@@ -63,6 +66,8 @@ class Shift:
     std_error: float
     joints: Array
     slow: float = np.nan
+    noise: float = np.inf
+    without: Array = field(default_factory=lambda: np.empty(0), repr=False)
 
     def later(self, rest: Shift) -> Shift:
         """With what was found beyond it, by columns that have passed what the torque has."""
@@ -97,15 +102,25 @@ def _likely(found: Shift) -> bool:
 
 def _near_or_far(pieces: Pieces, layout: Layout, band: float) -> Shift:
     """Friction that builds up over a way bends what is seen near reversals, but most of what a
-    short run knows may stand there: the sharper one of two estimates, the far one if they differ
-    (by less than is asked for elsewhere, since much of what they hear is the same)."""
+    short run knows may stand there: the sharper one of two estimates, the far one if they
+    differ."""
     near, far = (_iterated(pieces, layout, band, way, least=LIKELY) for way in (0.0, FAR))
-    return near if near.std_error < far.std_error and not _differ(near, far, LIKELY) else far
+    return near if near.std_error < far.std_error and not _drawn(near, far) else far
 
 
-def _differ(one: Shift, other: Shift, by: float = AGREE) -> bool:
+def _drawn(near: Shift, far: Shift) -> bool:
+    """Is the sharper one drawn away from the other? Much of what both hear is the same: what their
+    difference may be by chance is less than both their errors together (Hausman, again), and how
+    it differs from stretch to stretch."""
+    chance = np.sqrt(max(far.noise**2 - near.noise**2, 0.0))
+    if len(near.without) == len(far.without):
+        chance = max(chance, moved_by_stretches(near.without - far.without))
+    return bool(abs(near.estimate - far.estimate) > LIKELY * chance)
+
+
+def _differ(one: Shift, other: Shift) -> bool:
     doubt = np.hypot(one.std_error, other.std_error)
-    return bool(abs(one.estimate - other.estimate) > by * doubt)
+    return bool(abs(one.estimate - other.estimate) > AGREE * doubt)
 
 
 def _iterated(
@@ -121,21 +136,25 @@ def _iterated(
 
     A shift of several samples is not a first-order change, and the slope of the model's torque has
     noise of its own, its encoders', so that only part of a delay is heard: how much shows by a
-    second look, at another shift.
+    second look, at another shift. What bends it differs from stretch to stretch.
     """
 
-    def look(shift: float) -> Shift:
+    def stretches(shift: float) -> Blocks:
         shifted = (piece.shifted(shift) for piece in pieces.some())
         rows = (seen(_within(_with_slope(p, layout, model, far), p, band, far)) for p in shifted)
-        return _shift_left(triangles_of(rows), layout, band)
+        return blocks_of(rows, len(pieces))
+
+    def look(blocks: Blocks) -> Shift:
+        return _shift_left(whole(blocks), layout, band)
 
     model = first_model(pieces, layout)
-    found = look(0.0)
+    found = look(stretches(0.0))
     if not np.isfinite(found.std_error):
         return found
     aside = min(max(abs(found.estimate), found.std_error, NEAREST), FARTHEST)
     at = -aside if found.estimate < 0.0 else aside
-    left = look(at)
+    seen_at = stretches(at)
+    left = look(seen_at)
     heard = min((found.estimate - left.estimate) / at, 1.0)
     if heard < LEAST_HEARD:
         return replace(found, std_error=np.inf)
@@ -146,8 +165,17 @@ def _iterated(
         if abs(total) < least * error or abs(total) > FARTHEST or step < SETTLED_SHARE * error:
             break
         at = total
-        left = look(at)
-    return Shift(total, total, error, joints)
+        seen_at = stretches(at)
+        left = look(seen_at)
+    rest = without_each(seen_at, lambda some: _estimate(some, layout, band))
+    without = at + rest / heard
+    moved = max(error, moved_by_stretches(without))
+    return Shift(total, total, moved, joints, noise=error, without=without)
+
+
+def _estimate(triangles: list[Triangle], layout: Layout, band: float) -> float:
+    found = _shift_left(triangles, layout, band)
+    return found.estimate if np.isfinite(found.std_error) else np.nan
 
 
 def _with_slope(piece: Piece, layout: Layout, model: TorqueModel, far: float) -> Rows:

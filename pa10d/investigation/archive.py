@@ -53,7 +53,7 @@ class Archive:
         return [one for one in self._look() if isinstance(one, SetAside)]
 
     def find(self, wanted: str) -> Investigation:
-        """By exact name, id, or unique start of an id."""
+        """By id, exact name, or unique start of an id."""
         for broken in self.set_aside():
             if wanted and broken.id.startswith(wanted):
                 raise UserError(broken.reason)

@@ -6,6 +6,7 @@ triangular factor of an orthogonal reduction loses none, and needs no more memor
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +59,16 @@ class Triangle:
         kept.r, kept.rows = np.delete(self.r, columns, axis=1), self.rows
         kept.sums = np.delete(self.sums, columns)
         return kept
+
+    @staticmethod
+    def joined(parts: Sequence[Triangle]) -> Triangle:
+        """Of all rows that the parts have seen."""
+        whole = Triangle(parts[0].width)
+        for part in parts:
+            rows, sums = whole.rows + part.rows, whole.sums + part.sums
+            whole.add(part.r)
+            whole.rows, whole.sums = rows, sums
+        return whole
 
     def squares(self, x: Array) -> float:
         """Sum of squares of rows · x."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
-from pa10d.diagnose.outcome.words import nothing, unexplained
+from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.remaining import Unexplained
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
@@ -44,9 +44,7 @@ def doubt_words(found: Diagnosis) -> str:
 def answer(found: Diagnosis) -> str:
     """The verdict alone."""
     if found.verdict == "none":
-        return nothing(
-            found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
-        )
+        return none_found(found)
     if found.verdict == "unknown":
         places = listed([structure_words(s) for s in found.unexplained])
         return f"{unexplained(found)}: {places}."

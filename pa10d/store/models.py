@@ -45,7 +45,7 @@ class ModelStore:
         return list(self._scan(SetAside))
 
     def find(self, wanted: str) -> ModelInfo:
-        """By exact name, id, or unique start of an id; a broken file says so under its name."""
+        """By id, exact name, or unique start of an id; a broken file says so under its name."""
         broken = self.set_aside()
         for bad in broken:
             if wanted in (bad.name, bad.id) and not self._readable(wanted):

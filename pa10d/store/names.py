@@ -56,8 +56,9 @@ def free_name(wanted: str, taken: Collection[str]) -> str:
 
 
 def resolve(wanted: str, items: Sequence[Item], kind: str) -> Item:
-    """The item with this exact name, else this id, else this unique start of an id."""
-    for key in ("name", "id"):
+    """The item with this id, else this exact name, else this unique start of an id. The id first:
+    who writes a whole one, as the page does, means no other item that somebody named so."""
+    for key in ("id", "name"):
         same = [item for item in items if getattr(item, key) == wanted]
         if same:
             return max(same, key=lambda item: item.id)

@@ -45,7 +45,7 @@ class RunStore:
         return [found for found in self._scan() if isinstance(found, SetAside)]
 
     def find(self, wanted: str) -> RunInfo:
-        """By exact name, id, or unique start of an id; what is set aside says so under its id."""
+        """By id, exact name, or unique start of an id; what is set aside says so under its id."""
         try:
             return resolve(wanted, self.all(), "run")
         except UserError:

@@ -137,6 +137,14 @@ def test_a_stop_is_heard_by_what_has_not_moved_yet(arm):
     assert len(arm.runs()) == runs
 
 
+def test_a_job_does_not_power_an_arm_that_was_disabled_meanwhile(arm):
+    job = arm.start("experiments", {"kind": "excitation", "parameters": {"cycles": 1}})
+    assert arm.disable()["state"] == "inactive"
+    with pytest.raises(JobFailed, match="stopped"):
+        arm.wait(job)
+    assert arm.robot()["state"] == "inactive"
+
+
 def test_a_stop_between_two_motions_ends_the_series(arm):
     brief = {"kind": "tracking", "parameters": {"cycles": 1}}
     job = arm.start("experiments/series", {"experiments": [brief] * 3})

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pa10d.diagnose.outcome.words import nothing, sentence
+from pa10d.diagnose.outcome.words import none_found, nothing, sentence
 from pa10d.diagnose.procedure import sized
 from pa10d.effects import Value
 from pa10d.model import Term
@@ -73,3 +73,10 @@ def test_coefficients_are_told_from_zero_together(values, covariance, expected):
         covariance=np.array(covariance),
     )
     assert sized(model, 0) is expected
+
+
+def test_one_suspicion_that_is_not_confirmed_says_nothing_of_others():
+    found = SimpleNamespace(only="a torque offset")
+    assert none_found(found) == (
+        "This data does not show a torque offset; nothing else was looked for."
+    )

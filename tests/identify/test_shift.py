@@ -116,10 +116,30 @@ def test_a_saturation_hardly_poses_as_a_delay(seed):
 
 @pytest.mark.parametrize("seed", [1, 3])
 def test_a_delay_beside_what_the_model_lacks_is_taken(seed):
-    """The saturation alone would pose as 3 to 5 ms; fast parts do not contradict that."""
+    """The saturation alone would pose as 3 to 6 ms; fast parts do not contradict that."""
     run = late(pendulum(seed, 1.25e-4), 8e-3)
     model = identify([run], robot_from_urdf(URDF), name="m", cutoff=10.0)
-    assert model.shift == pytest.approx(8e-3, abs=5e-3)
+    assert model.shift == pytest.approx(8e-3, abs=7e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_one_stretch_alone_asks_for_is_no_delay(seed):
+    """Noise knows all of it to 0.1 to 0.3 ms; without that stretch there is none."""
+    run = pendulum(seed)
+    tau = run.tau.copy()
+    tau[: len(tau) // 6] = late(run, 15e-3).tau[: len(tau) // 6]
+    model = identify([replace(run, tau=tau)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    told = model.notes.shift
+    assert model.shift == 0.0
+    assert abs(told.estimate_s) < 2.0 * told.std_error_s
+
+
+@pytest.mark.parametrize("seconds", [0.0, 4e-3])
+def test_a_delay_of_all_stretches_is_known_as_well_as_before(seconds):
+    model = identify([late(pendulum(1), seconds)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    told = model.notes.shift
+    assert abs(told.estimate_s - seconds) < 3.0 * told.std_error_s
+    assert told.std_error_s < 0.6e-3
 
 
 def test_a_low_pass_of_the_torque_is_a_delay():

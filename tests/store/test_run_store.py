@@ -41,7 +41,7 @@ def test_a_name_comes_before_an_id_and_an_id_before_its_start():
         return RunInfo(run_id, name, "", "", ())
 
     runs = [run("1-a", "one"), run("1-ab", "1-a"), run("2-x", "2"), run("3-y", "three")]
-    assert resolve("1-a", runs, "run").id == "1-ab"
+    assert resolve("1-a", runs, "run").id == "1-a", "another's name does not stand before an id"
     assert resolve("1-ab", runs, "run").id == "1-ab"
     assert resolve("2", runs, "run").id == "2-x"
     assert resolve("3", runs, "run").name == "three"

@@ -52,7 +52,8 @@ async def enable(
 
 @router.post("/disable", responses=COMMAND)
 async def disable(daemon: TheDaemon, _client: Commander) -> RobotState:
-    """Bring the arm to rest, brakes on, power off."""
+    """Bring the arm to rest, brakes on, power off. No job that runs powers it again."""
+    daemon.robot.stops.ask()
     await daemon.robot.disable()
     return describe(daemon)
 

@@ -57,7 +57,7 @@ async def list_runs(
 
 @router.get("/{run}", response_model=Run, responses=responses("not-found"))
 async def show_run(daemon: TheDaemon, run: str) -> JsonObject:
-    """By exact name, id, or unique start of an id."""
+    """By id, exact name, or unique start of an id."""
     return (await find_run(daemon, run)).document()
 
 

@@ -88,7 +88,8 @@ async def prepare(
 
 
 class Experiment:
-    """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check."""
+    """One request carried out; ``result`` grows as it goes; ``moved``: past the pre-check,
+    powered or about to be."""
 
     def __init__(
         self,
@@ -176,6 +177,7 @@ class Experiment:
                 await bring_inside(self._daemon)
             await self._plan()
             prepared = await self._prepare()
+            self.moved = True
             prepared = await self._power_up(prepared)
             await self._use_controller(prepared)
             await self._move(prepared)
@@ -231,7 +233,6 @@ class Experiment:
             await self._robot.law.use({"name": name, "model": prepared.live}, self._request.model)
 
     async def _move(self, prepared: Prepared) -> None:
-        self.moved = True
         self.result.adjusted, total = prepared.adjusted, prepared.seconds
         self.result.seconds, before = total, 0.0
         for k, motion in enumerate(prepared.motions):

@@ -168,6 +168,15 @@ def _place(term: Term) -> str:
     return f"Joint{'s' if len(term.joints) > 1 else ''} {joints}" if joints else "The arm"
 
 
+def none_found(found: Diagnosis) -> str:
+    """The verdict where nothing was found; of one suspicion it says nothing of all others."""
+    if found.only:
+        return f"This data does not show {found.only}; nothing else was looked for."
+    return nothing(
+        found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
+    )
+
+
 def unexplained(found: Diagnosis) -> str:
     """What to say where something is left that was not found, without its end."""
     if found.only:

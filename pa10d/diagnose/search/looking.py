@@ -1,6 +1,13 @@
-"""What a model may lack: all suspects scanned, the strongest of every joint judged."""
+"""What a model may lack: all suspects scanned, the strongest of every joint judged.
+
+Several of a joint's strongest may be one direction by several names (an offset, an asymmetry, a
+spring, a contact), and none of them hold on the held-out side; what does may come behind them. So
+whoever finds none good asks for the next ones.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Container, Iterator
 
 import numpy as np
 
@@ -15,28 +22,49 @@ from pa10d.diagnose.evidence.errors_of import ModelUncertainties
 from pa10d.diagnose.evidence.held_out import rivalry
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
-from pa10d.diagnose.search.judging import JudgedCandidate, Judging, seen_change
+from pa10d.diagnose.search.judging import (
+    JudgedCandidate,
+    Judging,
+    Place,
+    Suspects,
+    seen_change,
+)
 
 
-def look(judging: Judging) -> list[JudgedCandidate]:
-    """Scan all suspects and judge the shortlist on the held-out side."""
+def look(
+    judging: Judging, refused: Container[Place] = ()
+) -> tuple[list[JudgedCandidate], list[JudgedCandidate]]:
+    """Scan all suspects and judge shortlists on the held-out side until one holds, but for what is
+    refused → those that hold, and all that were judged."""
+    judged: list[JudgedCandidate] = []
+    for found in _shortlists(scan(judging.state, _open(judging))):
+        judged += _judged(judging, found, len(judged) + len(found))
+        if good := [j for j in judged if j.acceptable and j.place not in refused]:
+            return good, judged
+    return [], judged
+
+
+def _open(judging: Judging) -> Suspects:
     state = judging.state
     # of a model that stays as it is, what it has already may have changed
     first = judging.fixed if state.frozen else 0
     present = {(t.effect_id, t.joints) for t in state.terms[first:]}
-    open_suspects = [
+    return [
         (e, joints)
         for e, joints in judging.suspects
         if (e.id, joints) not in present or e.repeatable
     ]
-    found = _shortlist(scan(state, open_suspects))
+
+
+def _judged(judging: Judging, found: list[Candidate], among: int) -> list[JudgedCandidate]:
+    state = judging.state
     sharp = sharpened(state, found)
     columns = [state.train.columns(c.effect, c.joints, [c.shape]) for c in sharp]
     seen = [seen_change(state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
     own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
     doubts = ModelUncertainties.of(state, own)
     return [
-        judging.candidate(c, len(found), s, doubts.beside(o))
+        judging.candidate(c, among, s, doubts.beside(o))
         for c, s, o in zip(sharp, seen, own, strict=True)
     ]
 
@@ -49,6 +77,14 @@ def prefer(
     tied = [j for j in judged if j is best or _tied(state, best, j)]
     chosen = min((j for j in tied if j in good), key=lambda j: (j.complexity, -j.gain))
     return chosen, [j for j in tied if j.place != chosen.place]
+
+
+def _shortlists(found: list[Candidate]) -> Iterator[list[Candidate]]:
+    """One after the other, until the fit side speaks for none that is left."""
+    while first := _shortlist(found):
+        yield first
+        taken = {id(c) for c in first}
+        found = [c for c in found if id(c) not in taken]
 
 
 def _shortlist(found: list[Candidate]) -> list[Candidate]:

@@ -98,8 +98,7 @@ class Search:
         added = 0
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
-            judged = look(self._judging(self.suspects))
-            good = [j for j in judged if j.acceptable and j.place not in refused | put_off]
+            good, judged = look(self._judging(self.suspects), refused | put_off)
             before = rms(self.state.held_residual())
             spring = self.spring_beside(good)
             if spring is not None:
@@ -173,7 +172,7 @@ class Search:
         friction that is higher at low speed, and builds up over a way. Add the best other effect of
         the same joint, if with both nothing is worse than before; says what became redundant."""
         there = [(e, joints) for e, joints in self.suspects if joints == chosen.candidate.joints]
-        good = [j for j in look(self._judging(there)) if j.acceptable]
+        good, _ = look(self._judging(there))
         if not good:
             return None
         best = max(good, key=lambda j: j.gain)
