@@ -89,9 +89,26 @@
   function heard(told) {
     const { state, offline_reason: why } = told;
     if (hangs(told)) unanswered(told.quiet);
-    else if (AT_REST[state]) say(`Stop was heard. ${AT_REST[state]}`, "heard");
+    else if (AT_REST[state]) {
+      say(`Stop was heard. ${AT_REST[state]}`, "heard");
+      standBy(turn, state);
+    }
     else if (state === "offline") say(`Stop was heard, but no drive answers${why ? ` (${why})` : ""}. If the arm moves: ${EMERGENCY.toLowerCase()}`, "bad");
     else say(`Stop was heard, but the arm is still ${state}. ${EMERGENCY}`, "bad");
+  }
+
+  /** What it says holds for as long as it stands there: somebody may move the arm again. */
+  async function standBy(mine, state) {
+    while (true) {
+      await new Promise((done) => setTimeout(done, LOOK));
+      if (mine !== turn || said.hidden) return;
+      const told = await ask("GET", "").catch(() => null);
+      if (mine !== turn || said.hidden) return;
+      if (told?.state === state) continue;
+      if (told && AT_REST[told.state]) heard(told);
+      else said.hidden = true;
+      return;
+    }
   }
 
   button.form.addEventListener("submit", (event) => { event.preventDefault(); stop(); });

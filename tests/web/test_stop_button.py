@@ -193,3 +193,19 @@ def test_the_page_is_there_at_once_on_a_slow_link(archive, visit):
     page.click("#stop")  # with or without its script
     page.get_by_text("Stop was heard").first.wait_for()
     assert time.monotonic() - began < 15.0  # 2 s on a quiet machine
+
+
+def test_what_it_says_stands_there_no_longer_than_it_holds(archive, visit):
+    url, _ = archive
+    page, now = visit(url).page, {"state": "holding", "quiet": 0}
+    page.goto(url)
+    page.route("**/api/v1/robot/stop", lambda route: route.fulfill(json=now))
+    page.route("**/api/v1/robot", lambda route: route.fulfill(json=now))
+    page.click("#stop")
+    page.get_by_text("The arm stands still and is held").wait_for()
+    page.wait_for_timeout(1000)
+    assert page.locator("#stop-said").is_visible()
+    now["state"] = "inactive"
+    page.get_by_text("The arm stands still, unpowered").wait_for()
+    now["state"] = "running"
+    page.locator("#stop-said").wait_for(state="hidden", timeout=4000)
