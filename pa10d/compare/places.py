@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,15 +66,17 @@ def places(
     floor: Array | None = None,
     level: float = LEVEL,
     judged: Scores | None = None,
+    joints: Collection[int] | None = None,
 ) -> list[Place]:
     """Ranked: what carries most squared error beyond its share first. floor: (n,) N·m noise;
-    judged: joints that by this judgement keep no more than noise fail nowhere."""
+    judged: joints that by this judgement keep no more than noise fail nowhere; joints: of these
+    alone, as if all had been looked at."""
     found: list[Place] = []
     of_run = {run: Values(run) for run in runs}
     warm = any(run.seen.temperature is not None for run in runs)
     limit = None if floor is None else MATERIAL * floor
     kinds = 3  # constants, curves and regions are each looked for
-    for joint in range(robot.n):
+    for joint in range(robot.n) if joints is None else joints:
         if limit is not None and judged is not None and judged.rms[joint] <= limit[joint]:
             continue
         samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
+from pa10d.compare.places import places
 from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, SIZED_LEVEL, USUAL
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
@@ -18,7 +19,8 @@ from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import Candidate, places, suspects
+from pa10d.diagnose.search.candidates import Candidate, suspects
+from pa10d.diagnose.search.candidates import places as places_of
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
 from pa10d.diagnose.search.simpler import simpler_inside
@@ -30,11 +32,12 @@ from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
     doubtful,
+    in_places,
     material,
     remaining,
     unnamed,
 )
-from pa10d.diagnose.unknown.structure import Structure, find_structure, swaying_gains
+from pa10d.diagnose.unknown.structure import find_structure, swaying_gains
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
 from pa10d.judgement.scores import scores
@@ -103,6 +106,10 @@ def diagnose(
         *more,
         *unnamed(left, again, [*maps, *more], doubt, only is None, turning(seen), reversing(seen)),
     )
+    if only is None:
+        silent = [j for j in _unsaid(left, unexplained) if np.isfinite(left.ratio[j])]
+        stands_out = places(seen, model.robot, joints=silent)
+        unexplained += tuple(in_places(left, stands_out, unexplained, doubt))
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
@@ -213,7 +220,7 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
         if not 0 <= j < n:
             raise UserError(f"joint {j + 1}: expected 1 to {n}")
     if kind.scope == "robot" or not joints:
-        return [(kind, place) for place in places(kind, n)]
+        return [(kind, place) for place in places_of(kind, n)]
     if kind.scope == "pair":
         if len(joints) != 2 or joints[0] == joints[1]:
             raise UserError(f"{kind.id}: acts on a pair, expected two different joints")
@@ -221,7 +228,7 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
     return [(kind, (j,)) for j in joints]
 
 
-def _unsaid(left: Judgement, maps: Sequence[Structure]) -> list[int]:
+def _unsaid(left: Judgement, maps: Sequence[Unexplained]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and have no map."""
     named = {s.joint for s in maps}
     return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]

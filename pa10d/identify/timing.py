@@ -17,7 +17,7 @@ much of the torque, it poses as the channel's. So only as much of the band is he
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -27,12 +27,12 @@ from pa10d.identify.blocks import Pieces
 from pa10d.identify.jackknife import Blocks, blocks_of, moved_by_stretches, whole, without_each
 from pa10d.identify.loads import first_model
 from pa10d.identify.piece import Piece
-from pa10d.identify.rows import Rows, rows_of
+from pa10d.identify.rows import Rows, rows_of, triangles_of
 from pa10d.measurement.encoder_noise import motion_up_to
 from pa10d.measurement.signals import Lowpass
 from pa10d.model import TorqueModel
 from pa10d.regression.layout import Layout
-from pa10d.regression.solution import estimate_weights, solve
+from pa10d.regression.solution import Solution, estimate_weights, solve
 from pa10d.regression.steady import FAR, steady_direction
 from pa10d.regression.triangle import Triangle
 
@@ -48,6 +48,8 @@ LIKELY = 2.0  # standard errors: left out, such a shift costs more than its own 
 USUAL = 5e-3  # s: what channels are late by, as a standard deviation before the data
 AGREE = 3.0  # standard errors by which slow and fast parts of the motion may differ
 BENT = 1.0 / 3.0  # of what a lack bends slow parts by, fast ones may be bent by, too (policy)
+LACK_BENDS = 1.0 / 3.0  # of what a model lacks may go as the torque's slope does (policy)
+MOST = 0.5  # of the joints
 FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
 
 
@@ -57,8 +59,8 @@ class Shift:
 
     estimate, std_error: what the joints say together; joints (n,) what each says, s
     slow: what all parts of the motion say together where fast ones say otherwise, else nan
-    noise: what noise alone makes of the standard error; without (stretches,): the estimate from
-    all stretches of the data but one
+    noise: what noise alone makes of the standard error; errors (n,): of each joint; without
+    (stretches,): the estimate from all stretches of the data but one
     """
 
     seconds: float
@@ -67,6 +69,7 @@ class Shift:
     joints: Array
     slow: float = np.nan
     noise: float = np.inf
+    errors: Array = field(default_factory=lambda: np.empty(0), repr=False)
     without: Array = field(default_factory=lambda: np.empty(0), repr=False)
 
     def later(self, rest: Shift) -> Shift:
@@ -97,7 +100,16 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
 def _likely(found: Shift) -> bool:
     """Is none worse than the estimate, beside what is usual? 23 ± 9 ms are rather no shift."""
     standard_errors = found.estimate / found.std_error / np.hypot(1.0, found.std_error / USUAL)
-    return bool(abs(standard_errors) > LIKELY) and abs(found.estimate) < FARTHEST
+    near = abs(found.estimate) < FARTHEST
+    return bool(abs(standard_errors) > LIKELY) and near and _agreed(found)
+
+
+def _agreed(found: Shift) -> bool:
+    """Do more than half of the joints that know it from none say the same, as far as they know? A
+    delay of one joint's own, of two, is none of the robot."""
+    witness = LIKELY * found.errors < abs(found.estimate)
+    says_so = np.abs(found.joints - found.estimate) < AGREE * found.errors
+    return not witness.any() or bool(np.mean(says_so[witness]) > MOST)
 
 
 def _near_or_far(pieces: Pieces, layout: Layout, band: float) -> Shift:
@@ -139,10 +151,12 @@ def _iterated(
     second look, at another shift. What bends it differs from stretch to stretch.
     """
 
-    def stretches(shift: float) -> Blocks:
+    def rows_at(shift: float) -> Iterator[Rows]:
         shifted = (piece.shifted(shift) for piece in pieces.some())
-        rows = (seen(_within(_with_slope(p, layout, model, far), p, band, far)) for p in shifted)
-        return blocks_of(rows, len(pieces))
+        return (seen(_within(_with_slope(p, layout, model, far), p, band, far)) for p in shifted)
+
+    def stretches(shift: float) -> Blocks:
+        return blocks_of(rows_at(shift), len(pieces))
 
     def look(blocks: Blocks) -> Shift:
         return _shift_left(whole(blocks), layout, band)
@@ -169,8 +183,62 @@ def _iterated(
         left = look(seen_at)
     rest = without_each(seen_at, lambda some: _estimate(some, layout, band))
     without = at + rest / heard
-    moved = max(error, moved_by_stretches(without))
-    return Shift(total, total, moved, joints, noise=error, without=without)
+    white = _white(next(pieces.some()), band, seen)
+    bent = _bent(whole(seen_at), triangles_of(map(_differenced, rows_at(at))), layout, band, white)
+    doubt = max(error, moved_by_stretches(without), _together(bent / heard))
+    return Shift(total, total, doubt, joints, noise=error, errors=bent / heard, without=without)
+
+
+def _white(piece: Piece, band: float, seen: Callable[[Rows], Rows]) -> float:
+    """How much larger than its square the squared step of white noise is from one sample to the
+    next, behind all filters."""
+    run = piece.equation
+    noise = np.random.default_rng(0).standard_normal((run.lowpass.samples, 1))
+    low = run.lowpass(noise)
+    if band < 1.0:
+        low = Lowpass(len(low), run.rate, band * run.lowpass.cutoff)(low)
+    every = np.ones((len(low), 1), dtype=bool)
+    tau = seen(Rows([], low, every, every)).tau
+    return float(np.mean(np.diff(tau, axis=0) ** 2) / np.mean(tau**2))
+
+
+def _bent(
+    triangles: list[Triangle],
+    differenced: list[Triangle],
+    layout: Layout,
+    band: float,
+    white: float,
+) -> Array:
+    """(n,) s, standard errors of the joints' shifts if of what the model lacks, all that is left
+    over but noise, a part goes as the torque's slope does; inf where a joint knows none. White
+    noise steps from sample to sample by as much as it is large, what a model lacks hardly at
+    all."""
+    indices, solution = _solved(triangles, layout)
+    errors = np.full(len(triangles), np.inf)
+    for j, (all_of_it, steps) in enumerate(zip(triangles, differenced, strict=True)):
+        beta = np.append(solution.beta[indices[j]], -1.0)
+        left = all_of_it.squares(beta) / max(all_of_it.rows, 1)
+        noise = steps.squares(beta) / max(steps.rows, 1) / white
+        lacks = float(np.clip(1.0 - noise / max(left, 1e-300), 0.0, 1.0))
+        sharp = float(np.sum(solution.to_beta[layout.size + j] ** 2))
+        if sharp > 0.0:
+            bends = CORRELATED / band + LACK_BENDS**2 * lacks * all_of_it.rows
+            errors[j] = np.sqrt(sharp * bends)
+    return errors
+
+
+def _together(errors: Array) -> float:
+    knows = float(np.sum(1.0 / errors**2))
+    return 1.0 / np.sqrt(knows) if knows > 0.0 else np.inf
+
+
+def _solved(triangles: list[Triangle], layout: Layout) -> tuple[list[Array], Solution]:
+    """Unknowns of every joint, its delay the last of them, and their values."""
+    n, size = len(triangles), layout.size
+    indices = [np.append(i, size + j) for j, i in enumerate(layout.of_joint)]
+    none = [Triangle(t.width) for t in triangles]
+    sigma = estimate_weights(triangles, none, indices, size + n)
+    return indices, solve(triangles, indices, size + n, sigma)
 
 
 def _estimate(triangles: list[Triangle], layout: Layout, band: float) -> float:
@@ -220,11 +288,7 @@ def _direction(piece: Piece, far: float) -> Array:
 
 
 def _shift_left(triangles: list[Triangle], layout: Layout, band: float) -> Shift:
-    n, size = len(triangles), layout.size
-    indices = [np.append(i, size + j) for j, i in enumerate(layout.of_joint)]
-    none = [Triangle(t.width) for t in triangles]
-    sigma = estimate_weights(triangles, none, indices, size + n)
-    solution = solve(triangles, indices, size + n, sigma)
+    size, solution = layout.size, _solved(triangles, layout)[1]
     own = solution.beta[size:]
     variance = CORRELATED / band * np.sum(solution.to_beta[size:] ** 2, axis=1)
     known = (own != 0) & (variance > 0)

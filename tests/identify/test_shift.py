@@ -108,10 +108,12 @@ def test_what_builds_up_over_a_way_is_no_delay(seed, seconds):
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
 def test_a_saturation_hardly_poses_as_a_delay(seed):
-    """The slow motion asks for 34 to 62 ms, give or take 3 to 7; fast parts for 2 to 11."""
+    """The slow motion asks for 34 to 62 ms, by noise alone give or take 3 to 7; but far more is
+    left over than noise."""
     model = identify([pendulum(seed, 1.25e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
-    assert abs(model.shift) < 12e-3
-    assert [w for w in model.notes.warnings if "slow parts of the motion" in w]
+    told = model.notes.shift
+    assert model.shift == 0.0
+    assert abs(told.estimate_s) < 4.0 * told.std_error_s
 
 
 @pytest.mark.parametrize("seed", [1, 3])
@@ -150,3 +152,24 @@ def test_a_low_pass_of_the_torque_is_a_delay():
         tau[k] = tau[k - 1] + step * (run.tau[k] - tau[k - 1])
     model = identify([replace(run, tau=tau)], robot_from_urdf(URDF), name="m", cutoff=10.0)
     assert 12e-3 < model.shift < 23e-3
+
+
+TWO = """<robot name="two"><link name="base"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="one"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="50" velocity="10"/></joint>
+<link name="one"><inertial><mass value="2"/><origin xyz="0 0 -0.4"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="b" type="revolute"><parent link="base"/><child link="other"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="50" velocity="10"/></joint>
+<link name="other"><inertial><mass value="2"/><origin xyz="0 0 -0.4"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+@pytest.mark.parametrize("other", [0.0, 6e-3])
+def test_a_delay_of_one_joint_of_two_is_none_of_the_robot(other):
+    one, two = late(pendulum(1), 6e-3), late(pendulum(2), other)
+    both = Recording(
+        t=one.t, q=np.hstack([one.q, two.q]), tau=np.hstack([one.tau, two.tau]), name="b"
+    )
+    model = identify([both], robot_from_urdf(TWO), name="m", cutoff=10.0)
+    assert model.shift == pytest.approx(other, abs=0.3e-3)

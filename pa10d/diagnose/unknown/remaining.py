@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.words import listed, percent, times
+from pa10d.compare.places import Place
 from pa10d.diagnose.constants import (
     AT_RANDOM,
     BEYOND_NOISE,
@@ -36,14 +37,16 @@ class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
-    joint, or that is beyond any noise the data show; RMS N·m of that share."""
+    joint, that lies where the motion makes it larger (``place``: where, in words), or that is
+    beyond any noise the data show; RMS N·m of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size"]
+    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "place", "size"]
     variables: tuple[str, ...] = ()
+    place: str = ""
 
 
 Unexplained = Structure | Unnamed
@@ -136,6 +139,26 @@ def unnamed(
             share = 1.0 - (floor[j] / rms[j]) ** 2
             size = float(rms[j]) * float(np.sqrt(share))
             out.append(Unnamed(j, float(share), size, BEYOND_NOISE_LEVEL / len(again), "size"))
+    return out
+
+
+def in_places(
+    judged: Judgement, found: Sequence[Place], known: Sequence[Unexplained], doubt: Array
+) -> list[Unnamed]:
+    """Joints of which nothing else is said, whose error, materially above the floor, is larger in
+    some part of the motion: the place of each that carries most of it."""
+    named = {s.joint for s in known}
+    out = []
+    for place in found:
+        j = place.joint
+        floor = judged.floor.values[j]
+        if j in named or not judged.rms[j] > np.hypot(MATERIAL_REST * floor, doubt[j]):
+            continue
+        named.add(j)
+        share = place.what.share
+        size = float(judged.rms[j]) * float(np.sqrt(share))
+        where = (place.variable,)
+        out.append(Unnamed(j, share, size, place.p_value, "place", where, place.sentence))
     return out
 
 
@@ -281,6 +304,11 @@ def _with_sentence(
         text = (
             f"{size}; {percent(beyond.share)} of its squared error lies where {beyond.place}, "
             "where the fit side has not been. Fit to motion that goes there"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "place":
+        text = (
+            f"{size}, and it is no steady noise: {left.place[0].lower()}{left.place[1:]}; no "
+            "effect that was looked for explains that"
         )
     elif left is not None and left.variables:
         text = (
