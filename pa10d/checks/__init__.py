@@ -57,7 +57,7 @@ def check_recording(
         *check_timing(recording, timing),
         *(
             f
-            for f in check_channels(recording, names)
+            for f in check_channels(recording, names, robot)
             if not (f.code == "jump" and f"q{f.joint}" in wraps)
         ),
         *check_held(recording, names),

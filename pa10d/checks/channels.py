@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
+from pa10d.dynamics import Robot
 from pa10d.measurement.recording import Recording
 
 Array = NDArray[np.float64]
@@ -21,15 +22,19 @@ LITTLE = 0.1  # rad (m)
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 
 
-def check_channels(recording: Recording, names: tuple[str, ...] | None) -> Iterator[CheckFinding]:
-    """Findings per joint, from the arrays alone."""
+def check_channels(
+    recording: Recording, names: tuple[str, ...] | None, robot: Robot | None = None
+) -> Iterator[CheckFinding]:
+    """Findings per joint, from the arrays alone; robot: says which joints slide."""
     for j in range(recording.joints):
         q, tau = recording.q[:, j], recording.tau[:, j]
         label, moving = joint_label(j, names), _moving(q)
-        motion = list(_motion(q, recording, label, j))
+        angle = "rad" if robot is None else robot.angle_unit(j)
+        torque = "N·m" if robot is None else robot.torque_unit(j)
+        motion = list(_motion(q, recording, label, j, angle))
         yield from motion
         if np.ptp(q) > STILL:
-            yield from _clipped(tau, moving, label, j)
+            yield from _clipped(tau, moving, label, j, torque)
             yield from _frozen(tau, moving, recording, label, j)
 
 
@@ -41,20 +46,22 @@ def _moving(q: Array) -> NDArray[np.bool_]:
     return np.concatenate([fast[:1].repeat(reach), fast, fast[-1:].repeat(reach)])
 
 
-def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[CheckFinding]:
+def _motion(
+    q: Array, recording: Recording, label: str, j: int, unit: str
+) -> Iterator[CheckFinding]:
     reach = float(np.ptp(q))
     if reach <= STILL:
         yield CheckFinding(
             "warning",
             "never_moved",
-            f"{label} never moves (range {reach:.2g} rad): nothing of its friction and little of "
-            "its inertia can be learnt here",
+            f"{label} never moves (range {reach:.2g} {unit}): nothing of its friction and little "
+            "of its inertia can be learnt here",
             "add a run in which it moves, or leave it out under 'joints' in the profile",
             j + 1,
         )
     elif reach < LITTLE:
         yield CheckFinding(
-            "info", "little_motion", f"{label} moves over {reach:.2g} rad only", "", j + 1
+            "info", "little_motion", f"{label} moves over {reach:.2g} {unit} only", "", j + 1
         )
     steps = np.abs(np.diff(q))
     usual = float(np.quantile(steps, 0.999))
@@ -62,18 +69,20 @@ def _motion(q: Array, recording: Recording, label: str, j: int) -> Iterator[Chec
     made_up = any(k + count == worst for k, count in held_runs(q))
     if not made_up and steps[worst] > max(0.05, 10 * usual):
         mend = Mend(f"q{j + 1}", "wrap2pi*rad")
-        turn = abs(steps[worst] - 2 * np.pi) < 0.1
+        turn = unit == "rad" and abs(steps[worst] - 2 * np.pi) < 0.1
         yield CheckFinding(
             "error",
             "jump",
-            f"{label}: q jumps by {steps[worst]:.3g} rad at {recording.t[worst]:.3f} s",
+            f"{label}: q jumps by {steps[worst]:.3g} {unit} at {recording.t[worst]:.3f} s",
             f"it starts anew every turn: --map {mend.option}" if turn else "cut the file there",
             j + 1,
             (mend,) if turn else (),
         )
 
 
-def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Iterator[CheckFinding]:
+def _clipped(
+    tau: Array, moving: NDArray[np.bool_], label: str, j: int, unit: str
+) -> Iterator[CheckFinding]:
     """A limit shows as one extreme value that returns again and again while the joint moves.
 
     A coarse sensor dwells on its highest level too, but then about as long on the one below.
@@ -92,7 +101,7 @@ def _clipped(tau: Array, moving: NDArray[np.bool_], label: str, j: int) -> Itera
             yield CheckFinding(
                 "error" if held > MATERIAL * len(tau) else "warning",
                 "clipped",
-                f"{label}: the torque stands at its {extreme} value {side * top:.4g} N·m in "
+                f"{label}: the torque stands at its {extreme} value {side * top:.4g} {unit} in "
                 f"{share} of the samples: it is clipped",
                 "widen the sensor's range or move less hard; leave these samples out of a fit",
                 j + 1,

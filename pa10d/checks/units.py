@@ -68,8 +68,8 @@ def check_speeds(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     yield CheckFinding(
         "error" if np.median(share) > MUCH else "warning",
         "time_unit",
-        f"by the stamps joint {j + 1} moves at {usual[j]:.3g} rad/s, its limit is "
-        f"{robot.velocity[j]:.3g}, and others likewise: the stamps are no seconds, or q no rad",
+        f"by the stamps joint {j + 1} moves at {usual[j]:.3g} {robot.angle_unit(j)}/s, its limit "
+        f"is {robot.velocity[j]:.3g}, and others likewise: the stamps are no seconds, or q no rad",
         "say in --map what the stamps count: [min] behind their column, or [1/RATE] where they "
         "number the samples, with the samples' rate in Hz",
     )

@@ -22,6 +22,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, suspects
 from pa10d.diagnose.search.candidates import places as places_of
 from pa10d.diagnose.search.delivery import warnings as said
+from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
 from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
@@ -31,8 +32,8 @@ from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
+    Unnamed,
     doubtful,
-    in_places,
     material,
     remaining,
     unnamed,
@@ -87,6 +88,10 @@ def diagnose(
         asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
+    if frozen and only is None:
+        search.suspects = [*asked, *_new_kinds(model, given_error, search)]
+        if len(search.suspects) > len(asked):
+            search.run(steps)
     if only is None:
         search.contest()
     state = search.state
@@ -106,10 +111,9 @@ def diagnose(
         *more,
         *unnamed(left, again, [*maps, *more], doubt, only is None, turning(seen), reversing(seen)),
     )
-    if only is None:
-        silent = [j for j in _unsaid(left, unexplained) if np.isfinite(left.ratio[j])]
-        stands_out = places(seen, model.robot, joints=silent)
-        unexplained += tuple(in_places(left, stands_out, unexplained, doubt))
+    said_of = [u for u in unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
+    silent = [j for j in _unsaid(left, said_of) if np.isfinite(left.ratio[j])]
+    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if only is None else ()
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
@@ -137,6 +141,7 @@ def diagnose(
             state.usual,
             only is None,
             {**search.rival_gains, **swaying_gains(state, maps)},
+            stand_out,
         ),
         model=versions[-1],
         versions=versions,
@@ -240,6 +245,23 @@ def _usual(model: TorqueModel, given: Judgement) -> Array:
     that it left may be what it lacked."""
     floor = np.nan_to_num(given.floor.values)
     return np.asarray(np.hypot(floor, USUAL * np.sqrt(np.maximum(model.noise**2 - floor**2, 0.0))))
+
+
+def _new_kinds(model: TorqueModel, given: Judgement, search: Search) -> Suspects:
+    """Where what usually changes explains no more, and a joint keeps more than its noise: what else
+    of the library may have come, a gear's ripple or its play, on such joints alone."""
+    left, floor = rms(search.state.held_residual()), given.floor.values
+    usual = search.state.usual
+    keeps = left > MATERIAL_REST * floor
+    keeps &= True if usual is None else left > usual
+    asked = {(kind.id, joints) for kind, joints in search.suspects}
+    return [
+        (kind, joints)
+        for kind, joints in suspects(False, model.robot.n)
+        if (kind.id, joints) not in asked
+        and any(keeps[j] for j in joints)
+        and not _always_lacked(kind, joints, model, given)
+    ]
 
 
 def _always_lacked(

@@ -142,7 +142,7 @@ class Value:
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""
         unit = self.unit
-        for turns, slides in (("N·m", "N"), ("rad", "m"), ("kg·m²", "kg"), ("rev", "m")):
+        for turns, slides in (("N·m", "N"), ("rad", "m"), ("kg·m²", "kg"), ("cycles/rev", "1/m")):
             unit = unit.replace(turns, slides)
         return replace(self, unit=unit)
 

@@ -104,7 +104,8 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
             why = f"what was told does not fit ({', '.join(held)} out of bounds); {ASK}"
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
-            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} N·m): {why}"
+            f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} "
+            f"{robot.torque_unit(int(j))} over all that was fitted): {why}"
         )
 
 
@@ -147,7 +148,8 @@ def _friction_sign(robot: Robot, smoothing: Smoothing, seen: MotionExtent) -> It
     if vague:
         yield (
             f"how sharply friction reverses on {_joints(vague)} is not visible "
-            f"({smoothing.v0[vague[0]]:g} rad/s assumed); slow reversals would show it"
+            f"({smoothing.v0[vague[0]]:g} {robot.angle_unit(vague[0])}/s assumed); slow reversals "
+            "would show it"
         )
 
 
@@ -188,9 +190,11 @@ def _motion_for(
             gravity |= joints
     advice = []
     if inertial:
-        hard = ", ".join(f"{seen.acceleration[j]:.2g}" for j in sorted(inertial))
+        hard = ", ".join(
+            f"{seen.acceleration[j]:.2g} {robot.angle_unit(j)}/s²" for j in sorted(inertial)
+        )
         advice.append(
-            f"accelerate {_joints(sorted(inertial))} harder, in several poses (seen {hard} rad/s²)"
+            f"accelerate {_joints(sorted(inertial))} harder, in several poses (seen {hard})"
         )
     if gravity:
         advice.append(f"visit more poses of {_joints(sorted(gravity))}")

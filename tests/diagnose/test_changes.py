@@ -168,3 +168,18 @@ def test_two_places_of_one_effect_are_confused_for_a_reason_in_words():
         "on this data both ask for nearly the same torque, and leave as small an error"
     )
     assert reason(spring, effect("contact")) == spring.confounders["contact"]
+
+
+def test_what_came_of_the_rest_of_the_library_is_named_too():
+    """A chipped tooth: "no effect of the library explains" it, and the library has it."""
+
+    def torque(t, q, dq, ddq):
+        return np.column_stack([np.zeros(len(q)), 0.4 * np.sin(9.0 * q[:, 1] + 0.5)])
+
+    found = asked(textbook(recordings(4)), recordings(3, torque))
+    (finding,) = found.findings
+    assert (finding.term.effect_id, finding.term.joints) == ("torque_ripple", (1,))
+    assert finding.sentence.startswith("Joint 2 now has torque ripple")
+    for name, true in (("N", 9.0), ("amplitude", 0.4)):
+        value = finding.parameters[name]
+        assert abs(value.value - true) < 4 * value.std_error + 0.002 * true

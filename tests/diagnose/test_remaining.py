@@ -7,6 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pa10d.compare.phrases import sentence
+from pa10d.compare.places import Place
+from pa10d.compare.quantities import Quantity
+from pa10d.compare.regions import Region
 from pa10d.diagnose.evidence.held_out import Evidence
 from pa10d.diagnose.unknown.remaining import Unnamed, doubtful, material, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure
@@ -175,3 +179,18 @@ def test_no_large_ratio_is_called_noise_without_a_witness(source, seen):
     assert said.material
     assert "noise or what" in said.sentence or "this data cannot" in said.sentence
     assert "explained" not in said.sentence
+
+
+@pytest.mark.parametrize(("ratio", "claimed"), [(4.0, False), (40.0, True)])
+def test_where_an_error_is_larger_is_said_and_claims_nothing_by_itself(ratio, claimed):
+    """compare said so, and the diagnosis that motion does not predict it."""
+    speed = Quantity("|dq|", 0, "rad/s")
+    region = Region(speed, 0.0, 0.1, True, False, 0.94, 0.17)
+    place = Place(0, region, sentence(0, region, "N·m"), 1e-3)
+    left = judged(ratio, source="high frequencies")
+    found = claims(left, [None])
+    assert bool(found) == claimed
+    (said,) = remaining(left, [None], found, ["N·m"], stand_out=[place])
+    assert "; joint 1 below 0.10 rad/s carries 94 % of its squared error" in said.sentence
+    assert "does not predict" not in said.sentence
+    assert said.significant == claimed

@@ -13,7 +13,11 @@ from pa10d.model import Term
 def test_a_fit_that_bodies_cannot_follow_claims_no_missing_effect():
     """The diagnosis of the same data may find that nothing is missing; one verdict at a time."""
     joint = SimpleNamespace(
-        n=1, angle_unit=lambda j: "rad", joint_names=("a",), parameters=np.zeros((1, 10))
+        n=1,
+        angle_unit=lambda j: "rad",
+        torque_unit=lambda j: "N·m",
+        joint_names=("a",),
+        parameters=np.zeros((1, 10)),
     )
     layout = SimpleNamespace(
         robot=joint, base=[], names=lambda: ["Fv1"], owners=lambda: [0], terms=(), places=()

@@ -16,7 +16,7 @@ SLIDES = replace(examples.ROBOT, prismatic=np.array([False, True, False, True]))
     ("turning", "sliding"),
     [
         ("N·m", "N"), ("N·m·s/rad", "N·s/m"), ("N·m/rad", "N/m"), ("rad/s", "m/s"), ("rad", "m"),
-        ("kg·m²", "kg"), ("cycles/rev", "cycles/m"), ("1/(N·m)²", "1/(N)²"), ("s", "s"), ("1", "1"),
+        ("kg·m²", "kg"), ("cycles/rev", "1/m"), ("1/(N·m)²", "1/(N)²"), ("s", "s"), ("1", "1"),
     ],
 )  # fmt: skip
 def test_units(turning, sliding):

@@ -37,16 +37,14 @@ class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
-    joint, that lies where the motion makes it larger (``place``: where, in words), or that is
-    beyond any noise the data show; RMS N·m of that share."""
+    joint, or that is beyond any noise the data show; RMS N·m of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "place", "size"]
+    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size"]
     variables: tuple[str, ...] = ()
-    place: str = ""
 
 
 Unexplained = Structure | Unnamed
@@ -142,26 +140,6 @@ def unnamed(
     return out
 
 
-def in_places(
-    judged: Judgement, found: Sequence[Place], known: Sequence[Unexplained], doubt: Array
-) -> list[Unnamed]:
-    """Joints of which nothing else is said, whose error, materially above the floor, is larger in
-    some part of the motion: the place of each that carries most of it."""
-    named = {s.joint for s in known}
-    out = []
-    for place in found:
-        j = place.joint
-        floor = judged.floor.values[j]
-        if j in named or not judged.rms[j] > np.hypot(MATERIAL_REST * floor, doubt[j]):
-            continue
-        named.add(j)
-        share = place.what.share
-        size = float(judged.rms[j]) * float(np.sqrt(share))
-        where = (place.variable,)
-        out.append(Unnamed(j, share, size, place.p_value, "place", where, place.sentence))
-    return out
-
-
 def doubtful(judged: Judgement, fitted: Array, doubt: Array) -> Array:
     """(n,) N·m: the doubt of the model's coefficients, where it can be why a joint keeps an error.
     Of one whose error on the fit side, to which they were fitted, is larger than noise can be
@@ -204,13 +182,16 @@ def remaining(
     usual: Array | None = None,
     searched: bool = True,
     gains: Mapping[int, Structure] | None = None,
+    stand_out: Sequence[Place] = (),
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; beyond: per joint where on the held-out
     side its error lies, if that is where the fit side has not been; usual (n,) N·m: what a model
     that is kept as it was may leave though nothing changed; searched: more than one suspicion was
-    looked for; gains: by joint, such as sway and explain more than its map or findings do."""
+    looked for; gains: by joint, such as sway and explain more than its map or findings do;
+    stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
+    slow as gravity may be, too."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -231,7 +212,15 @@ def remaining(
             depends_on=() if left is None else left.variables,
             sentence="",
         )
-        line = _with_sentence(line, left, seen, units[j], beyond[j] if beyond else None, searched)
+        line = _with_sentence(
+            line,
+            left,
+            seen,
+            units[j],
+            beyond[j] if beyond else None,
+            searched,
+            next((p for p in stand_out if p.joint == j), None),
+        )
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
         if left is None and line.material is not False and not line.repeatable:
@@ -297,6 +286,7 @@ def _with_sentence(
     unit: str,
     beyond: Beyond | None,
     searched: bool,
+    place: Place | None,
 ) -> Remaining:
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
@@ -304,11 +294,6 @@ def _with_sentence(
         text = (
             f"{size}; {percent(beyond.share)} of its squared error lies where {beyond.place}, "
             "where the fit side has not been. Fit to motion that goes there"
-        )
-    elif isinstance(left, Unnamed) and left.witness == "place":
-        text = (
-            f"{size}, and it is no steady noise: {left.place[0].lower()}{left.place[1:]}; no "
-            "effect that was looked for explains that"
         )
     elif left is not None and left.variables:
         text = (
@@ -323,9 +308,10 @@ def _with_sentence(
     elif isinstance(left, Unnamed) and left.witness == "size":
         text = (
             f"{size}: more than the noise that can be seen, but it follows no quantity of the "
-            "motion clearly enough to say what it depends on. A cause that is not in the "
-            "recording, or noise that is slow"
+            "motion clearly enough to say what it depends on"
         )
+        text += f"; {_told(place)}" if place is not None else ""
+        text += ". A cause that is not in the recording, or noise that is slow"
         text += (
             ""
             if line.source == REPEATS
@@ -384,12 +370,21 @@ def _with_sentence(
             f"{size}, and motion does not predict it: this data cannot say how much of it is "
             "noise. Record one motion twice: what comes again is none"
         )
+    elif place is not None:
+        text = (
+            f"{size}; {_told(place)}: what the library has not, or slow noise that was larger "
+            "there. Record one motion twice: what comes again is no noise"
+        )
     else:
         text = (
             f"{size}, but motion does not predict it: slow noise, or what this data cannot show. "
             "Record one motion twice: what comes again is no noise"
         )
     return Remaining(**{**vars(line), "sentence": f"{text}."})
+
+
+def _told(place: Place) -> str:
+    return f"{place.sentence[0].lower()}{place.sentence[1:]}"
 
 
 def _with_gain(line: Remaining, gain: Structure, found: bool) -> Remaining:
