@@ -2,12 +2,15 @@
 
 A client that lost the answer cannot know whether the arm has moved. It may send the request again
 with the same ``Idempotency-Key`` header: the first answer comes back, and nothing happens twice.
+Commands that may be repeated as they are (stop, enable, cancel …) are carried out each time: what
+the arm did when it was first asked is no answer to who asks now.
 """
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
+import re
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
@@ -19,6 +22,7 @@ from pa10d.api.access import UPLOADS
 from pa10d.api.problems import problem_response
 
 HEADER = "idempotency-key"
+AS_THEY_ARE = re.compile(r"/robot/[^/]+/?$|/jobs/[^/]+/cancel/?$")
 LONGEST = 100  # characters of a key
 KEPT = 200  # answers
 REPLAYED = (b"idempotent-replayed", b"true")
@@ -48,7 +52,9 @@ class RepeatMiddleware:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         headers = Headers(scope=scope) if scope["type"] == "http" else Headers()
         key = headers.get(HEADER, "")
-        if not key or scope["method"] != "POST" or scope["path"].rstrip("/") in UPLOADS:
+        path = scope["path"] if key else ""
+        remembered = key and scope["method"] == "POST" and path.rstrip("/") not in UPLOADS
+        if not remembered or AS_THEY_ARE.search(path):
             await self._app(scope, receive, send)
             return
         if len(key) > LONGEST:

@@ -264,27 +264,32 @@ def sim(options: argparse.Namespace) -> Answer:
 def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile, Secret | None]:
     """The profile whose virtual arm hides what was asked for, and the arm of the next day: what
     happens to an arm happens over night. Nobody is told. The arm that these data were recorded
-    from goes on, on the day that it was left; a seed names another."""
-    if options.hide is None:
-        return profile, None
+    from goes on, on the day that it was left, also where nothing is asked for: recordings of two
+    arms make a model of none. A seed names another."""
     from secrets import randbelow
 
     from pa10d.daemon.night import Drawn, Secret, drawn_before
     from pa10d.demo.hidden import hide, with_secret
     from pa10d.store.location import data_folder
 
+    kept = drawn_before(data_folder(options.data))
+    if options.hide is None:
+        if kept is None or kept.profile != profile.name or options.seed is not None:
+            return profile, None
+        options.hide = kept.hide
     seed = randbelow(10_000) if options.seed is None else options.seed
-    drawn, kept = Drawn(profile.name, options.hide, seed), drawn_before(data_folder(options.data))
+    drawn = Drawn(profile.name, options.hide, seed)
     if kept is not None and kept.same_arm(
         replace(drawn, seed=kept.seed) if options.seed is None else drawn
     ):
         drawn = kept
         told = (
-            f"the virtual arm of seed {kept.seed} goes on, on day {kept.day}; --seed: another one"
+            f"the virtual arm of seed {kept.seed} goes on, on day {kept.day}, as these data are of "
+            "it; --hide with --seed, or another data folder: another one"
         )
     else:
         told = f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on"
-    hidden = hide(None if options.hide == "any" else options.hide, drawn.seed, profile)
+    hidden = hide(None if drawn.hide == "any" else drawn.hide, drawn.seed, profile)
     note(told)
     today, later = (with_secret(profile, hidden, drawn.seed, day) for day in (False, True))
     if hidden.foreign:

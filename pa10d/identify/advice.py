@@ -105,7 +105,7 @@ def _bounds(layout: Layout, fit: Fit, feasible: FeasibleModel) -> Iterator[str]:
         yield (
             f"{_joint(robot, int(j))}: feasible parameters leave {100 * cost[j]:.0f} % more error "
             f"({feasible.rms[j]:.3g} instead of {fit.rms[j]:.3g} "
-            f"{robot.torque_unit(int(j))} over all that was fitted): {why}"
+            f"{robot.torque_unit(int(j))}): {why}"
         )
 
 

@@ -67,3 +67,16 @@ def test_an_endless_key_is_refused(http, length):
     answer = ask(http, "x" * length, CHECK)
     assert answer.status_code == 422
     assert "at most 100" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("what", ["stop", "enable", "disable"])
+def test_a_command_that_may_be_repeated_is_carried_out_each_time(http, what):
+    """A program with one key for all it sends could stop the arm once."""
+    headers = {"Idempotency-Key": "one for all", "X-Client": "one"}
+    first, second = (http.post(f"/api/v1/robot/{what}", headers=headers) for _ in range(2))
+    assert (first.status_code, second.status_code) == (200, 200)
+    assert "idempotent-replayed" not in second.headers
+    long = http.post("/api/v1/robot/stop", headers={"Idempotency-Key": "x" * 101})
+    assert long.status_code == 200
+    http.post("/api/v1/robot/disable", headers={"X-Client": "one"})
+    http.delete("/api/v1/robot/lease", headers={"X-Client": "one"})

@@ -125,7 +125,7 @@ def test_the_arm_comes_back_and_keeps_its_secret(tmp_path):
         assert client.enable()["state"] == "holding"
         client.disable()
         assert ask("GET", "/api/v1/story")["hidden"] is None
-    with hiding(tmp_path, "--hide", "payload") as client:  # no seed: the arm that was left
+    with hiding(tmp_path) as client:  # nothing asked for: the arm that was left
         ask = client._ask
         assert ask("GET", "/api/v1/story")["day"] == 2
         with pytest.raises(ApiError, match="day 2"):
