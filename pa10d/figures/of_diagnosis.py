@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.outcome.words import helped_most
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.figures.decimate import thinned
 from pa10d.figures.errors import binned
@@ -20,7 +21,6 @@ from pa10d.figures.views import ViewAxis, direction, near, quantity_of
 
 Array = NDArray[np.float64]
 
-OWN_SHARE = 0.3  # of its squared error that the effect's own joint must lose to be the one shown
 POINTS = 1500
 OVER_TIME = "over time"
 FEWEST = 50  # samples worth a plot
@@ -66,15 +66,9 @@ def known_floor(found: Diagnosis) -> Array | None:
 
 
 def shown_joint(found: Diagnosis, k: int) -> int:
-    """0-based: the effect's own joint, unless its torque shows on another one."""
+    """0-based: the one that its sentence tells of."""
     finding = found.findings[k]
-    gone = finding.rms_before**2 - finding.rms_after**2
-    share = gone / np.maximum(finding.rms_before**2, 1e-300)
-    if finding.term.joints:
-        own = max(finding.term.joints, key=lambda j: share[j])
-        if share[own] > OWN_SHARE:
-            return own
-    return int(np.argmax(gone))
+    return helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
 
 
 def evidence_figures(found: Diagnosis, seen: HeldOut, k: int) -> dict[str, Figure]:

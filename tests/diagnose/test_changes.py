@@ -115,7 +115,7 @@ def said(
     one = effect(kind)
     joints = {"joint": (3,), "pair": (4, 5), "robot": ()}[one.scope]
     term = Term(kind, joints, np.full(len(one.coefficients), size))
-    before = np.array([0.0, 0.0, 0.0, rms])
+    before = np.array([0.0, 0.0, 0.0, rms, 0.0, 0.0])
     after = before / 2
     doubts = [Confusion(other, joints, "alike") for other in rivals]
     return sentence(term, before, after, Value(0.4321, 0.01, "N·m"), doubts, frozen)

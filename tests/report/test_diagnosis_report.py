@@ -174,7 +174,7 @@ def test_what_changed_is_not_added_but_undone(stribeck):
 
 def test_nothing_missing_is_said_plainly(stribeck):
     found, seen, _ = stribeck
-    bare = replace(found, verdict="none", findings=(), versions=found.versions[:1])
+    bare = replace(found, verdict="none", findings=(), versions=found.versions[:1], only="")
     clean = with_floor(replace(bare, left=replace(found.left, rms=found.rms)), found.rms)
     page = page_of(clean, seen)
     assert headline(clean) in page.words

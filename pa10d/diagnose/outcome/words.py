@@ -15,6 +15,8 @@ from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
+OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
+
 
 def sentence(
     term: Term,
@@ -32,16 +34,14 @@ def sentence(
     others: joints (0-based) on which the same effect is not named; sized: its coefficients are
     other than nothing by their own errors
     """
-    own = np.arange(len(before))[term.effect.speaks_on(term.joints)]
-    gone = 1.0 - (after / np.maximum(before, 1e-300)) ** 2
-    worst = int(own[np.argmax(gone[own])])
-    share = percent(gone[worst])
+    worst, own = helped_most(term, before, after)
+    share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
     about = f"about {size.value:.2g} {size.unit}"
     if frozen:
         said = changed(term, about)
     else:
         lacks = float(np.sqrt(max(before[worst] ** 2 - after[worst] ** 2, 0.0)))
-        said = missing(term, about + _lacking(size, lacks if len(own) == 1 else None))
+        said = missing(term, about + _lacking(size, lacks if own == 1 else None))
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
     if not frozen and others and term.effect.only_against_others:
         text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
@@ -54,6 +54,17 @@ def sentence(
         rivals = sorted({_other(term, c) for c in confusions})
         text += f" This data cannot yet tell it from {listed(rivals, 'or')}."
     return text
+
+
+def helped_most(term: Term, before: Array, after: Array) -> tuple[int, int]:
+    """The joint (0-based) by whose figures an effect is told, and among how many that speak for it:
+    its own, unless its torque shows on another one."""
+    told = np.arange(len(before))[term.effect.speaks_on(term.joints)]
+    gone = 1.0 - (after / np.maximum(before, 1e-300)) ** 2
+    best = max(term.joints, key=lambda j: gone[j], default=None)
+    if best is None or gone[best] < OWN_SHARE:
+        best = told[np.argmax(gone[told])]
+    return int(best), len(told)
 
 
 def _other(term: Term, rival: Confusion) -> str:
