@@ -68,6 +68,12 @@ def find_lines(
     return sorted(found, key=lambda line: -line[1]), rest
 
 
+def has_line(q: Array, dq: Array, torque: Array, error: Array, order: float) -> bool:
+    """Does the measured torque have at least half of a line of the error, in phase?"""
+    seen, line = (_phasors(q, y - slow_part(q, dq, y), [order])[0] for y in (torque, error))
+    return bool((seen * np.conj(line)).real > 0.5 * abs(line) ** 2)
+
+
 def _steady(q: Array, y: Array, order: float, half: NDArray[np.bool_]) -> bool:
     """Whether the line has one phase in both halves of the data: ripple is tied to the angle for
     good."""

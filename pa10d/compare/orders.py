@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.compare.angle_periodogram import TURNS, periodogram
-from pa10d.compare.order_lines import find_lines, noise_bar, slow_part
+from pa10d.compare.order_lines import find_lines, has_line, noise_bar, slow_part
 from pa10d.judgement.residuals import RunResidual
 from pa10d.judgement.scores import moving
 
@@ -29,17 +29,21 @@ HALVES = 1.0  # s: every other such stretch of time makes one half
 class OrderSpectrum:
     """order (K,) cycles/rev; amplitude (K,) N·m of the best sine at each order, as what it takes
     of the error's power; threshold (K,) N·m which noise passes anywhere with chance ALARM;
-    lines: (order, amplitude), largest first, one per peak; speed: typical, rad/s."""
+    lines: (order, amplitude), largest first, one per peak; of_torque: which of them the measured
+    torque has; speed: typical, rad/s."""
 
     order: Array
     amplitude: Array
     threshold: Array
     lines: tuple[tuple[float, float], ...]
+    of_torque: tuple[bool, ...]
     speed: float
 
     def above(self, cutoff: float) -> list[tuple[float, float]]:
-        """Lines that a low-pass (Hz) takes away at the typical speed."""
-        return [line for line in self.lines if self.frequency(line[0]) > cutoff]
+        """Lines of the torque that a low-pass (Hz) takes away at the typical speed. What only the
+        model's torque has there are the steps of an encoder, differentiated twice."""
+        told = zip(self.lines, self.of_torque, strict=True)
+        return [line for line, seen in told if seen and self.frequency(line[0]) > cutoff]
 
     def frequency(self, order: float) -> float:
         """Hz at the typical speed."""
@@ -63,6 +67,7 @@ def order_spectrum(runs: Sequence[RunResidual], joint: int, most: int = 5) -> Or
     if len(order) < 4 * reach:
         return None
     halves = np.arange(len(q)) // max(1, int(HALVES * rate)) % 2 == 0
+    torque = np.concatenate([run.equation.raw_tau[run.raw_counts[:, joint], joint] for run in used])
     lines, left = find_lines(q, dq, error, order, NEIGHBOURHOOD * reach, halves, most)
     whole = error - slow_part(q, dq, error)
     bar = noise_bar(periodogram(q, left, order)[0], NEIGHBOURHOOD * reach)
@@ -71,5 +76,6 @@ def order_spectrum(runs: Sequence[RunResidual], joint: int, most: int = 5) -> Or
         np.sqrt(2 * np.mean(whole**2) * periodogram(q, whole, order)[0]),
         np.sqrt(2 * np.mean(left**2) * bar),
         tuple(lines),
+        tuple(has_line(q, dq, torque, error, n) for n, _ in lines),
         speed,
     )

@@ -10,7 +10,8 @@ from pa10d.compare import compare, run_residual
 from pa10d.compare.angle_periodogram import periodogram
 from pa10d.compare.correlation import autocorrelation
 from pa10d.compare.frequencies import frequency_spectrum
-from pa10d.compare.orders import order_spectrum
+from pa10d.compare.order_lines import has_line
+from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.reversals import reversal_samples, since_reversal
 from pa10d.compare.surrogates import chance, surrogates
 from pa10d.compare.whiteness import in_band, whiteness
@@ -53,6 +54,22 @@ def test_what_the_low_pass_hides_is_told():
     (said,) = (w for w in warnings[0] if "comes again" in w)
     assert said.startswith("joint 2: an error that comes again 130.5 times a turn (0.5")
     assert not [w for w in warnings[1] if "comes again" in w]
+
+
+@pytest.mark.parametrize("of_torque", [1.0, 0.0])
+def test_a_line_of_the_models_torque_alone_is_none_of_the_gears(of_torque):
+    """An encoder's steps, differentiated twice, were "1.7 N·m 834 times a turn"."""
+    rng = np.random.default_rng(2)
+    t = np.arange(8000) / 200
+    q, dq = 1.2 * np.sin(0.5 * t), 0.6 * np.cos(0.5 * t)
+    line = 0.5 * np.sin(830.5 * q + 0.3)
+    torque = 20.0 * np.sin(q) + 3.0 * np.sign(dq) + of_torque * line + rng.normal(0, 0.3, len(t))
+    error = torque - (20.0 * np.sin(q) + 3.0 * np.sign(dq) - (1.0 - of_torque) * line)
+    assert has_line(q, dq, torque, error, 830.5) == bool(of_torque)
+    found = OrderSpectrum(
+        *np.zeros((3, 1)), ((830.5, 0.5), (12.0, 0.4)), (bool(of_torque), True), 0.6
+    )
+    assert found.above(10.0) == ([(830.5, 0.5)] if of_torque else [])
 
 
 def test_a_vibration_in_hertz_is_no_order():
