@@ -26,6 +26,7 @@ DEMANDED = 10.0  # standard deviations of the noise by which data must ask for a
 HELD = 0.5**0.5  # of a singular value: half of what is known of a direction was known beforehand
 MOVED = 1e-3  # share of a truncated direction; what rounding mixes into it is a millionth of that
 ROUNDS = 2
+NO_COLUMN = 1e-12  # of the largest column: what a joint that never moves leaves of its own, rounded
 
 
 @dataclass(frozen=True)
@@ -152,6 +153,8 @@ def solve(
         stacked[part, index] = factor.r[:, :-1] / s
         stacked[part, -1] = factor.r[:, -1] / s
         start += len(factor.r)
+    shown = np.linalg.norm(stacked[len(told) :, :-1], axis=0)
+    stacked[len(told) :, :-1][:, shown <= NO_COLUMN * shown.max(initial=0.0)] = 0.0
     scale = np.linalg.norm(stacked[:, :-1], axis=0)
     scale[scale == 0] = 1.0
     stacked[:, :-1] /= scale

@@ -7,10 +7,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from pa10d.identify import identify
 from pa10d.model.parameters import parameter_list
+from pa10d.regression.solution import solve
 from pa10d.regression.told import left_open
+from pa10d.regression.triangle import Triangle
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")
@@ -53,3 +56,15 @@ def test_a_stribeck_torque_that_nobody_saw_is_not_printed(shared_data):
     assert "coulomb J1: Fc" not in model.left_open
     (line,) = [w for w in model.notes.warnings if "standard error above 30 %" in w]
     assert "not determined" in line
+
+
+def test_a_column_that_is_rounding_is_none():
+    """A held joint's own inertia "was" -4e11 kg·m², and its error 5e11 N·m."""
+    rng = np.random.default_rng(1)
+    moves, rounding = rng.normal(size=(400, 2)), 1e-13 * rng.normal(size=400)
+    torque = moves @ [2.0, -1.0] + rng.normal(size=400)
+    triangle = Triangle(4)
+    triangle.add(moves, rounding, torque)
+    found = solve([triangle], [np.arange(3)], 3, np.ones(1))
+    assert found.beta == pytest.approx([2.0, -1.0, 0.0], abs=0.2)
+    assert list(found.open) == [2]
