@@ -314,7 +314,7 @@ class Effect(ABC):
     ) -> dict[str, Value]:
         """Parameters as a person wants them: name -> value, standard error, unit."""
         out = {
-            c.name: Value(float(v), float(np.sqrt(max(s, 0.0))), c.unit)
+            c.name: fitted(float(v), float(np.sqrt(max(s, 0.0))), c.unit)
             for c, v, s in zip(self.coefficients, coefficients, np.diag(covariance), strict=True)
             if not c.nuisance
         }
@@ -322,6 +322,11 @@ class Effect(ABC):
             value, error = float(shape[s.name]), float(shape_errors.get(s.name, 0.0))
             out[s.name] = Value(value, error, s.unit, determined=s.determined(value, error))
         return out
+
+
+def fitted(value: float, std_error: float, unit: str) -> Value:
+    """Nothing, known for sure, is what a fit leaves of a direction that the data do not show."""
+    return Value(value, std_error, unit, determined=value != 0.0 or std_error > 0.0)
 
 
 def speed_quantiles(context: Context, joint: int, shares: Sequence[float]) -> list[float]:

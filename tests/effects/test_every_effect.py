@@ -8,7 +8,7 @@ from effect_motions import arm_context, context_of, pa10, rms, wandering
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pa10d.effects import Context, Effect, all_effects
+from pa10d.effects import Context, Effect, all_effects, effect
 from pa10d.effects.library import backlash
 from pa10d.model import Term
 
@@ -189,3 +189,11 @@ def test_units_are_those_that_the_columns_have(name, monkeypatch):
         expected = -2.0 - power_of_time(c.unit, shape)
         found = np.log(rms(there[..., i]) / rms(here[..., i])) / np.log(factor)
         assert found == pytest.approx(expected, abs=0.15), c.name
+
+
+def test_what_the_data_do_not_show_is_not_determined():
+    """All axes of a SCARA stand upright: how high its load sits is not 0 m."""
+    known = np.diag([0.01, 0.01, 0.01, 0.0, *(0.0,) * 6])
+    told = effect("payload").values(np.array([0.3, 0.006, 0.003, *(0.0,) * 7]), known, {}, {})
+    assert [name for name, v in told.items() if not v.determined] == ["cz"]
+    assert str(told["cz"]) == "not determined"

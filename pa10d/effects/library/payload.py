@@ -4,7 +4,7 @@ import numpy as np
 
 from pa10d.dynamics import regressor
 from pa10d.dynamics.robot import PARAMETER_NAMES
-from pa10d.effects.base import Coefficient, Effect, Example, Value, View
+from pa10d.effects.base import Coefficient, Effect, Example, Value, View, fitted
 
 
 class Payload(Effect):
@@ -63,5 +63,5 @@ class Payload(Effect):
             gradient = np.zeros(len(coefficients))
             gradient[0], gradient[i + 1] = -moments[i] / safe**2, 1.0 / safe
             error = np.sqrt(max(gradient @ covariance @ gradient, 0.0))
-            out[f"c{axis}"] = Value(float(moments[i] / safe), float(error), "m")
+            out[f"c{axis}"] = fitted(float(moments[i] / safe), float(error), "m")
         return out
