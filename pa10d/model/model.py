@@ -22,6 +22,7 @@ from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model.notes import ModelNotes
+from pa10d.model.shared_friction import beside_bristles
 from pa10d.model.term import Term, as_told, rotors_beside
 from pa10d.model.unknowns import Unknowns
 
@@ -163,6 +164,7 @@ class TorqueModel:
         found = term.effect.values(
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
+        found = beside_bristles(self.terms, term, found)
         for name, value in found.items():
             if term.named(name) in self.left_open:
                 found[name] = replace(value, determined=False)
