@@ -158,7 +158,7 @@ def test_tracking_leaves_the_law_as_it_was_found(robot, monkeypatch, faults):
         monkeypatch.setattr(tracking, "_track", track)
         jobs = SimpleNamespace(start=lambda kind, request, work: works.append(work))
         tracking.tracking_job(
-            SimpleNamespace(robot=robot, jobs=jobs), TrackingRequest("tracking", {}, [])
+            SimpleNamespace(robot=robot, move=jobs.start), TrackingRequest("tracking", {}, [])
         )
         await works[0](None)
         if faults:

@@ -440,3 +440,18 @@ def test_what_cannot_be_edited_safely_is_left(arm, data):
     with pytest.raises(UserError, match="cannot be edited safely"):
         write(data, arm, {"limits.acceleration": {"1": 2}})
     assert arm.read_text().startswith(text)
+
+
+def test_a_gain_of_one_joint_states_those_of_all_others_and_says_so(arm, data):
+    """The bandwidth, lowered later, left joint 2's kp where it was and took its kd away."""
+    shown = in_force(data, arm, "control.gains.kp").in_force
+    found = propose(data, arm, {"control.gains.kp": {"1": round(0.95 * shown[0], 3)}})
+    (said,) = (one for one in found.effect if "stated" in one)
+    assert said.endswith(
+        "of joint 2 is stated, too, as it is in force: from now on it does not follow the bandwidth"
+    )
+    both = {"control.gains.kp": {str(j + 1): round(0.95 * v, 3) for j, v in enumerate(shown)}}
+    assert not [one for one in propose(data, arm, both).effect if "stated" in one]
+    assert not [
+        one for one in propose(data, arm, {"limits.velocity": {"2": 0.8}}).effect if "stated" in one
+    ]

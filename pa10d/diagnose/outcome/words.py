@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import joint_words, listed, percent, times
-from pa10d.diagnose.constants import MATERIAL_REST
+from pa10d.diagnose.constants import MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
-
-OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 
 
 def sentence(

@@ -12,7 +12,7 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import listed
+from pa10d.common.words import joint_words, listed
 from pa10d.common.yamlfile import YamlFile, read_yaml
 from pa10d.profile.load import profile_folders
 from pa10d.services.joints import keep_for
@@ -165,6 +165,9 @@ class _Edit:
         profile, robot = as_if_written(self.path, self.text)
         self.before = self.after = Tuned.of(data, profile, robot)
         self.changed: set[UndoneKey] = set()
+        self.fixed: dict[
+            str, list[int]
+        ] = {}  # joints (0-based) that a change of others states, too
         self.rescaled = False
 
     def change(self, changes: Mapping[str, Any]) -> None:
@@ -205,6 +208,8 @@ class _Edit:
                 raise UserError(f"{key.name}: found joint {joint!r}, expected 1 to {n}")
             shown[number - 1] = one
         given = {int(joint) for joint in value}
+        if value_at(self.data, key) is None:
+            self.fixed[key.name] = [j for j in range(n) if j + 1 not in given]
         left = [(j, one) for j, one in enumerate(shown, 1) if j not in given]
         if missing := [str(j) for j, one in left if one is None or one == [None, None]]:
             raise UserError(
@@ -238,10 +243,20 @@ class _Edit:
             version=version,
             diff=diff,
             confirm=loosened(self.before, self.after),
-            effect=[CONTROL, *at_rest] if restart else at_rest,
+            effect=[*self._fixed_words(), *([CONTROL] if restart else []), *at_rest],
             restart=restart,
             written=False,
         )
+
+    def _fixed_words(self) -> list[str]:
+        """Of some joints alone nothing can be said: a list has a value for each of them."""
+        follows = {"measured": "what is measured, nor the bandwidth", "rule": "the bandwidth"}
+        return [
+            f"{KEYS[name].title} of {joint_words(joints)} is stated, too, as it is in force: from "
+            f"now on it does not follow {follows[source]}"
+            for name, joints in self.fixed.items()
+            if joints and (source := self.before.source(name, None)) in follows
+        ]
 
     def carry_on(self) -> None:
         """What was measured of the joints holds for the same arm tuned otherwise. Written before
