@@ -165,9 +165,7 @@ class _Edit:
         profile, robot = as_if_written(self.path, self.text)
         self.before = self.after = Tuned.of(data, profile, robot)
         self.changed: set[UndoneKey] = set()
-        self.fixed: dict[
-            str, list[int]
-        ] = {}  # joints (0-based) that a change of others states, too
+        self.fixed: list[tuple[Key, list[int]]] = []  # joints (0-based) that others' change states
         self.rescaled = False
 
     def change(self, changes: Mapping[str, Any]) -> None:
@@ -209,7 +207,7 @@ class _Edit:
             shown[number - 1] = one
         given = {int(joint) for joint in value}
         if value_at(self.data, key) is None:
-            self.fixed[key.name] = [j for j in range(n) if j + 1 not in given]
+            self.fixed.append((key, [j for j in range(n) if j + 1 not in given]))
         left = [(j, one) for j, one in enumerate(shown, 1) if j not in given]
         if missing := [str(j) for j, one in left if one is None or one == [None, None]]:
             raise UserError(
@@ -252,10 +250,10 @@ class _Edit:
         """Of some joints alone nothing can be said: a list has a value for each of them."""
         follows = {"measured": "what is measured, nor the bandwidth", "rule": "the bandwidth"}
         return [
-            f"{KEYS[name].title} of {joint_words(joints)} is stated, too, as it is in force: from "
+            f"{key.title} of {joint_words(joints)} is stated, too, as it is in force: from "
             f"now on it does not follow {follows[source]}"
-            for name, joints in self.fixed.items()
-            if joints and (source := self.before.source(name, None)) in follows
+            for key, joints in self.fixed
+            if joints and (source := self.before.source(key.name, None)) in follows
         ]
 
     def carry_on(self) -> None:
