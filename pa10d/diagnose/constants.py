@@ -101,6 +101,7 @@ STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical streng
 
 INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it is part of
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
+STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)

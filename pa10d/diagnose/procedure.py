@@ -11,12 +11,19 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
+from pa10d.common.words import times
 from pa10d.compare.places import places
-from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST, SIZED_LEVEL, USUAL
+from pa10d.diagnose.constants import (
+    COMES_AGAIN_LEVEL,
+    MATERIAL_REST,
+    SIZED_LEVEL,
+    STANDS_IN,
+    USUAL,
+)
 from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
-from pa10d.diagnose.outcome.words import reason, sentence
+from pa10d.diagnose.outcome.words import helped_most, reason, sentence
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, suspects
@@ -31,6 +38,7 @@ from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.remaining import (
+    Remaining,
     Unexplained,
     Unnamed,
     doubtful,
@@ -120,6 +128,20 @@ def diagnose(
     )
     verdict = "missing" if findings else "unknown" if unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
+    lines = remaining(
+        left,
+        again,
+        unexplained,
+        units,
+        state.terms[given:],
+        slight,
+        doubt,
+        beyond(state),
+        state.usual,
+        only is None,
+        {**search.rival_gains, **swaying_gains(state, maps)},
+        stand_out,
+    )
     say(1.0, "done")
     return Diagnosis(
         verdict=verdict,  # type: ignore[arg-type]
@@ -127,22 +149,9 @@ def diagnose(
         as_given=given_error,
         left=left,
         cutoff=model.cutoff,
-        findings=findings,
+        findings=tuple(_beside_more(one, lines) for one in findings),
         unexplained=unexplained,
-        remaining=remaining(
-            left,
-            again,
-            unexplained,
-            units,
-            state.terms[given:],
-            slight,
-            doubt,
-            beyond(state),
-            state.usual,
-            only is None,
-            {**search.rival_gains, **swaying_gains(state, maps)},
-            stand_out,
-        ),
+        remaining=lines,
         model=versions[-1],
         versions=versions,
         stored=tuple(kept),
@@ -311,6 +320,18 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
             term, before, after, size, confusions, state.frozen, others, sized(versions[-1], index)
         ),
     )
+
+
+def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
+    """What is named on a joint whose error follows something unnamed, too, may be part of that."""
+    j = helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
+    if not (lines[j].significant and lines[j].ratio > STANDS_IN):
+        return finding
+    text = (
+        f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
+        "for what is missing there."
+    )
+    return replace(finding, sentence=finding.sentence + text)
 
 
 def sized(model: TorqueModel, index: int) -> bool:

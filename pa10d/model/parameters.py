@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics.base import parameter_name
+from pa10d.dynamics.rotors import Rotors, rotors_within
 from pa10d.effects import Value
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING
 from pa10d.model.model import TorqueModel
@@ -13,6 +14,7 @@ from pa10d.model.model import TorqueModel
 WEAK = 0.3  # of a value: a standard error above that
 ROUNDING = 1e-6
 UNCHANGED = 0.9  # of the standard error before the data: they told next to nothing
+WITH_ROTOR = "with a rotor, of which the URDF says nothing"
 NEAR = 1e-6  # of a range: as good as at its end
 
 
@@ -40,7 +42,9 @@ class ParameterLine:
 
 def parameter_list(model: TorqueModel) -> list[ParameterLine]:
     """One line per parameter, base parameters first."""
-    sentences, urdf = model.base.sentences(), model.base.of(model.robot.parameters)
+    urdf = model.base.of(model.robot.parameters)
+    rotors = rotors_within(model.robot, model.base)
+    sentences = model.base.sentences()
     known = model.notes.prior
     before = [*(known.std_errors if known else ())]
     before = [*before, *[None] * (sum(t.width for t in model.terms) + len(urdf) - len(before))]
@@ -49,9 +53,9 @@ def parameter_list(model: TorqueModel) -> list[ParameterLine]:
         ParameterLine(
             name=parameter_name(int(k)),
             value=value,
-            meaning=sentences[i],
+            meaning=sentences[i] + (turning := rotor_words(rotors, i)),
             urdf=float(urdf[i]),
-            flags=flags(value, before=before[i]),
+            flags=flags(value, before=before[i]) + ([WITH_ROTOR] if turning else []),
         )
         for i, (k, value) in enumerate(zip(model.base.kept, model.base_values, strict=True))
     ]
@@ -70,6 +74,16 @@ def parameter_list(model: TorqueModel) -> list[ParameterLine]:
             for name, value in model.term_values(i).items()
         ]
     return found
+
+
+def rotor_words(rotors: Rotors, index: int) -> str:
+    """`` - 2.22222·rotor 2``: what a base parameter takes in of rotors that bodies hide."""
+    said = []
+    for joint, factor in zip(rotors.joints, rotors.share[index], strict=True):
+        if abs(factor) > ROUNDING:
+            size = "" if abs(abs(factor) - 1.0) < ROUNDING else f"{abs(factor):.6g}·"
+            said.append(f" {'+' if factor > 0 else '-'} {size}rotor {joint + 1}")
+    return "".join(said)
 
 
 def flags(

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.outcome.words import none_found, nothing, sentence
-from pa10d.diagnose.procedure import sized
+from pa10d.diagnose.procedure import _beside_more, sized
+from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.effects import Value
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.model import Term
@@ -93,3 +95,19 @@ def test_one_joint_is_told_by_its_sentence_its_cards_and_its_plots():
     assert shown_joint(found, 0) == 1
     said = sentence(term, before, after, Value(0.07, 0.01, "N·m"), [], False)
     assert "with it 14 % of joint 2's squared error is gone" in said
+
+
+@pytest.mark.parametrize(("ratio", "significant"), [(10.0, True), (10.0, False), (1.6, True)])
+def test_what_is_named_beside_much_that_is_not_may_stand_in_for_it(ratio, significant):
+    """Another joint's torque in this one's reading: "an offset", 4 standard errors, and 10 times
+    the floor left."""
+    term = Term("torque_offset", (0,), np.array([-0.004]))
+    values = np.array([0.02]), np.array([0.01])
+    finding = Finding(
+        term, {}, *values, 1e-9, 1.0, Value(0.004, 0.001, "N·m"), (), None, "Joint 1 shows it."
+    )
+    line = Remaining(0, 0.1 * ratio, 0.1, "high frequencies", significant, True, None, (), "")
+    said = _beside_more(finding, [line]).sentence
+    doubted = significant and ratio > 2.0
+    assert said.endswith("for what is missing there.") == doubted
+    assert ("10 times its noise floor" in said) == doubted

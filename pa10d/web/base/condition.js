@@ -54,6 +54,7 @@ function judged() {
   }
   if (MOVING.includes(robot.state)) return { ...found, next: { go: "robot", text: `${found.meaning} Watch it${job ? ", or abort below" : ""}.`, label: "Watch" } };
   if (job?.status === "queued") return { ...found, next: { text: "An experiment waits for its turn; the arm stands still until then. You can abort it below." } };
+  if (job?.kind === "investigation") return { ...found, next: { text: `An investigation is under way (${job.message || "it begins"}); the arm stands still, and may move. You can abort it below.` } };
   if (job) return { ...found, next: { text: `An experiment is being prepared (${job.message || "it begins"}); the arm stands still, and will move. You can abort it below.` } };
   return found;
 }

@@ -80,9 +80,13 @@ export function tray(box) {
     idle.hidden = now.length > 0;
     say(more, [now.length > 1 ? `and ${now.length - 1} more` : "", lost ? `(as of ${state.condition.old} s ago)` : ""].filter(Boolean).join(" "));
     const last = [...state.jobs.values()].filter(over).sort((a, b) => (a.finished < b.finished ? -1 : 1)).at(-1);
-    say(idle, state.condition.kind === "unknown" ? "What is running is not known yet." : last ? `Last: ${WORDS[last.kind] ?? last.kind} ${last.message === "stopped" ? "stopped" : last.status}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
+    say(idle, state.condition.kind === "unknown" ? "What is running is not known yet." : last ? `Last: ${WORDS[last.kind] ?? last.kind} ${howItEnded(last)}${last.error ? `: ${last.error}` : ""}` : "Nothing is running.");
     idle.classList.toggle("bad", last?.status === "failed");
   });
 }
+
+/** A pause is a good end of the job, and none of the investigation. */
+const howItEnded = (job) => job.message === "stopped" ? "stopped"
+  : job.status === "succeeded" && state.investigations.find((one) => one.id === job.request?.investigation)?.status === "paused" ? "paused" : job.status;
 
 const moving = (job) => Number(MOVES.includes(job.kind));
