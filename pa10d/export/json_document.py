@@ -85,10 +85,8 @@ def _base(model: TorqueModel) -> list[JsonObject]:
 
 def _effect(model: TorqueModel, index: int) -> JsonObject:
     term = model.terms[index]
-    kind, errors = term.effect, model.std_errors[model.term_slice(index)]
-    share = model.robot.gain_share(term.joints)
+    kind = term.effect
     units = {s.name: s.unit for s in kind.shapes}
-    told = model.term_values(index)
     return {
         "effect": term.effect_id,
         "joints": [j + 1 for j in term.joints],
@@ -98,10 +96,7 @@ def _effect(model: TorqueModel, index: int) -> JsonObject:
         "acts_on": "the sensor" if kind.sensing else "the arm",
         "remembers": kind.remembers or None,
         "coefficients": {
-            c.name: _told(
-                told.get(c.name) or Value(float(v), float(e), c.unit).with_gain_error(share)
-            )
-            for c, v, e in zip(kind.coefficients, term.coefficients, errors, strict=True)
+            name: _told(value) for name, value in model.coefficient_values(index).items()
         },
         "shape": {
             name: {
@@ -111,7 +106,7 @@ def _effect(model: TorqueModel, index: int) -> JsonObject:
             }
             for name, value in term.shape.items()
         },
-        "values": {name: _told(value) for name, value in told.items()},
+        "values": {name: _told(value) for name, value in model.term_values(index).items()},
     }
 
 

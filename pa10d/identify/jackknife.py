@@ -8,7 +8,7 @@ and Stein 1981, doi:10.1214/aos/1176345462).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -20,24 +20,22 @@ from pa10d.regression.triangle import Triangle
 Array = NDArray[np.float64]
 
 STRETCHES = 6  # at least, of all data together
-Blocks = Sequence[list[Triangle]]
-"""Of every stretch the joints' triangular factors."""
 
 
-def blocks_of(pieces: Iterable[Rows], count: int) -> Blocks:
-    """Rows of ``count`` pieces, each in as many stretches as make ``STRETCHES`` at least."""
-    each = max(1, -(-STRETCHES // max(count, 1)))
-    return [triangles_of([part]) for rows in pieces for part in _split(rows, each)]
+def stretches(pieces: Sequence[Rows]) -> list[Rows]:
+    """Of each piece as many as make ``STRETCHES`` at least in all."""
+    each = max(1, -(-STRETCHES // len(pieces)))
+    return [part for rows in pieces for part in _split(rows, each)]
 
 
-def whole(blocks: Blocks) -> list[Triangle]:
-    """Of all stretches together."""
-    return [Triangle.joined(of_joint) for of_joint in zip(*blocks, strict=True)]
-
-
-def without_each(blocks: Blocks, answer: Callable[[list[Triangle]], float]) -> Array:
-    """(stretches,) the answer from all but one of them; nan where the rest has none."""
-    rest = (whole([*blocks[:k], *blocks[k + 1 :]]) for k in range(len(blocks)))
+def without_each(pieces: Sequence[Rows], answer: Callable[[list[Triangle]], float]) -> Array:
+    """(stretches,) the answer from all of them but one, by the joints' triangular factors; nan
+    where the rest has none."""
+    blocks = [triangles_of([part]) for part in stretches(pieces)]
+    rest = (
+        [Triangle.joined(of_joint) for of_joint in zip(*blocks[:k], *blocks[k + 1 :], strict=True)]
+        for k in range(len(blocks))
+    )
     return np.array([answer(one) for one in rest])
 
 

@@ -17,14 +17,14 @@ much of the torque, it poses as the channel's. So only as much of the band is he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.identify.blocks import Pieces
-from pa10d.identify.jackknife import Blocks, blocks_of, moved_by_stretches, whole, without_each
+from pa10d.identify.jackknife import moved_by_stretches, without_each
 from pa10d.identify.loads import first_model
 from pa10d.identify.piece import Piece
 from pa10d.identify.rows import Rows, rows_of, triangles_of
@@ -86,10 +86,10 @@ class Shift:
 def find_shift(pieces: Pieces, layout: Layout) -> Shift:
     """What all joints say; where fast parts of the motion say otherwise, what those say."""
     motion = motion_up_to([(r.q, r.rate) for r in pieces.recordings])
-    band = min(1.0, motion / pieces.cutoff)
-    found = _near_or_far(pieces, layout, band)
+    heard = _Heard(pieces, layout, first_model(pieces, layout), min(1.0, motion / pieces.cutoff))
+    found = _near_or_far(heard)
     if abs(found.estimate) > SIGNIFICANT * found.std_error:
-        fast = _iterated(pieces, layout, band, FAR, _differenced)
+        fast = _iterated(heard, FAR, _differenced)
         if _differ(found, fast):
             bent = BENT * (found.estimate - fast.estimate)
             error = float(np.hypot(fast.std_error, bent))
@@ -112,11 +112,35 @@ def _agreed(found: Shift) -> bool:
     return not witness.any() or bool(np.mean(says_so[witness]) > MOST)
 
 
-def _near_or_far(pieces: Pieces, layout: Layout, band: float) -> Shift:
+@dataclass(frozen=True)
+class _Heard:
+    """What all looks have in common; model: of the torque whose slope is looked for; band: part of
+    the cut-off that is heard."""
+
+    pieces: Pieces
+    layout: Layout
+    model: TorqueModel
+    band: float
+
+    def rows(self, shift: float, far: float, seen: Callable[[Rows], Rows]) -> list[Rows]:
+        """Of some pieces, so shifted: decimated, they are few enough to be kept."""
+        found = []
+        for some in self.pieces.some():
+            piece = some.shifted(shift)
+            rows = _with_slope(piece, self.layout, self.model, far)
+            found.append(seen(_within(rows, piece, self.band, far)))
+        return found
+
+    def left(self, triangles: list[Triangle]) -> Shift:
+        """What is left of a shift in these rows."""
+        return _shift_left(triangles, self.layout, self.band)
+
+
+def _near_or_far(heard: _Heard) -> Shift:
     """Friction that builds up over a way bends what is seen near reversals, but most of what a
     short run knows may stand there: the sharper one of two estimates, the far one if they
     differ."""
-    near, far = (_iterated(pieces, layout, band, way, least=LIKELY) for way in (0.0, FAR))
+    near, far = (_iterated(heard, way, least=LIKELY) for way in (0.0, FAR))
     return near if near.std_error < far.std_error and not _drawn(near, far) else far
 
 
@@ -136,57 +160,46 @@ def _differ(one: Shift, other: Shift) -> bool:
 
 
 def _iterated(
-    pieces: Pieces,
-    layout: Layout,
-    band: float,
+    heard: _Heard,
     far: float,
     seen: Callable[[Rows], Rows] = lambda rows: rows,
     least: float = 0.0,
 ) -> Shift:
-    """The shift that leaves none; band: part of the cut-off that is heard; far: part of a joint's
-    range that it has come since it turned; least: standard errors that make it worth more rounds.
+    """The shift that leaves none; far: part of a joint's range that it has come since it turned;
+    least: standard errors that make it worth more rounds.
 
     A shift of several samples is not a first-order change, and the slope of the model's torque has
     noise of its own, its encoders', so that only part of a delay is heard: how much shows by a
     second look, at another shift. What bends it differs from stretch to stretch.
     """
 
-    def rows_at(shift: float) -> Iterator[Rows]:
-        shifted = (piece.shifted(shift) for piece in pieces.some())
-        return (seen(_within(_with_slope(p, layout, model, far), p, band, far)) for p in shifted)
-
-    def stretches(shift: float) -> Blocks:
-        return blocks_of(rows_at(shift), len(pieces))
-
-    def look(blocks: Blocks) -> Shift:
-        return _shift_left(whole(blocks), layout, band)
-
-    model = first_model(pieces, layout)
-    found = look(stretches(0.0))
+    found = heard.left(triangles_of(heard.rows(0.0, far, seen)))
     if not np.isfinite(found.std_error):
         return found
     aside = min(max(abs(found.estimate), found.std_error, NEAREST), FARTHEST)
     at = -aside if found.estimate < 0.0 else aside
-    seen_at = stretches(at)
-    left = look(seen_at)
-    heard = min((found.estimate - left.estimate) / at, 1.0)
-    if heard < LEAST_HEARD:
+    rows = heard.rows(at, far, seen)
+    left = heard.left(triangles_of(rows))
+    part = min((found.estimate - left.estimate) / at, 1.0)
+    if part < LEAST_HEARD:
         return replace(found, std_error=np.inf)
     for _ in range(ROUNDS):
-        total, error = at + left.estimate / heard, left.std_error / heard
-        joints = at + left.joints / heard
+        total, error = at + left.estimate / part, left.std_error / part
+        joints = at + left.joints / part
         step = abs(total - at)
         if abs(total) < least * error or abs(total) > FARTHEST or step < SETTLED_SHARE * error:
             break
         at = total
-        seen_at = stretches(at)
-        left = look(seen_at)
-    rest = without_each(seen_at, lambda some: _estimate(some, layout, band))
-    without = at + rest / heard
-    white = _white(next(pieces.some()), band, seen)
-    bent = _bent(whole(seen_at), triangles_of(map(_differenced, rows_at(at))), layout, band, white)
-    doubt = max(error, moved_by_stretches(without), _together(bent / heard))
-    return Shift(total, total, doubt, joints, noise=error, errors=bent / heard, without=without)
+        rows = heard.rows(at, far, seen)
+        left = heard.left(triangles_of(rows))
+    without = at + without_each(rows, lambda some: _estimate(heard.left(some))) / part
+    errors = _bent(heard, rows, seen) / part
+    doubt = max(error, moved_by_stretches(without), _together(errors))
+    return Shift(total, total, doubt, joints, noise=error, errors=errors, without=without)
+
+
+def _estimate(found: Shift) -> float:
+    return found.estimate if np.isfinite(found.std_error) else np.nan
 
 
 def _white(piece: Piece, band: float, seen: Callable[[Rows], Rows]) -> float:
@@ -202,27 +215,23 @@ def _white(piece: Piece, band: float, seen: Callable[[Rows], Rows]) -> float:
     return float(np.mean(np.diff(tau, axis=0) ** 2) / np.mean(tau**2))
 
 
-def _bent(
-    triangles: list[Triangle],
-    differenced: list[Triangle],
-    layout: Layout,
-    band: float,
-    white: float,
-) -> Array:
+def _bent(heard: _Heard, rows: Sequence[Rows], seen: Callable[[Rows], Rows]) -> Array:
     """(n,) s, standard errors of the joints' shifts if of what the model lacks, all that is left
     over but noise, a part goes as the torque's slope does; inf where a joint knows none. White
     noise steps from sample to sample by as much as it is large, what a model lacks hardly at
     all."""
-    indices, solution = _solved(triangles, layout)
+    triangles, steps_of = triangles_of(rows), triangles_of(map(_differenced, rows))
+    white = _white(next(heard.pieces.some()), heard.band, seen)
+    indices, solution = _solved(triangles, heard.layout)
     errors = np.full(len(triangles), np.inf)
-    for j, (all_of_it, steps) in enumerate(zip(triangles, differenced, strict=True)):
+    for j, (all_of_it, steps) in enumerate(zip(triangles, steps_of, strict=True)):
         beta = np.append(solution.beta[indices[j]], -1.0)
         left = all_of_it.squares(beta) / max(all_of_it.rows, 1)
         noise = steps.squares(beta) / max(steps.rows, 1) / white
         lacks = float(np.clip(1.0 - noise / max(left, 1e-300), 0.0, 1.0))
-        sharp = float(np.sum(solution.to_beta[layout.size + j] ** 2))
+        sharp = float(np.sum(solution.to_beta[heard.layout.size + j] ** 2))
         if sharp > 0.0:
-            bends = CORRELATED / band + LACK_BENDS**2 * lacks * all_of_it.rows
+            bends = CORRELATED / heard.band + LACK_BENDS**2 * lacks * all_of_it.rows
             errors[j] = np.sqrt(sharp * bends)
     return errors
 
@@ -239,11 +248,6 @@ def _solved(triangles: list[Triangle], layout: Layout) -> tuple[list[Array], Sol
     none = [Triangle(t.width) for t in triangles]
     sigma = estimate_weights(triangles, none, indices, size + n)
     return indices, solve(triangles, indices, size + n, sigma)
-
-
-def _estimate(triangles: list[Triangle], layout: Layout, band: float) -> float:
-    found = _shift_left(triangles, layout, band)
-    return found.estimate if np.isfinite(found.std_error) else np.nan
 
 
 def _with_slope(piece: Piece, layout: Layout, model: TorqueModel, far: float) -> Rows:

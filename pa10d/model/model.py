@@ -170,6 +170,16 @@ class TorqueModel:
                 found[name] = replace(value, determined=False)
         return as_told(self.robot, term, found)
 
+    def coefficient_values(self, index: int) -> dict[str, Value]:
+        """Of one effect, each as ``term_values`` has it where that has it: one error everywhere."""
+        term, told = self.terms[index], self.term_values(index)
+        errors = self.std_errors[self.term_slice(index)]
+        share = self.robot.gain_share(term.joints)
+        return {
+            c.name: told.get(c.name) or Value(float(v), float(e), c.unit).with_gain_error(share)
+            for c, v, e in zip(term.effect.coefficients, term.coefficients, errors, strict=True)
+        }
+
     def contextualise(self, context: Context) -> Context:
         """The same motion with this model's loads and total torque."""
         loads = None if self.loads is None else self.load_bodies

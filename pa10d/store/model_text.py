@@ -103,20 +103,15 @@ def _base(model: TorqueModel) -> list[Flow]:
 
 
 def _effects(model: TorqueModel) -> list[JsonObject]:
-    out, errors = [], model.std_errors
+    out = []
     for i, term in enumerate(model.terms):
-        own, share = errors[model.term_slice(i)], model.robot.gain_share(term.joints)
-        kind, told = term.effect, model.term_values(i)
+        kind = term.effect
         entry: JsonObject = {
             "effect": term.effect_id,
             "joints": Row(j + 1 for j in term.joints),
             **({"over": Row(term.over)} if term.over else {}),
             "coefficients": {
-                c.name: _value(
-                    told.get(c.name)
-                    or Value(float(value), float(error), c.unit).with_gain_error(share)
-                )
-                for c, value, error in zip(kind.coefficients, term.coefficients, own, strict=True)
+                name: _value(value) for name, value in model.coefficient_values(i).items()
             },
         }
         if kind.shapes:
@@ -128,7 +123,7 @@ def _effects(model: TorqueModel) -> list[JsonObject]:
         if about:
             entry["linear_about"] = Flow(about)
         known = {*entry["coefficients"], *entry.get("shape", {})}
-        derived = {k: v for k, v in told.items() if k not in known}
+        derived = {k: v for k, v in model.term_values(i).items() if k not in known}
         if derived:
             entry["values"] = {k: _value(v) for k, v in derived.items()}
         out.append(entry)

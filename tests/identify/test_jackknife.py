@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pa10d.identify.jackknife import STRETCHES, blocks_of, moved_by_stretches, whole, without_each
+from pa10d.identify.jackknife import STRETCHES, moved_by_stretches, stretches, without_each
 from pa10d.identify.rows import Rows, triangles_of
 
 
@@ -21,20 +21,26 @@ def mean_of_first(triangles) -> float:
 
 
 @pytest.mark.parametrize("count", [1, 2, 4, 9])
-def test_stretches_are_all_of_the_data(count):
+def test_stretches_are_all_of_the_data_and_each_is_left_out_once(count):
     pieces = [rows(60 + k, k) for k in range(count)]
-    blocks = blocks_of(pieces, count)
-    assert len(blocks) >= STRETCHES
-    for joined, once in zip(whole(blocks), triangles_of(pieces), strict=True):
-        assert joined.rows == once.rows
-        np.testing.assert_allclose(joined.sums, once.sums)
-        np.testing.assert_allclose(joined.r.T @ joined.r, once.r.T @ once.r, atol=1e-9)
+    parts = stretches(pieces)
+    assert len(parts) >= STRETCHES
+    every = triangles_of(pieces)
+    seen = []
+    without_each(pieces, lambda rest: float(len(seen) if seen.append(rest) else 0))
+    assert len(seen) == len(parts)
+    for part, rest in zip(parts, seen, strict=True):
+        for own, others, all_of_it in zip(triangles_of([part]), rest, every, strict=True):
+            assert own.rows + others.rows == all_of_it.rows
+            np.testing.assert_allclose(own.sums + others.sums, all_of_it.sums, atol=1e-9)
+            together = own.r.T @ own.r + others.r.T @ others.r
+            np.testing.assert_allclose(together, all_of_it.r.T @ all_of_it.r, atol=1e-9)
 
 
 def test_of_a_mean_it_is_the_standard_error_of_a_mean():
     """With one sample a stretch, exactly."""
     part = rows(STRETCHES, 3)
-    found = moved_by_stretches(without_each(blocks_of([part], 1), mean_of_first))
+    found = moved_by_stretches(without_each([part], mean_of_first))
     values = part.tau[:, 0]
     assert found == pytest.approx(values.std(ddof=1) / np.sqrt(len(values)))
 
