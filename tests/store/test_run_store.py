@@ -36,7 +36,7 @@ def test_ids_sort_by_time_and_differ():
     assert [i[:18] for i in ids] == sorted(i[:18] for i in ids)
 
 
-def test_a_name_comes_before_an_id_and_an_id_before_its_start():
+def test_an_id_comes_before_a_name_and_a_name_before_the_start_of_an_id():
     def run(run_id, name):
         return RunInfo(run_id, name, "", "", ())
 
