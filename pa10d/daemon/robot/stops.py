@@ -48,7 +48,9 @@ class Stops:
     def refuse(self) -> None:
         """Stopped where somebody has asked for a stop since this work was asked for."""
         if _BEGAN.get() not in (None, self.count):
-            raise Stopped("stopped: what had begun before does not move the arm any more")
+            raise Stopped(
+                "somebody stopped the arm; what had begun before does not move it any more"
+            )
 
     async def unless(self, work: Coroutine[Any, Any, T]) -> T:
         """Its result; Stopped as soon as somebody asks for a stop, without waiting for it."""
