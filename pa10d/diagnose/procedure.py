@@ -24,6 +24,7 @@ from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import helped_most, reason, sentence
+from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, suspects
@@ -91,6 +92,7 @@ def diagnose(
     as_given = held_out(model, state)
     given_error = judged(model.name, as_given)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
+    asked = heard(asked, held)
     if frozen:
         state.usual, state.as_given = _usual(model, given_error), given_error.rms
         asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
@@ -111,17 +113,27 @@ def diagnose(
     left, again = judged(versions[-1].name, seen), repeatable(seen)
     maps, slight = material(left, maps)
     open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
+    open_joints = [j for j in open_joints if j not in held.silent]
     more = [one.unnamed() for one in foretold(state, open_joints)]
     unsure = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
     doubt = doubtful(left, state.fit.rms(), unsure)
     unexplained: tuple[Unexplained, ...] = (
         *maps,
         *more,
-        *unnamed(left, again, [*maps, *more], doubt, only is None, turning(seen), reversing(seen)),
+        *unnamed(
+            left,
+            again,
+            [*maps, *more],
+            doubt,
+            only is None,
+            turning(seen),
+            reversing(seen),
+            held.silent,
+        ),
     )
     said_of = [u for u in unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
-    silent = [j for j in _unsaid(left, said_of) if np.isfinite(left.ratio[j])]
-    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if only is None else ()
+    unsaid = [j for j in _unsaid(left, said_of) if np.isfinite(left.ratio[j])]
+    stand_out = places(seen, model.robot, left.floor.values, joints=unsaid) if only is None else ()
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
@@ -141,6 +153,7 @@ def diagnose(
         only is None,
         {**search.rival_gains, **swaying_gains(state, maps)},
         stand_out,
+        held.silent,
     )
     say(1.0, "done")
     return Diagnosis(
@@ -242,6 +255,11 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
     return [(kind, (j,)) for j in joints]
 
 
+def heard(suspects: Suspects, held: Side) -> Suspects:
+    """Without those of joints of which no sample counts."""
+    return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
+
+
 def _unsaid(left: Judgement, maps: Sequence[Unexplained]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and have no map."""
     named = {s.joint for s in maps}
@@ -266,7 +284,7 @@ def _new_kinds(model: TorqueModel, given: Judgement, search: Search) -> Suspects
     asked = {(kind.id, joints) for kind, joints in search.suspects}
     return [
         (kind, joints)
-        for kind, joints in suspects(False, model.robot.n)
+        for kind, joints in heard(suspects(False, model.robot.n), search.state.held)
         if (kind.id, joints) not in asked
         and any(keeps[j] for j in joints)
         and not _always_lacked(kind, joints, model, given)

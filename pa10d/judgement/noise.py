@@ -91,6 +91,7 @@ class _Seen:
 
 NOTHING = _Seen(0.0, 0, 0.0)
 ROLLED_OFF = _Seen(0.0, 0, 0.0, fall=float("inf"))
+UNKNOWN = float("nan"), None, float("nan"), float("inf")
 
 
 def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
@@ -101,6 +102,8 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     smoothed = sum(ROLLED_OFF in parts for parts in above) > len(above) / 2
     found = [
         _floor(runs, j, passes[j], NOTHING if smoothed else _pooled(parts))
+        if any(j not in run.rested for run in runs)
+        else UNKNOWN
         for j, parts in enumerate(above)
     ]
     values, methods, errors, slow = zip(*found, strict=True)

@@ -33,6 +33,11 @@ def assembled(
     return out
 
 
+def rms(rows: Array) -> float:
+    """Of rows (m,) of one joint; zero of none."""
+    return float(np.sqrt(np.mean(rows**2))) if len(rows) else 0.0
+
+
 def predict(columns: PerJoint, beta: Array) -> PerJoint:
     """Torque per joint (m_j,) of given columns and coefficients."""
     return {j: c @ beta for j, c in columns.items()}

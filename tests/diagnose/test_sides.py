@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
-from two_links import CUTOFF, RATE, recordings, robot, state_of, textbook
+from two_links import (
+    CUTOFF,
+    RATE,
+    motion,
+    recordings,
+    robot,
+    state_of,
+    textbook,
+    textbook_torque,
+)
 
 from pa10d.common.errors import UserError
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.sides import blocks, two_sides
 from pa10d.effects import effect
+from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
 
@@ -118,24 +131,74 @@ def test_another_arm_is_refused(runs, model):
         two_sides(model, [one], [])
 
 
-def test_a_joint_that_never_moves_is_named(runs, model):
-    run = runs["fit_a"]
+def recorded(run, angle):
     q = run.q.copy()
-    q[:, 1] = 0.3
-    still = Recording("still", run.t, q, run.tau)
-    with pytest.raises(UserError, match="joint 2 never moves in the data to judge by"):
+    q[:, 1] = angle
+    return Recording("odd", run.t, q, run.tau)
+
+
+@pytest.mark.parametrize(
+    ("angle", "why"),
+    [
+        (lambda t: 0.3 + 0.0 * t, "joint 2 never moves in the data to judge by"),
+        # a motor that cogs moves all the time; a band of 8 Hz only cannot see it
+        (
+            lambda t: 0.3 + 0.05 * np.sin(2 * np.pi * 9.0 * t),
+            r"joint 2 turns round or stands so often .* 8 Hz .* strokes of 0\.2 s and more",
+        ),
+        (
+            lambda t: 0.3 + 0.3 * np.sin(2 * np.pi * 0.4 * np.clip(t - 10.0, 0.0, 0.5)),
+            r"\d+ independent samples of joint 2 in motion in the data to judge by",
+        ),
+    ],
+)
+def test_a_joint_of_which_the_data_says_nothing_does_not_keep_the_others_from_it(
+    runs, model, angle, why
+):
+    run = runs["fit_a"]
+    _, held, _ = two_sides(model, [run], [recorded(run, angle(run.t))])
+    assert list(held.silent) == [1]
+    assert re.match(why, held.silent[1])
+    assert [len(tau) > 0 for tau in held.tau] == [True, False]
+
+
+def test_data_that_says_nothing_of_any_joint_is_refused(runs, model):
+    run = runs["fit_a"]
+    still = Recording("still", run.t, np.full_like(run.q, 0.3), run.tau)
+    told = "joint 1 never moves in the data to judge by.*no other joint"
+    with pytest.raises(UserError, match=told):
         two_sides(model, [run], [still])
 
 
-def test_a_joint_that_turns_round_too_often_does_not_stand(runs, model):
-    """A motor that cogs moves all the time; a band of 8 Hz only cannot see it."""
-    run = runs["fit_a"]
-    q = run.q.copy()
-    q[:, 1] = 0.3 + 0.05 * np.sin(2 * np.pi * 9.0 * run.t)
-    shaken = Recording("shaken", run.t, q, run.tau)
-    told = r"joint 2 turns round or stands so often .* 8 Hz .* strokes of 0\.2 s and more"
-    with pytest.raises(UserError, match=told):
-        two_sides(model, [run], [shaken])
+def test_the_others_are_diagnosed_beside_a_joint_at_rest():
+    """Joint 2 rests in all runs and is held by torques that no model knows; joint 1 cogs."""
+    still = {name: at_rest(seed) for seed, name in enumerate(("fit", "judge"))}
+    model = identify([still["fit"]], robot(), name="m0", cutoff=CUTOFF)
+    found = diagnose(model, [still["fit"]], [still["judge"]])
+    (only,) = found.findings
+    assert (only.term.effect_id, only.term.joints) == ("torque_ripple", (0,))
+    moved, rested = found.remaining
+    assert moved.ratio < 1.2
+    assert rested.sentence == (
+        "Nothing was looked for on joint 2: joint 2 never moves in the data to fit: use runs in "
+        "which it does."
+    )
+    assert not rested.significant
+    assert np.isnan(rested.ratio)
+    promise = found.model.notes.delivery
+    assert promise.promised[1] == promise.achieved[1]
+    assert not promise.worse
+
+
+def at_rest(seed):
+    rng = np.random.default_rng(seed)
+    t, q, dq, ddq = motion(seed)
+    for x, rest in ((q, 0.4), (dq, 0.0), (ddq, 0.0)):
+        x[:, 1] = rest
+    tau = textbook_torque(q, dq, ddq) + 0.02 * rng.standard_normal(q.shape)
+    tau[:, 0] += 0.2 * np.sin(9.0 * q[:, 0])
+    tau[:, 1] += 0.5 + 0.3 * seed
+    return Recording(f"r{seed}", t, q, tau)
 
 
 def test_scatter_puts_rows_back_where_they_were(runs, model):

@@ -21,7 +21,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.model import Term
 from pa10d.regression.covariance import WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import PerJoint, rms
 from pa10d.regression.scores import Memory, ScoreVectors, covariance_of
 
 Array = NDArray[np.float64]
@@ -194,7 +194,7 @@ def scales_of(state: SearchState, columns: PerJoint) -> tuple[Array, Array, Arra
     peaks = np.zeros((state.train.n, width))
     for j, x in columns.items():
         peaks[j] = np.abs(x).max(axis=0, initial=0.0)
-    torque = [float(np.sqrt(np.mean(t**2))) if len(t) else 0.0 for t in state.train.tau]
+    torque = [rms(t) for t in state.train.tau]
     return peaks, np.array(torque), state.fit.rms()
 
 

@@ -24,7 +24,7 @@ from pa10d.diagnose.constants import (
     SMOOTHING_HZ,
 )
 from pa10d.diagnose.regression.side import Side
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
 
@@ -103,12 +103,12 @@ def judge(
     ground = ground or {}
     heard = side.scatter({j: np.ones(len(r)) * ground.get(j, True) for j, r in r0.items()})
     for j in range(n):
-        before[j] = np.sqrt(np.mean(r0[j] ** 2))
+        before[j] = rms(r0[j])
         after[j] = before[j]
         if j not in change or not np.any(change[j]):
             continue
         p, r = change[j], r0[j]
-        after[j] = np.sqrt(np.mean((r - p) ** 2))
+        after[j] = rms(r - p)
         weight = 1.0 / sigma[j] ** 2
         loss = 2 * p @ r - p @ p
         gains[j] = weight * loss
@@ -153,9 +153,7 @@ def judge(
 
 def spread(residual: PerJoint) -> Array:
     """(n,) RMS per joint, N·m."""
-    return np.array(
-        [max(float(np.sqrt(np.mean(r**2))), 1e-12) for _, r in sorted(residual.items())]
-    )
+    return np.array([max(rms(r), 1e-12) for _, r in sorted(residual.items())])
 
 
 def fit_side_power(side: Side, residual: PerJoint, change: PerJoint) -> float:

@@ -30,7 +30,7 @@ from pa10d.effects.rotor import LIGHTEST
 from pa10d.effects.swing import Swing, driven_lag
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
-from pa10d.regression.per_joint import PerJoint, assembled
+from pa10d.regression.per_joint import PerJoint, assembled, rms
 from pa10d.regression.rests import filtered
 from pa10d.regression.solution import strong
 
@@ -113,7 +113,7 @@ class Flexible:
     def _step(self, beta: Array, spring: JointSpring, torque: PerJoint) -> Array:
         """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
         slopes = self._slopes(beta, spring)
-        sigma = {j: _rms(self.side.tau[j] - torque[j]) for j in torque}
+        sigma = {j: max(rms(self.side.tau[j] - torque[j]), 1e-12) for j in torque}
         rows = np.concatenate([slopes[j] / sigma[j] for j in torque])
         target = np.concatenate([(self.side.tau[j] - torque[j]) / sigma[j] for j in torque])
         scale = np.linalg.norm(rows, axis=0)
@@ -246,8 +246,4 @@ def _coarse(run: RunEquation, context: Context) -> _Run:
 
 
 def _left(side: Side, torque: PerJoint) -> float:
-    return float(sum(np.log(_rms(side.tau[j] - torque[j])) for j in torque))
-
-
-def _rms(x: Array) -> float:
-    return max(float(np.sqrt(np.mean(x**2))), 1e-12)
+    return float(sum(np.log(max(rms(side.tau[j] - torque[j]), 1e-12)) for j in torque))

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.regression.side import Side
 from pa10d.model import Unknowns
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import PerJoint, rms
 from pa10d.regression.problem import Knowledge, LinearProblem
-from pa10d.regression.solution import Solution, asked_for
+from pa10d.regression.solution import NO_COLUMN, Solution, asked_for
 
 Array = NDArray[np.float64]
 
@@ -35,11 +35,14 @@ class LeastSquares(Solution):
     coordinates: Array
 
     def rms(self) -> Array:
-        """(n,) N·m RMS of the unweighted residual per joint."""
-        n = len(self.sigma)
-        return np.array(
-            [float(np.sqrt(np.mean(self.residual[j] ** 2))) * self.sigma[j] for j in range(n)]
-        )
+        """(n,) N·m RMS of the unweighted residual per joint; σ itself where it has no row."""
+        left = [rms(self.residual[j]) if self.rows[j] else 1.0 for j in range(len(self.sigma))]
+        return np.asarray(left * self.sigma)
+
+    @property
+    def rows(self) -> list[int]:
+        """m_j of every joint."""
+        return [len(self.residual[j]) for j in range(len(self.sigma))]
 
     def without(self, columns: slice) -> LeastSquares:
         """The same least squares with some columns left out, by downdating the basis.
@@ -88,8 +91,8 @@ def least_squares(
         parts, targets = [*parts, known.wide(parts[0].shape[1])], [*targets, known.target]
     stacked, target = np.concatenate(parts), np.concatenate(targets)
     scale = np.linalg.norm(stacked, axis=0)
-    empty = scale == 0
-    scale[empty] = 1.0
+    empty = scale <= NO_COLUMN * scale.max(initial=0.0)
+    stacked[:, empty], scale[empty] = 0.0, 1.0
     stacked /= scale
     size = stacked.shape[1]
     both = np.concatenate([stacked, target[:, None]], axis=1)
@@ -143,7 +146,7 @@ def iterated_fit(
     rounds: int = 3,
 ) -> LeastSquares:
     """Weighted fit with each joint's σ estimated from its own residual."""
-    weights = np.array([max(float(np.std(side.tau[j])), 1e-9) for j in range(side.n)])
+    weights = np.array([max(float(np.std(tau)), 1e-9) if len(tau) else 1.0 for tau in side.tau])
     if sigma is not None:
         weights, rounds = sigma, 1
     fit = least_squares(side, columns, weights, known)

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 def agreed(fit: LeastSquares) -> Array:
     """(p,) coefficients by iteratively reweighted least squares from this fit on."""
-    basis = {j: q[::MAJORITY_THIN] for j, q in fit.basis.items()}
-    residual = {j: r[::MAJORITY_THIN] for j, r in fit.residual.items()}
+    residual = {j: r[::MAJORITY_THIN] for j, r in fit.residual.items() if len(r)}
+    basis = {j: fit.basis[j][::MAJORITY_THIN] for j in residual}
     moved = np.zeros(len(fit.coordinates))
     # what the fit knew besides the data weighs as much as in the fit itself
     besides = np.eye(len(moved)) - np.sum([q.T @ q for q in fit.basis.values()], axis=0)

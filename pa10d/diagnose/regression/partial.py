@@ -47,7 +47,7 @@ def partials(
         weighted = c / fit.sigma[j]
         seen += fit.basis[j].T @ weighted
         rhs += weighted.T @ fit.residual[j]
-        parts = weighted.reshape(len(weighted), -1, width)
+        parts = weighted.reshape(len(weighted), weighted.shape[1] // width, width)
         own += np.einsum("msk,msl->skl", parts, parts)
     lower = np.array([-np.inf if falls else c.lower for c in effect.coefficients])
     upper = np.array([c.upper for c in effect.coefficients])

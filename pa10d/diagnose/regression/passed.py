@@ -107,7 +107,7 @@ class _Thin:
             grams.append(a.T @ a)
             sides.append(a.T @ y)
             squares.append(float(y @ y))
-            counts.append(max(len(y), 1))
+            counts.append(len(y))
         sigma = self.state.fit.rms()
         for _ in range(3):
             gram = sum(g / s**2 for g, s in zip(grams, sigma, strict=True))
@@ -117,7 +117,7 @@ class _Thin:
                 q - 2.0 * beta @ b + beta @ g @ beta
                 for q, b, g in zip(squares, sides, grams, strict=True)
             ]
-            sigma = np.sqrt(np.maximum(left, 1e-12) / counts)
+            sigma = np.sqrt(np.maximum(left, 1e-12) / np.maximum(counts, 1))
         return beta, sigma
 
     def modes(self) -> list[tuple[float, float]]:

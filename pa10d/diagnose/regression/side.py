@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,25 +24,30 @@ class Side:
 
     runs      the equations, in order
     contexts  their motion, with the loads and torques of the model that they are seen through
+    silent    joints of which no sample counts, and why
     """
 
     runs: tuple[RunEquation, ...]
     contexts: tuple[Context, ...]
+    silent: Mapping[int, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, runs: Sequence[RunEquation]) -> Side:
+    def of(cls, runs: Sequence[RunEquation], silent: Mapping[int, str] | None = None) -> Side:
         """Seen through no model yet."""
-        return cls(tuple(runs), tuple(run.context for run in runs))
+        return cls(tuple(runs), tuple(run.context for run in runs), silent or {})
 
     @property
     def n(self) -> int:
         """Joints."""
         return self.runs[0].tau.shape[1]
 
-    @property
+    @cached_property
     def keep(self) -> list[Mask]:
         """Per run (M, n): which samples count."""
-        return [run.keep for run in self.runs]
+        if not self.silent:
+            return [run.keep for run in self.runs]
+        heard = ~np.isin(np.arange(self.n), list(self.silent))
+        return [run.keep & heard for run in self.runs]
 
     @cached_property
     def tau(self) -> list[Array]:
@@ -51,11 +56,11 @@ class Side:
 
     def shifted(self, seconds: float) -> Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
-        return Side(tuple(run.later(seconds) for run in self.runs), self.contexts)
+        return replace(self, runs=tuple(run.later(seconds) for run in self.runs))
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""
-        return Side(self.runs, tuple(model.contextualise(run.context) for run in self.runs))
+        return replace(self, contexts=tuple(model.contextualise(run.context) for run in self.runs))
 
     def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
         """Filtered regressor columns."""

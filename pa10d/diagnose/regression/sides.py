@@ -58,32 +58,26 @@ def two_sides(
             f"every other block of time of {', '.join(sorted(shared_names))}; the blocks between "
             "were fitted (no separate validation run)"
         )
-    _all_move(train, "to fit")
-    _all_move(held, "to judge by")
+    silent = {**_few_to_judge(held), **_idle(held, "to judge by"), **_idle(train, "to fit")}
+    if len(silent) == model.robot.n:
+        others = "; no other joint can be judged by it either" if len(silent) > 1 else ""
+        raise UserError(f"diagnose: {silent[0]}{others}")
     _enough_to_fit(model, train)
-    _enough_to_judge(held)
-    return Side.of(train), Side.of(held), words
+    return Side.of(train), Side.of(held, silent), words
 
 
-def _all_move(side: Sequence[RunEquation], what: str) -> None:
-    """Refuse data in which a joint has no motion that the band can tell from its standstills."""
+def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
+    """Joints of which a side has no motion that the band can tell from standstills, and why."""
     idle = ~np.any([run.keep.any(axis=0) for run in side], axis=0)
-    if not idle.any():
-        return
     turning = idle & np.any([(run.moving & run.counts).any(axis=0) for run in side], axis=0)
-    named = ", ".join(str(j + 1) for j in np.flatnonzero(turning if turning.any() else idle))
-    if not turning.any():
-        raise UserError(
-            f"diagnose: joint {named} never moves in the data {what}, expected all joints to; "
-            "use other runs or a profile with fewer joints"
-        )
     cutoff = side[0].lowpass.cutoff
-    raise UserError(
-        f"diagnose: joint {named} turns round or stands so often in the data {what} that a band "
-        f"of {cutoff:.3g} Hz sees nothing clear of that, expected strokes of "
-        f"{2.0 * REACH / cutoff:.2g} s and more; use such runs, or a model that was identified in "
-        "a wider band"
+    never = f"never moves in the data {what}: use runs in which it does"
+    short = (
+        f"turns round or stands so often in the data {what} that a band of {cutoff:.3g} Hz sees "
+        f"nothing clear of that, expected strokes of {2.0 * REACH / cutoff:.2g} s and more: use "
+        "such runs, or a model that was identified in a wider band"
     )
+    return {int(j): f"joint {j + 1} {short if turning[j] else never}" for j in np.flatnonzero(idle)}
 
 
 def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
@@ -99,18 +93,16 @@ def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
         )
 
 
-def _enough_to_judge(held: Sequence[RunEquation]) -> None:
-    """Refuse data that has too few independent samples of a joint to know its noise by: nothing
-    is fitted to them, so the number of unknowns does not matter."""
+def _few_to_judge(held: Sequence[RunEquation]) -> dict[int, str]:
+    """Joints with too few independent samples to know their noise by, and how many: nothing is
+    fitted to them, so the number of unknowns does not matter."""
     found = _independent(held)
-    few = np.flatnonzero(found < FEWEST_TO_JUDGE)
-    if len(few):
-        j = int(few[0])
-        raise UserError(
-            f"diagnose: {found[j]:.0f} independent samples of joint {j + 1} in motion in the data "
-            f"to judge by, expected at least {FEWEST_TO_JUDGE}: a longer run of another motion, or "
-            "a wider band (--cutoff)"
-        )
+    return {
+        int(j): f"{found[j]:.0f} independent samples of joint {j + 1} in motion in the data to "
+        f"judge by, expected at least {FEWEST_TO_JUDGE}: a longer run of another motion, or a "
+        "wider band (--cutoff)"
+        for j in np.flatnonzero(found < FEWEST_TO_JUDGE)
+    }
 
 
 def _independent(runs: Sequence[RunEquation]) -> Array:

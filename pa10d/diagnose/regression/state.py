@@ -15,7 +15,7 @@ from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import Side
 from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
-from pa10d.regression.per_joint import PerJoint, assembled, predict
+from pa10d.regression.per_joint import PerJoint, assembled, predict, rms
 from pa10d.regression.problem import Knowledge, LinearProblem
 
 Array = NDArray[np.float64]
@@ -210,7 +210,7 @@ class SearchState:
         """(n,) N·m that other values of the coefficients leave on the training side."""
         torque = predict(self.matrix(0), beta)
         left = [self.train.tau[j] - torque[j] for j in range(self.train.n)]
-        return np.array([float(np.sqrt(np.mean(r**2))) for r in left])
+        return np.array([rms(r) for r in left])
 
     def train_residual(self) -> PerJoint:
         """joint -> (m_j,) N·m left over on the training side."""

@@ -9,6 +9,7 @@ from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.regression import per_joint
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ def spoils(before: SearchState, after: SearchState) -> bool:
     and away from where a joint happened to do well: that is no reason to go without it.
     """
     r0, r1 = before.held_residual(), after.held_residual()
-    ratio = rms(r1) / np.maximum(rms(r0), 1e-300)
+    ratio = _times(rms(r1), rms(r0))
     if np.sum(ratio**2 - 1.0) > 0:
         return True
     if np.max(ratio) > 1.0 + MUCH_WORSE:
@@ -39,15 +40,20 @@ def spoils(before: SearchState, after: SearchState) -> bool:
 def turns_worse(before: SearchState, after: SearchState) -> bool:
     """The same with reversals, which no fit looks at, where a joint did not get worse without them
     already."""
-    ratio = rms(after.held_residual()) / np.maximum(rms(before.held_residual()), 1e-300)
-    everywhere = after.moving_rms() / np.maximum(before.moving_rms(), 1e-300)
+    ratio = _times(rms(after.held_residual()), rms(before.held_residual()))
+    everywhere = _times(after.moving_rms(), before.moving_rms())
     beyond = everywhere / np.maximum(ratio, 1.0)
     return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
 
 
+def _times(after: Array, before: Array) -> Array:
+    """(n,): one where a joint has no sample to judge by."""
+    return np.where(before > 0, after / np.maximum(before, 1e-300), 1.0)
+
+
 def rms(residual: dict[int, Array]) -> Array:
     """(n,) N·m."""
-    return np.array([float(np.sqrt(np.mean(residual[j] ** 2))) for j in sorted(residual)])
+    return np.array([per_joint.rms(residual[j]) for j in sorted(residual)])
 
 
 def taken_by(before: SearchState, after: SearchState) -> float:

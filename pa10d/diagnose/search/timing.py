@@ -73,10 +73,11 @@ def _move(state: SearchState, seconds: float) -> None:
 
 
 def _sizes(state: SearchState) -> Array:
-    """(2, n): logarithm of the joints' squared held-out errors, without reversals and with them."""
+    """(2, k): logarithm of judged joints' squared held-out errors, without and with reversals."""
     residual = state.held_residual()
-    without = [np.mean(residual[j] ** 2) for j in range(state.held.n)]
-    return np.log(np.array([without, state.moving_rms() ** 2]))
+    judged = [j for j in range(state.held.n) if len(residual[j])]
+    without = [np.mean(residual[j] ** 2) for j in judged]
+    return np.log(np.array([without, state.moving_rms()[judged] ** 2]))
 
 
 def _helps(before: Array, after: Array) -> bool:

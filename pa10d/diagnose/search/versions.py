@@ -60,7 +60,7 @@ def snapshot(
         part.model,
         terms=tuple(terms),
         covariance=known.covariance,
-        noise=part.fit.rms(),
+        noise=np.where(part.fit.rows, part.fit.rms(), given.noise),
         shift=part.train.runs[0].shift,
         standard=given.standard if frozen else None,
         feasible=given.feasible and frozen,
@@ -70,7 +70,7 @@ def snapshot(
         notes=notes,
     )
     seen = held_out(model, state)
-    promise = delivery(rms(part.held_residual()), as_given, seen)
+    promise = delivery(rms(part.held_residual()), as_given, seen, part.held.silent)
     model = replace(
         model,
         held_out={"held out": np.array(promise.achieved)},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -110,13 +110,14 @@ def unnamed(
     by_size: bool = True,
     turned: Sequence[Turning | None] = (),
     reversed_: Sequence[Reversing | None] = (),
+    silent: Collection[int] = (),
 ) -> list[Unnamed]:
     """Joints for which no map was found, and whose error, materially above the floor, comes again,
     is larger after reversals or turns round with the joint, or (by_size) is larger than noise can
     be. doubt (n,) N·m: what the uncertainty of the model's own coefficients may leave; that comes
-    again, too, and is nothing missing."""
+    again, too, and is nothing missing; silent: joints of which no sample counts."""
     floor, rms = judged.floor.values, judged.rms
-    named = {s.joint for s in known}
+    named = {*(s.joint for s in known), *silent}
     out = []
     for j, seen in enumerate(again):
         if j in named:
@@ -183,6 +184,7 @@ def remaining(
     searched: bool = True,
     gains: Mapping[int, Structure] | None = None,
     stand_out: Sequence[Place] = (),
+    silent: Mapping[int, str] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -191,11 +193,14 @@ def remaining(
     that is kept as it was may leave though nothing changed; searched: more than one suspicion was
     looked for; gains: by joint, such as sway and explain more than its map or findings do;
     stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
-    slow as gravity may be, too."""
+    slow as gravity may be, too; silent: joints of which no sample counts, and why."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
     for j, seen in enumerate(again):
+        if silent and j in silent:
+            out.append(_not_judged(j, float(judged.rms[j]), silent[j]))
+            continue
         left = of_joint.get(j)
         floor, ratio = float(judged.floor.values[j]), float(judged.ratio[j])
         material = bool(ratio > MATERIAL_REST) if np.isfinite(ratio) else None
@@ -233,6 +238,11 @@ def remaining(
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+def _not_judged(joint: int, rms: float, why: str) -> Remaining:
+    text = f"Nothing was looked for on joint {joint + 1}: {why}."
+    return Remaining(joint, rms, float("nan"), None, False, None, None, (), text)
 
 
 NOT_NEW = (

@@ -81,7 +81,8 @@ def find_structure(state: SearchState) -> list[Structure]:
     that colours the others. So these are asked again with the equation of the stronger one left
     out of the fit.
     """
-    found = _best_maps(state, range(state.train.n))
+    heard = [j for j in range(state.train.n) if j not in state.held.silent]
+    found = _best_maps(state, heard)
     certain = found[:1]
     while suspected := {s.joint for s in found} - {s.joint for s in certain}:
         more = _best_maps(_without(state, [s.joint for s in certain]), sorted(suspected))
@@ -281,6 +282,7 @@ class Noise:
 
 def noise_beside(state: SearchState, residual: PerJoint, predictions: list[Prediction]) -> Noise:
     """residual: joint -> (m_j,) N·m held out."""
+    residual = {j: r for j, r in residual.items() if len(r)}
     power = {j: float(np.mean(r**2)) for j, r in residual.items()}
     noises = {j: held_noise(state, j, r, np.ones(len(r), dtype=bool)) for j, r in residual.items()}
     own = {}
@@ -379,5 +381,6 @@ def _two_hats(values: Array, grid: Array) -> tuple[NDArray[np.int64], Array]:
     """(rows, 2): the knots beside each value and their share in a piecewise linear function that is
     constant beyond the ends."""
     place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
-    share = np.clip((values - grid[place]) / (grid[place + 1] - grid[place]), 0.0, 1.0)
+    width = np.maximum(grid[place + 1] - grid[place], 1e-300)  # none where nothing moved
+    share = np.clip((values - grid[place]) / width, 0.0, 1.0)
     return np.column_stack([place, place + 1]), np.column_stack([1.0 - share, share])
