@@ -13,6 +13,7 @@ from pa10d.checks import Known, check_recording
 from pa10d.common.errors import UserError
 from pa10d.face.robot import Robot
 from pa10d.face.values import Array, ByContent, Fixed, bits, frozen
+from pa10d.measurement.believable import EXPECTED, believable, refuse_vanishing
 from pa10d.measurement.recording import Recording
 from pa10d.readers import Part, read_recording
 from pa10d.services.runs import stated_in
@@ -51,6 +52,7 @@ class Run(ByContent):
             np.zeros(len(t), np.int64), given["q"], given["tau"], given.get("dq"),
             temperature=given.get("temperature"), extra=_channels(extra or {}, len(t)),
         )  # fmt: skip
+        refuse_vanishing(name, samples.tau)
         timing, even = equal_steps(t, samples)
         self.name, self._unmeasured = name, timing.unmeasured
         self.time = frozen(timing.grid)
@@ -164,11 +166,11 @@ def _joint_columns(length: int, columns: Mapping[str, ArrayLike | None]) -> dict
         if array.shape != (length, joints):
             expected = f"({length}, {joints})"
             raise UserError(f"{name}: found shape {array.shape}, expected {expected}")
-        if name in ("q", "tau") and not np.isfinite(array).all():
-            row, joint = np.argwhere(~np.isfinite(array))[0]
+        if name in ("q", "tau") and not believable(array).all():
+            row, joint = np.argwhere(~believable(array))[0]
             raise UserError(
                 f"{name}: joint {joint + 1} is {array[row, joint]} in sample {row}, "
-                "expected a number"
+                f"expected {EXPECTED}"
             )
         out[name] = array
     return out

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 STEADY = 0.01  # of a period: stamps this close to equal steps are taken as equal steps
 GAP = 4.0  # periods without a sample: too long for a cubic to be trusted
 UNEVEN = 3.0  # ratio of neighbouring steps from which a cubic would amplify noise
+LEAST_STEP = 1e-7  # s: nothing that reads a joint is as fast
 LATEST = 9e9  # s: nanoseconds are counted in 64 bits
 LARGEST_GRID = 1_000_000  # samples at equal steps that any recording may become
 STRETCH = 20  # times as many samples as were measured, should that be more
@@ -91,6 +92,8 @@ def analyse(t: Array, duplicates: int = 0) -> Timing:
     with np.errstate(over="ignore"):
         steps = np.diff(t)
     median = float(np.median(steps))
+    if not median >= LEAST_STEP:
+        raise UserError(f"found steps of {median:.3g} s, expected seconds; were they scaled?")
     _refuse_endless(t, steps, median)
     gaps = np.flatnonzero(steps > GAP * median)
     spans = tuple((float(t[k]), float(steps[k])) for k in gaps)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.measurement import timing_words
+from pa10d.measurement.believable import EXPECTED, believable, refuse_vanishing
 from pa10d.readers.part import Parts
 from pa10d.readers.value_guess import guessed_by_value, one_block
 from pa10d.store.channels import Array, Samples
@@ -92,6 +93,7 @@ def recording_of(
     samples = _samples(cells, columns, constants)
     cells.forget()
     table.columns = {}  # an hour at 1 kHz is not to be held twice
+    refuse_vanishing(str(path), samples.tau)
     wraps = wraps_of(samples, resolved)
     try:
         timing, samples = equal_steps(t, samples)
@@ -147,14 +149,14 @@ class _Cells:
         return int((~np.isfinite(values)).sum())
 
     def take(self, column: int) -> Array:
-        """One column, every value a finite number, in SI units."""
+        """One column in SI units, every value a number that can be believed."""
         name = self._names[column]
         values = self._units.get(name, Unit())(np.asarray(self._columns[name], dtype=np.float64))
-        bad = np.flatnonzero(~np.isfinite(values))
+        bad = np.flatnonzero(~believable(values))
         if len(bad):
             raise UserError(
                 f"{self._path}: column {name}: sample {bad[0] + 1} is {values[bad[0]]}, "
-                "expected a finite number"
+                f"expected {EXPECTED}"
             )
         return values
 

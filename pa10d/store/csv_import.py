@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.measurement import timing_words
+from pa10d.measurement.believable import EXPECTED, believable, refuse_vanishing
 from pa10d.measurement.counters import Wrap, wrap_of
 from pa10d.measurement.sampling import Timing
 from pa10d.store.channels import Array, Samples
@@ -104,6 +105,7 @@ def read_csv(
     del table
     wraps = wraps_of(samples, given)
     clock = names[columns.time] if columns.time not in columns.units else ""
+    refuse_vanishing(str(path), samples.tau)
     timing, samples = _equal_steps(path, t, samples, clock)
     said = [f"{path}: {sentence}" for sentence in timing_words.told(timing)]
     zero = -min(0, int(samples.stamps[0]))
@@ -204,13 +206,14 @@ class _Table:
         return int((~np.isfinite(self._table[f"c{column}"].to_numpy())).sum())
 
     def take(self, column: int) -> Array:
-        """A column in which every cell is a finite number."""
+        """A column in which every cell is a number that can be believed."""
         values = self._table[f"c{column}"]
         array: Array = values.to_numpy().astype(np.float64, copy=False)
-        if values.null_count or not np.isfinite(array).all():
-            raise UserError(_fault(self.path, self._columns, "a cell that is no finite number"))
         unit = self._columns.units.get(column)
-        return array if unit is None else unit(array)
+        array = array if unit is None else unit(array)
+        if values.null_count or not believable(array).all():
+            raise UserError(_fault(self.path, self._columns, f"a cell that is not {EXPECTED}"))
+        return array
 
     def block(self, columns: Sequence[int]) -> Array:
         """(N, n), one column per joint."""

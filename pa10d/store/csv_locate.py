@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pa10d.common.errors import UserError
+from pa10d.measurement.believable import EXPECTED, believable
 
 LARGEST = 4 << 30  # bytes of a recording as text
 SMALL, RATIO = 64 << 20, 200  # bytes; times the compressed size
@@ -96,7 +97,7 @@ def first_fault(path: Path, names: Sequence[str], required: Sequence[int]) -> st
         for k in required:
             if (found := _fault(cells[k])) is not None:
                 column = f"column {k + 1} ({names[k]})"
-                return f"{path}:{line}: {column}: found {found}, expected a finite number"
+                return f"{path}:{line}: {column}: found {found}, expected {EXPECTED}"
     return None
 
 
@@ -113,4 +114,4 @@ def _fault(cell: str) -> str | None:
         value = float(text) if "_" not in text else math.nan
     except ValueError:
         return repr(text if len(text) <= 40 else text[:37] + "...")
-    return None if math.isfinite(value) else repr(text)
+    return None if believable(value) else repr(text)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.measurement.believable import EXPECTED, believable
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
 from pa10d.store import mcap_records as mcap
@@ -92,8 +93,8 @@ def _refuse_nonsense(run: StoredRun) -> None:
     for what, values in per_joint.items():
         if values is not None and values.shape[-2:] != shape:
             raise ValueError(f"{what} of shape {values.shape}, expected {shape}")
-    if not (np.isfinite(samples.q).all() and np.isfinite(samples.tau).all()):
-        raise ValueError("positions or torques that are not finite")
+    if not (believable(samples.q).all() and believable(samples.tau).all()):
+        raise ValueError(f"positions or torques of which one is not {EXPECTED}")
     if any(values.shape != shape[:1] for values in samples.extra.values()):
         raise ValueError("a further channel with more than one value a sample")
     stamps = samples.stamps

@@ -55,6 +55,9 @@ def test_a_repr_of_one_line():
         (lambda t, q, tau: (t, q[:-1], tau), r"q: found shape \(399, 2\), expected \(400, 2\)"),
         (lambda t, q, tau: (t, q, tau[:, :1]), "tau: found shape"),
         (lambda t, q, tau: (t, np.where(q == q[7], np.nan, q), tau), "q: joint 1 is nan"),
+        (lambda t, q, tau: (t, q, 1e300 * tau), r"tau: joint 1 is .*e\+29"),
+        (lambda t, q, tau: (t, q, 1e-300 * tau), "joint 1 is .*e-300 N·m at most"),
+        (lambda t, q, tau: (1e-300 * t, q, tau), "steps of 1e-302 s, expected seconds"),
     ],
 )
 def test_what_cannot_be_a_run_is_one_line(change, says):

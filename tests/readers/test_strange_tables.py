@@ -212,6 +212,19 @@ def test_names_of_others_beside_the_arrays_are_told(tmp_path, robot):
     assert "joints are called j2, j1: taken in this order" in found.header_warnings[0]
 
 
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ({"tau": 1e154 * TAU}, "column tau1: sample . is .*, expected a finite number of no more"),
+        ({"tau": 1e-300 * TAU}, "the torque of joint 1 is .*e-300 N·m at most"),
+    ],
+)
+def test_numbers_that_no_sensor_says_are_refused(tmp_path, robot, content, says):
+    path = numpy_file(tmp_path, {"time": T, "q": Q, "tau": TAU, **content})
+    with pytest.raises(UserError, match=says):
+        read_recording(path, *robot)
+
+
 def test_arrays_of_three_dimensions_are_told(tmp_path, robot):
     path = tmp_path / "run.npz"
     np.savez(path, time=T, q=Q[None] * np.ones((3, 1, 1)), tau=TAU)

@@ -29,6 +29,22 @@ def _cell(line, column, text):
     return _with(line, ",".join(cells))
 
 
+def _with_powers(columns, power):
+    rows = [row.split(",") for row in ROWS]
+    for row in rows:
+        for k in columns:
+            row[k] += power
+    return "\n".join([HEAD, *map(",".join, rows)]) + "\n"
+
+
+def _torques(power):
+    return _with_powers([3, 4], power)
+
+
+def _stamps(power):
+    return _with_powers([0], power)
+
+
 BROKEN = {
     "empty file": ("", ": an empty file; expected a header"),
     "header alone": (HEAD + "\n", ": found 0 samples, expected at least 100"),
@@ -46,6 +62,11 @@ BROKEN = {
     "nan": (_cell(201, 2, "nan"), ":201: column 3 (q2): found 'nan', expected a finite number"),
     "NULL": (_cell(5, 2, "NULL"), ":5: column 3 (q2): found 'NULL', expected a finite number"),
     "infinite": (_cell(9, 4, "-inf"), ":9: column 5 (tau2): found '-inf', expected a finite"),
+    "no sensor's": (_cell(9, 4, "1e308"), ":9: column 5 (tau2): found '1e308', expected a finite"),
+    "scaled to nothing": (_torques("e-300"), ": the torque of joint 1 is "),
+    "no time passes": (
+        _stamps("e-300"), ": column time: found steps of 5e-303 s, expected seconds"
+    ),
     "decimal comma": (_cell(12, 1, "0,5"), ":12: found 6 columns, expected 5"),
     "quoted decimal comma": (_cell(12, 1, '"0,5"'), ":12: column 2 (q1): found '0,5', expected"),
     "underscore": (_cell(8, 1, "1_0"), ":8: column 2 (q1): found '1_0', expected a finite number"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -58,12 +58,19 @@ def two_sides(
             f"every other block of time of {', '.join(sorted(shared_names))}; the blocks between "
             "were fitted (no separate validation run)"
         )
-    silent = {**_few_to_judge(held), **_idle(held, "to judge by"), **_idle(train, "to fit")}
-    if len(silent) == model.robot.n:
-        others = "; no other joint can be judged by it either" if len(silent) > 1 else ""
-        raise UserError(f"diagnose: {silent[0]}{others}")
+    silent = {**_idle(held, "to judge by"), **_idle(train, "to fit")}
+    _some_left(silent, model.robot.n)
     _enough_to_fit(model, train)
+    silent = {**_few_to_judge(held), **silent}
+    _some_left(silent, model.robot.n)
     return Side.of(train), Side.of(held, silent), words
+
+
+def _some_left(silent: Mapping[int, str], n: int) -> None:
+    """UserError where nothing can be said of any of n joints; silent: of which not, and why."""
+    if len(silent) == n:
+        others = "; no other joint can be judged either" if n > 1 else ""
+        raise UserError(f"diagnose: {silent[0]}{others}")
 
 
 def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
