@@ -32,7 +32,7 @@ MODE_TAKES = 0.5  # s at most until 0x6061 shows the mode
 DRIVE_SPEED = 1.5
 """Of the velocity limit: what a drive lets its axis do in torque mode. Where pa10d is kept from
 its work the last torque goes on until the drive misses SYNC, and speed is what the arm gathers."""
-INT32 = 2**31 - 1
+INT32, UINT32 = 2**31 - 1, 2**32 - 1
 
 
 @dataclass(frozen=True)
@@ -221,11 +221,16 @@ def _settings(remote: Remote, wish: Wish) -> list[tuple[int, int, int]]:
     settings += [(0x607D, 1, ends[0]), (0x607D, 2, ends[1])]
     product = _product(remote)
     if isfinite(limits.acceleration) and product in vendors.DECELERATION_IN_COUNTS:
-        settings.append((0x6085, 0, round(limits.acceleration * scaling.counts_per_radian)))
+        settings.append((0x6085, 0, _unsigned(limits.acceleration * scaling.counts_per_radian)))
     if isfinite(limits.velocity) and product in vendors.SPEED_IN_RPM:
         speed = DRIVE_SPEED * limits.velocity * wish.drive.gear_ratio  # rad/s of the motor
-        settings.append((0x6080, 0, round(speed * 60 / (2 * pi))))
+        settings.append((0x6080, 0, _unsigned(speed * 60 / (2 * pi))))
     return settings + _cycle_time(wish.period)
+
+
+def _unsigned(value: float) -> int:
+    """In 32 bits; a limit that is beyond them is none to the drive."""
+    return min(round(value), UINT32)
 
 
 def _most_torque(wish: Wish) -> int | None:

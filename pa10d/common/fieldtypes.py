@@ -57,6 +57,17 @@ def _physical_inertia(value: tuple[float, ...]) -> tuple[float, ...]:
     return value
 
 
+def at_least(low: float) -> AfterValidator:
+    """Of what is above nothing, but too little for any arm."""
+
+    def check(value: float) -> float:
+        if value < low:
+            raise expected(f"a number of at least {low:g}")
+        return value
+
+    return AfterValidator(check)
+
+
 def _factory(value: str) -> str:
     module, _, function = value.partition(":")
     if not function.isidentifier() or not all(p.isidentifier() for p in module.split(".")):

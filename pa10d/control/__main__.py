@@ -41,6 +41,8 @@ def main() -> None:
         known = isinstance(error, UserError | BackendBroke)
         why = str(error) if known else f"{type(error).__name__}: {error}"
         Mailbox(connection).tell({"event": "ends", "why": why[:LONGEST]})
+        if known:
+            raise SystemExit(1) from None
         raise
 
 

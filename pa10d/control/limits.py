@@ -13,6 +13,7 @@ from pa10d.profile import Profile
 
 Array = NDArray[np.float64]
 
+BEYOND_RATED = 32.767  # times its rated torque: per mille of it (0x6071) have 16 bits
 FOLLOWING_ERROR = 0.15  # rad (m): several times what a tuned servo leaves
 FOLLOWING_TIME = 0.05  # s behind at full speed, where that is more
 FULL_TORQUE_IN = 0.02  # s from zero to the torque limit: reversals pass, steps do not
@@ -44,6 +45,7 @@ def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
                 f"{profile.path}: limits.{key}: found nothing for joint {j + 1}, "
                 f"expected a limit in {unit}; without it the arm may not be moved"
             )
+    _refuse_beyond_drives(profile, robot)
     safety = profile.safety
     rate = safety.torque_rate or usual_torque_rate(robot).tolist()
     following = safety.following_error or usual_following_error(robot).tolist()
@@ -57,6 +59,20 @@ def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
         following_error=np.array(following, dtype=float),
         stale_cycles=safety.stale_cycles,
     )
+
+
+def _refuse_beyond_drives(profile: Profile, robot: Robot) -> None:
+    """UserError for a torque limit that is not of such a drive: another unit, or another motor."""
+    if profile.drives is None:
+        return
+    for j, (drive, most) in enumerate(zip(profile.drives, robot.effort, strict=True), 1):
+        rated = drive.rated_torque * drive.gear_ratio / drive.torque_gain
+        if not rated / 1000.0 <= most <= BEYOND_RATED * rated:
+            raise UserError(
+                f"{profile.path}: limits.torque.{j}: found {most:.4g} N·m, expected at least a "
+                f"thousandth and at most {BEYOND_RATED:g} times of what its drive is rated for, "
+                f"{rated:.4g} N·m (rated_torque · gear_ratio / torque_gain)"
+            )
 
 
 def usual_following_error(robot: Robot) -> Array:

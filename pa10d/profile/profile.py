@@ -24,6 +24,7 @@ from pa10d.common.fieldtypes import (
     Size,
     Text,
     Vector3,
+    at_least,
 )
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.yamlfile import Location, several
@@ -31,6 +32,25 @@ from pa10d.common.yamlfile import Location, several
 
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+# No arm has more, or less; what a wrong unit or a slip of the pen makes of it is refused.
+Speed = Annotated[Positive, Field(le=1e3), at_least(1e-3)]  # rad/s
+Acceleration = Annotated[Positive, Field(le=1e5), at_least(1e-3)]  # rad/s²
+Torque = Annotated[Positive, Field(le=1e6), at_least(1e-4)]  # N·m
+Error = Annotated[Positive, Field(le=3.2), at_least(1e-4)]  # rad: half a turn
+TorqueRate = Annotated[Positive, Field(le=1e9), at_least(1e-3)]  # N·m/s
+Counts = Annotated[Positive, Field(le=1e12), at_least(100)]
+Gear = Annotated[Positive, Field(le=1e5), at_least(1e-3)]
+Rated = Annotated[Positive, Field(le=1e5), at_least(1e-5)]  # N·m
+Believed = Annotated[Positive, Field(le=10), at_least(0.1)]
+Offset = Annotated[Number, Field(ge=-1e4, le=1e4)]  # rad
+Mass = Annotated[Positive, Field(le=1e4)]  # kg
+Rate = Annotated[Positive, Field(le=2000), at_least(20)]  # Hz
+Bandwidth = Annotated[Positive, at_least(0.01)]  # Hz
+Gain = Annotated[NotNegative, Field(le=1e8)]
+Stiffness = Annotated[Positive, Field(le=1e8)]
+LONGEST_SILENCE = 0.5  # s without news that a profile may let an arm go on
 
 
 class Base(_Strict):
@@ -42,7 +62,7 @@ class Base(_Strict):
 class Tool(_Strict):
     """A known body rigidly attached to the last link (its frame: the last joint's frame)."""
 
-    mass: Positive
+    mass: Mass
     com: Vector3 = (0.0, 0.0, 0.0)
     inertia: Inertia = (0.0,) * 6  # about the centre of mass: Ixx Iyy Izz Ixy Ixz Iyz
 
@@ -67,9 +87,9 @@ class Limits(_Strict):
     """Per joint; whatever is absent comes from the URDF (acceleration has no place there)."""
 
     position: list[Range] | None = None  # rad, lower and upper
-    velocity: list[Positive] | None = None  # rad/s
-    acceleration: list[Positive] | None = None  # rad/s²
-    torque: list[Positive] | None = None  # N·m at the joint side
+    velocity: list[Speed] | None = None  # rad/s
+    acceleration: list[Acceleration] | None = None  # rad/s²
+    torque: list[Torque] | None = None  # N·m at the joint side
 
 
 Risk = Literal["unwatched", "unknown_reaction", "brake_on_us"]
@@ -83,12 +103,12 @@ class Drive(_Strict):
     """One CiA 402 amplifier and how its numbers become joint-side SI units."""
 
     node: Annotated[int, Field(strict=True, ge=1, le=127)]
-    counts_per_rev: Positive  # encoder counts per *joint* revolution
-    rated_torque: Positive  # N·m at the motor: the unit of 0x6076, per mille in 0x6071/0x6077
-    gear_ratio: Positive = 1.0
-    torque_gain: Positive = 1.0  # N·m that the drive calls so for one true one: a known weight's
+    counts_per_rev: Counts  # encoder counts per *joint* revolution
+    rated_torque: Rated  # N·m at the motor: the unit of 0x6076, per mille in 0x6071/0x6077
+    gear_ratio: Gear = 1.0
+    torque_gain: Believed = 1.0  # N·m that the drive calls so for one true one: a known weight's
     sign: Literal[1, -1] = 1
-    zero_offset: Number = 0.0  # rad: q = sign · counts · 2π/counts_per_rev - zero_offset
+    zero_offset: Offset = 0.0  # rad: q = sign · counts · 2π/counts_per_rev - zero_offset
     brake: Annotated[bool, Field(strict=True)] = True
     eds: Text | None = None  # relative to the profile; default: the package's own EDS
     vendor_id: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:1
@@ -109,9 +129,9 @@ class Can(_Strict):
 class Gains(_Strict):
     """PID gains per joint, N·m/rad, N·m/(rad·s), N·m·s/rad; absent: from the stated rule."""
 
-    kp: list[Positive] | None = None
-    ki: list[NotNegative] | None = None
-    kd: list[NotNegative] | None = None
+    kp: list[Stiffness] | None = None
+    ki: list[Gain] | None = None
+    kd: list[Gain] | None = None
 
 
 BANDWIDTH = 4.0  # Hz
@@ -122,9 +142,9 @@ MOST_BANDWIDTH = 1.0 / 100.0  # of the loop's rate: with more, some pose of the 
 class Control(_Strict):
     """The fixed-rate loop."""
 
-    rate: Annotated[float, Field(strict=True, gt=0, le=2000)] = 500.0  # Hz
+    rate: Rate = 500.0  # Hz
     controller: Literal["pid", "computed_torque"] = "pid"
-    bandwidth_hz: Positive | None = None  # closed-loop natural frequency of the gain rule
+    bandwidth_hz: Bandwidth | None = None  # closed-loop natural frequency of the gain rule
     gains: Gains = Gains()
 
     @property
@@ -136,8 +156,8 @@ class Control(_Strict):
 class Safety(_Strict):
     """What the one exit for torque enforces, besides the limits."""
 
-    following_error: list[Positive] | None = None  # rad
-    torque_rate: list[Positive] | None = None  # N·m/s
+    following_error: list[Error] | None = None  # rad
+    torque_rate: list[TorqueRate] | None = None  # N·m/s
     stale_cycles: Annotated[int, Field(strict=True, ge=1)] = 3  # cycles without a fresh PDO
 
 
@@ -180,7 +200,13 @@ class Profile(_Strict):
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:
-        problems = [*self._gravity_twice(), *self._lengths(), *self._repeated(), *self._too_fast()]
+        problems = [
+            *self._gravity_twice(),
+            *self._lengths(),
+            *self._repeated(),
+            *self._too_fast(),
+            *self._deaf(),
+        ]
         if problems:
             raise several(problems)
         return self
@@ -218,6 +244,14 @@ class Profile(_Strict):
             return []
         wanted = f"at most {most:g}, a hundredth of the loop's rate: with more it would swing up"
         return [(("control", "bandwidth_hz"), asked, wanted)]
+
+    def _deaf(self) -> list[tuple[Location, Any, str]]:
+        """A joint that goes on without news of where it is."""
+        asked, most = self.safety.stale_cycles, int(LONGEST_SILENCE * self.control.rate)
+        if asked <= most:
+            return []
+        wanted = f"at most {most}: {LONGEST_SILENCE:g} s at {self.control.rate:g} Hz"
+        return [(("safety", "stale_cycles"), asked, wanted)]
 
     def _lengths(self) -> list[tuple[Location, Any, str]]:
         """All per-joint lists are as long as the first one (the joints, where they are named)."""

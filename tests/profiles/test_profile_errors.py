@@ -63,6 +63,29 @@ BROKEN = {
     "number is true": (HEAD + "control: {rate: yes}\n", 2, "control.rate", "True", "a number"),
     "rate too high": (HEAD + "control:\n  rate: 5000\n", 3, "control.rate", "5000", "at most 2000"),
     "rate zero": (HEAD + "control:\n  rate: 0\n", 3, "control.rate", "0", "a number above 0"),
+    "rate too low": (HEAD + "control: {rate: 1}\n", 2, "control.rate", "1", "at least 20"),
+    "deaf": (
+        HEAD + "safety: {stale_cycles: 251}\n",
+        2, "safety.stale_cycles", "251", "at most 250: 0.5 s at 500 Hz",
+    ),
+    "as good as no following error": (
+        HEAD + "safety: {following_error: [1e9]}\n",
+        2, "safety.following_error.1", "1000000000.0", "at most 3.2",
+    ),
+    "too fast": (
+        HEAD + "limits: {velocity: [1e9]}\n", 2, "limits.velocity.1", "1000000000.0", "at most",
+    ),
+    "too strong": (
+        HEAD + "limits: {torque: [1e9]}\n", 2, "limits.torque.1", "1000000000.0", "at most",
+    ),
+    "gear in counts": (
+        HEAD + "drives: [{node: 1, counts_per_rev: 4096, gear_ratio: 1e9, rated_torque: 1}]\n",
+        2, "drives.1.gear_ratio", "1000000000.0", "at most",
+    ),
+    "encoder of one count": (
+        HEAD + "drives: [{node: 1, counts_per_rev: 1, rated_torque: 1}]\n",
+        2, "drives.1.counts_per_rev", "1", "at least 100",
+    ),
     "not finite": (HEAD + "gravity: [0, 0, .inf]\n", 2, "gravity.3", "inf", "a finite number"),
     "unknown controller": (
         HEAD + "control: {controller: lqr}\n",
@@ -72,11 +95,11 @@ BROKEN = {
         HEAD + "control: {gains: {ki: [-1]}}\n", 2, "control.gains.ki.1", "-1", "at least 0",
     ),
     "node too large": (
-        HEAD + "drives:\n  - {node: 200, counts_per_rev: 1, rated_torque: 1}\n",
+        HEAD + "drives:\n  - {node: 200, counts_per_rev: 4096, rated_torque: 1}\n",
         3, "drives.1.node", "200", "at most 127",
     ),
     "node is broken": (
-        HEAD + "drives: [{node: 1.5, counts_per_rev: 1, rated_torque: 1}]\n",
+        HEAD + "drives: [{node: 1.5, counts_per_rev: 4096, rated_torque: 1}]\n",
         2, "drives.1.node", "1.5", "a whole number",
     ),
     "node twice": (
@@ -84,19 +107,19 @@ BROKEN = {
         4, "drives.2.node", "1", "node ids that differ (drive 1)",
     ),
     "drive without torque": (
-        HEAD + "drives: [{node: 1, counts_per_rev: 1}]\n",
+        HEAD + "drives: [{node: 1, counts_per_rev: 4096}]\n",
         2, "drives.1.rated_torque", "nothing", "a value; it has no default",
     ),
     "sign zero": (
-        HEAD + "drives: [{node: 1, counts_per_rev: 1, rated_torque: 1, sign: 0}]\n",
+        HEAD + "drives: [{node: 1, counts_per_rev: 4096, rated_torque: 1, sign: 0}]\n",
         2, "drives.1.sign", "0", "1 or -1",
     ),
     "brake is a number": (
-        HEAD + "drives: [{node: 1, counts_per_rev: 1, rated_torque: 1, brake: 3}]\n",
+        HEAD + "drives: [{node: 1, counts_per_rev: 4096, rated_torque: 1, brake: 3}]\n",
         2, "drives.1.brake", "3", "true or false",
     ),
     "eds does not exist": (
-        HEAD + "drives: [{node: 1, counts_per_rev: 1, rated_torque: 1, eds: a.eds}]\n",
+        HEAD + "drives: [{node: 1, counts_per_rev: 4096, rated_torque: 1, eds: a.eds}]\n",
         2, "drives.1.eds", "'a.eds'", "an existing file",
     ),
     "limits of other length": (
