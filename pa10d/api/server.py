@@ -64,6 +64,7 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
             f"--host {settings.host}: other machines could command the arm; expected a loopback "
             "address, or tokens (--token-file, PA10D_TOKEN)"
         )
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # all our processes inherit it; control stops
     _open_files()
     logging.basicConfig(format="%(name)s: %(message)s", stream=sys.stderr)
@@ -95,7 +96,10 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
         )  # fmt: skip
         if settings.attached:
             threading.Thread(target=_end_with_input, daemon=True).start()
-        _Server(config, daemon).run(sockets=[listener])
+        server = _Server(config, daemon)
+        # uvicorn raises it once more when it is down: there is still something to clear away
+        signal.signal(signal.SIGTERM, server.handle_exit)
+        server.run(sockets=[listener])
 
 
 class _Server(uvicorn.Server):

@@ -78,7 +78,7 @@ def test_given_gains_are_taken(robot, profile):
     np.testing.assert_array_equal(pid_gains(robot, control).kp, np.arange(1.0, 8.0))
 
 
-@pytest.mark.parametrize("factor", [1e-4, 30.0])
+@pytest.mark.parametrize("factor", [1e-4, 40.0])
 def test_a_torque_limit_of_another_motor_is_refused(profile, robot, factor):
     effort = robot.effort.copy()
     effort[2] *= factor

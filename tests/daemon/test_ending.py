@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import signal
 import socket
 
 import pytest
 
+from pa10d.common.errors import UserError
+from pa10d.daemon.processes.runtime import ring_of
 from pa10d.store import RunStore
 
 pytestmark = [pytest.mark.alone, pytest.mark.timeout(600)]
@@ -36,6 +37,9 @@ def test_an_open_request_does_not_keep_the_arm_moving(bench):
         bench.observer.wait_for_rest(REST[bench.clock])
         assert bench.server.poll() is None, "the request is still waited for"
     assert ended(bench).status == "stopped"
+    assert bench.server.returncode == 0, "by itself, and in good order"
+    with pytest.raises(UserError, match="no daemon of this machine shares a ring"):
+        ring_of(bench.server.pid)  # the folder in memory is gone with it
 
 
 @pytest.mark.long
@@ -45,4 +49,4 @@ def test_drives_that_are_gone_are_not_waited_for(bench):
     bench.tell_daemon_to_end()
     run = ended(bench)
     assert (run.status, run.samples > 0) == ("aborted", True)
-    assert bench.server.returncode == -signal.SIGTERM, "by itself, and in good order"
+    assert bench.server.returncode == 0, "by itself, and in good order"
