@@ -7,7 +7,14 @@ from collections.abc import Iterator
 from pa10d.checks.finding import CheckFinding, Mend
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.sampling import Timing
-from pa10d.measurement.timing_words import doubled, interrupted, irregular, rounded
+from pa10d.measurement.timing_words import (
+    doubled,
+    incomplete,
+    interrupted,
+    irregular,
+    rounded,
+    scattered,
+)
 
 SLOW, TOO_SLOW, TOO_FAST = 50.0, 10.0, 20_000.0  # Hz
 UNEVEN = 0.1  # of a period: later stamps than this cost accuracy at the usual cut-offs
@@ -83,7 +90,11 @@ def _plausible(rate: float) -> Iterator[CheckFinding]:
 
 def _steps(timing: Timing) -> Iterator[CheckFinding]:
     share = timing.jitter / timing.period
-    if timing.resampled:
+    if timing.scatter:
+        yield CheckFinding("info", "scattered_stamps", scattered(timing))
+    if timing.missing:
+        yield CheckFinding("info", "missing_samples", incomplete(timing))
+    if timing.uneven:
         yield CheckFinding(
             "warning" if share > UNEVEN else "info",
             "jitter",

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 STEADY = 0.01  # of a period: stamps this close to equal steps are taken as equal steps
 GAP = 4.0  # periods without a sample: too long for a cubic to be trusted
+MISSED = 0.05  # of a period: steps that are whole numbers of periods but for this lack samples
 UNEVEN = 3.0  # ratio of neighbouring steps from which a cubic would amplify noise
 LEAST_STEP = 1e-7  # s: nothing that reads a joint is as fast
 LATEST = 9e9  # s: nanoseconds are counted in 64 bits
@@ -44,11 +45,18 @@ class Timing:
     rounding: float | None  # s, where the stamps are equal steps rounded to this
     duplicates: int  # samples that share their stamp with the one before
     gaps: tuple[tuple[float, float], ...]  # (begin, seconds) without a sample
+    missing: int = 0  # samples that equal steps would have had, gaps left out
+    scatter: float = 0.0  # s, by which stamps were off steps that the positions show to be equal
 
     @property
     def rate(self) -> float:
         """Hz."""
         return 1.0 / self.period
+
+    @property
+    def uneven(self) -> bool:
+        """Do steps differ, and not by samples that are missing?"""
+        return self.resampled and not self.missing
 
     @property
     def grid(self) -> Array:
@@ -107,8 +115,13 @@ def analyse(t: Array, duplicates: int = 0) -> Timing:
         return Timing(offset, period, len(t), False, off, rounded, duplicates, spans)
     period = _round_rate(median, 0.02)
     length = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-12))) + 1
-    jitter = float(np.abs(np.delete(steps, gaps) - median).max(initial=0.0))
-    return Timing(float(t[0]), period, length, True, jitter, None, duplicates, spans)
+    near = np.delete(steps, gaps)
+    periods = np.maximum(np.rint(near / median), 1.0)
+    late = np.abs(near - periods * median)
+    if np.any(late > MISSED * median):  # and none left out
+        periods, late = np.ones(len(near)), np.abs(near - median)
+    jitter, missing = float(late.max(initial=0.0)), int(np.sum(periods - 1.0))
+    return Timing(float(t[0]), period, length, True, jitter, None, duplicates, spans, missing)
 
 
 def _refuse_endless(t: Array, steps: Array, median: float) -> None:

@@ -15,6 +15,20 @@ def irregular(timing: Timing) -> str:
     )
 
 
+def scattered(timing: Timing) -> str:
+    """Stamps of a logger that was late, of samples that were not."""
+    return (
+        f"the stamps scatter by up to {timing.scatter * 1e3:.3g} ms about equal steps, and the "
+        f"positions do not: taken as read at {timing.rate:.6g} Hz"
+    )
+
+
+def incomplete(timing: Timing) -> str:
+    """Steps of several periods."""
+    samples = "a sample is" if timing.missing == 1 else f"{timing.missing} samples are"
+    return f"{samples} missing at {timing.rate:.6g} Hz, read off between the others"
+
+
 def rounded(timing: Timing) -> str:
     """Stamps with too few digits."""
     return (
@@ -45,7 +59,9 @@ def told(timing: Timing) -> list[str]:
         words(timing)
         for words, is_so in (
             (doubled, timing.duplicates),
-            (irregular, timing.resampled),
+            (scattered, timing.scatter),
+            (irregular, timing.uneven),
+            (incomplete, timing.missing),
             (rounded, timing.rounding is not None),
             (interrupted, timing.gaps),
         )

@@ -32,7 +32,9 @@ from pa10d.store.column_mapping import names_an_angle
 from pa10d.store.csv_import import CsvRecording
 from pa10d.store.run_info import KeptFinding
 
-OF_THE_FILE = frozenset(("commanded", "jitter", "duplicate_stamps", "gaps"))  # gone once stored
+OF_THE_FILE = frozenset(
+    ("commanded", "jitter", "scattered_stamps", "missing_samples", "duplicate_stamps", "gaps")
+)  # gone once stored
 PACKED = (".tgz", ".gz", ".bz2", ".zst", ".xz", ".zip", ".tar")
 KNOWN = (
     ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3", ".bag", ".parquet", ".feather", ".arrow",

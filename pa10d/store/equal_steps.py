@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.measurement.sampling import Resampler, Timing, analyse, merge_duplicates, merged
+from pa10d.measurement.scattered_stamps import evened
 from pa10d.store.channels import Array, CommandedMotion, Samples
 
 GAP = "gap"  # the extra channel that is 1 where nothing was measured
@@ -16,14 +17,19 @@ GAP = "gap"  # the extra channel that is 1 where nothing was measured
 def equal_steps(t: Array, samples: Samples) -> tuple[Timing, Samples]:
     """``t`` (N,) s, never falling, N ≥ 2 different ones: the samples on ``timing.grid``.
 
-    Samples of one stamp become their mean. Positions, velocities, torques and commands share one
+    Stamps that scatter about equal steps in which the positions were read are set right. Samples of
+    one stamp become their mean. Positions, velocities, torques and commands share one
     interpolation kernel; temperature, current and further channels are joined by straight lines.
     """
     starts = merge_duplicates(t)
     kept = t if starts is None else t[starts]
-    timing = analyse(kept, duplicates=len(t) - len(kept))
     if starts is not None:
         samples = _each(samples, lambda values, smooth: merged(values, starts))
+    timing = analyse(kept, duplicates=len(t) - len(kept))
+    if timing.resampled and (due := evened(kept, samples.q)) is not None:
+        scatter = float(np.abs(kept - due).max())
+        kept = due
+        timing = replace(analyse(kept, timing.duplicates), scatter=scatter)
     if timing.resampled:
         on_grid = Resampler(kept, timing)
         samples = _each(samples, lambda values, smooth: _resampled(on_grid, values, smooth))
