@@ -41,6 +41,11 @@ def joint_words(joints: Iterable[int]) -> str:
     return f"joint{'s' if len(numbers) > 1 else ''} {listed([str(one) for one in numbers])}"
 
 
+def from_one(last: int) -> str:
+    """``1 to 7``, ``1, the only one``: the numbers that there are."""
+    return f"1 to {last}" if last > 1 else "1, the only one"
+
+
 def did_you_mean(found: str, known: Iterable[str]) -> str:
     """``; did you mean diagnose?`` where one of ``known`` is like ``found``, else nothing."""
     close = difflib.get_close_matches(found, list(known), n=1)

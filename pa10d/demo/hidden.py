@@ -13,6 +13,7 @@ from backends.virtual.plant.catalogue import LISTED
 from backends.virtual.plant.laws import catalogue
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.words import from_one
 from pa10d.effects import all_effects
 from pa10d.profile import Profile, Simulation
 
@@ -135,7 +136,7 @@ def _placed(
     if catalogue()[name].where == "robot":
         raise UserError(f"--hide {asked}: {name} is of the whole arm, expected no joint")
     if not joint.isdecimal() or not 1 <= int(joint) <= figures.n:
-        raise UserError(f"--hide {asked}: joint {joint!r}, expected a number from 1 to {figures.n}")
+        raise UserError(f"--hide {asked}: joint {joint!r}, expected {from_one(figures.n)}")
     seen: set[int] = set()
     for _ in range(DRAWS):
         drawn = random_effect(rng, name, figures)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
-from pa10d.common.words import times
+from pa10d.common.words import from_one, times
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
     COMES_AGAIN_LEVEL,
@@ -198,12 +198,13 @@ def add(
     effects of pairs), and warnings where it is not significant or identifiable."""
     say = progress or (lambda share, what: None)
     say(0.0, "filtering")
+    suspects = lacking(model, effect_id, joints)
     model = in_band(model)
     train, held, _ = two_sides(model, fit, validate)
     state = SearchState.start(model, train, held)
     as_given = held_out(model, state)
     given = len(state.terms)
-    search = Search(state, suspicion((effect_id, joints), model.robot.n), given)
+    search = Search(state, suspects, given)
     warnings = []
     for number, (kind, place) in enumerate(search.suspects):
         say(0.2 + 0.6 * number / len(search.suspects), f"fitting {effect_id}")
@@ -245,7 +246,7 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
         raise UserError(f"{kind.id}: explains nothing, so it is no suspect; expected an effect")
     for j in joints:
         if not 0 <= j < n:
-            raise UserError(f"joint {j + 1}: expected 1 to {n}")
+            raise UserError(f"joint {j + 1}: expected {from_one(n)}")
     if kind.scope == "robot" or not joints:
         return [(kind, place) for place in places_of(kind, n)]
     if kind.scope == "pair":
@@ -253,6 +254,21 @@ def suspicion(only: tuple[str, Sequence[int]], n: int) -> Suspects:
             raise UserError(f"{kind.id}: acts on a pair, expected two different joints")
         return [(kind, (min(joints), max(joints)))]
     return [(kind, (j,)) for j in joints]
+
+
+def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspects:
+    """Where the effect can be added: a second one of the same columns would take its torque from
+    the first. joints: 0-based; empty: wherever the model has none yet. UserError where it has it.
+    """
+    asked = suspicion((effect_id, joints), model.robot.n)
+    present = {(t.effect_id, t.joints) for t in model.terms}
+    there = [(kind, at) for kind, at in asked if not kind.repeatable and (kind.id, at) in present]
+    if there and (joints or len(there) == len(asked)):
+        named = ", ".join(_label(kind, at) for kind, at in there)
+        raise UserError(
+            f"{named}: model '{model.name}' has it already; expected an effect that it lacks there"
+        )
+    return [one for one in asked if one not in there]
 
 
 def heard(suspects: Suspects, held: Side) -> Suspects:

@@ -14,6 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import from_one
 from pa10d.effects.context import Context
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ def at_joint(name: str, joint: int, n: int) -> str:
     if quantity == "t":
         return quantity
     if named >= n:
-        raise UserError(f"{name!r}: expected a joint from 1 to {n}")
+        raise UserError(f"{name!r}: expected joint {from_one(n)}")
     lag = f" {seconds:g} s ago" if seconds else ""
     return f"{quantity}{(joint if named < 0 else named) + 1}{lag}"
 

@@ -23,6 +23,16 @@ from pa10d.measurement.torque_filter import TorqueFilter
 Array = NDArray[np.float64]
 
 IN_CACHE = 100_000  # values transformed at a time
+LOWEST = 1e-7  # cut-off over sampling rate: some hours at 1 kHz, far beyond any motion of an arm
+
+
+def refuse_cutoff(cutoff: float, rate: float) -> None:
+    """UserError where no low-pass at ``rate`` Hz can have this cut-off, Hz."""
+    if not LOWEST * rate <= cutoff < 0.5 * rate:
+        raise UserError(
+            f"cut-off {cutoff:g} Hz: expected between {LOWEST * rate:g} Hz and half the sampling "
+            f"rate ({0.5 * rate:g} Hz)"
+        )
 
 
 @dataclass(frozen=True)
@@ -45,11 +55,7 @@ class Lowpass:
     channel: TorqueFilter | None = None
 
     def __post_init__(self) -> None:
-        if not 0 < self.cutoff < 0.5 * self.rate:
-            raise UserError(
-                f"cut-off {self.cutoff:g} Hz: expected between 0 and half the sampling rate "
-                f"({0.5 * self.rate:g} Hz)"
-            )
+        refuse_cutoff(self.cutoff, self.rate)
 
     @property
     def kept(self) -> int:

@@ -17,7 +17,7 @@ from pa10d.dynamics import Robot, regressor
 from pa10d.effects import Context
 from pa10d.measurement.motion import VelocitySource, motion, quieting_of, velocity_source
 from pa10d.measurement.recording import Recording
-from pa10d.measurement.signals import Lowpass, delayed
+from pa10d.measurement.signals import Lowpass, delayed, refuse_cutoff
 from pa10d.measurement.standstill import RESTING, held, standstill
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.regression.rests import FEWEST_MOVING, counted, filtered, filtered_rows, going
@@ -232,6 +232,7 @@ def _used(left_out: NDArray[np.bool_], lowpass: Lowpass) -> NDArray[np.bool_]:
 def decimation(rate: float, cutoff: float) -> int:
     """How many raw samples make one of the equation's; a rate worked out from stamps may be a
     rounding error below the true one."""
+    refuse_cutoff(cutoff, rate)
     return max(1, int(rate / (OVERSAMPLING * cutoff) * (1 + 1e-6)))
 
 
@@ -246,4 +247,5 @@ def edge_time(rate: float, cutoff: float) -> float:
     The slowest pole of a 4th-order Butterworth decays with 2π·f·sin(π/8): after 3 periods of the
     equation's cut-off to 1e-3; the motion's are MOTION_SETTLES.
     """
+    refuse_cutoff(cutoff, rate)
     return 3.0 / cutoff + MOTION_SETTLES / motion_band(rate, cutoff)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import from_one
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.dynamics.rotors import rotors_within
 from pa10d.effects import Effect, all_effects, effect
@@ -100,9 +101,9 @@ def told_place(asked: str, n: int | None = None) -> tuple[str, int | None]:
     name, colon, number = asked.partition(":")
     if not colon:
         return name, None
-    last = "the last" if n is None else str(n)
+    known = "1 to the last" if n is None else from_one(n)
     if not (number.isdecimal() and number.isascii()) or not 1 <= int(number) <= (n or int(number)):
-        raise UserError(f"--with {asked}: found joint {number!r}, expected 1 to {last}")
+        raise UserError(f"--with {asked}: found joint {number!r}, expected {known}")
     return name, int(number) - 1
 
 

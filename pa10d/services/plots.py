@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
+from pa10d.common.words import from_one
 from pa10d.compare.quantities import Values, quantities
 from pa10d.figures import TEXTS
 from pa10d.figures.evidence import before_after
@@ -216,7 +217,7 @@ def _stretch(seen: RunResidual, joint: int, marked: NDArray[np.bool_]) -> list[f
 
 def _refuse_joint(seen: RunResidual, joint: int) -> None:
     if not 1 <= joint <= seen.seen.robot.n:
-        raise UserError(f"joint {joint}: expected a number from 1 to {seen.seen.robot.n}")
+        raise UserError(f"joint {joint}: expected {from_one(seen.seen.robot.n)}")
 
 
 def _span(span: list[float] | None) -> tuple[float, float] | None:

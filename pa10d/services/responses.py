@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import from_one
 from pa10d.experiments.analysis import tracking_of
 from pa10d.experiments.step_response import STILL, StepFigures, first_move, steps_of
 from pa10d.services.library import Library, open_library
@@ -55,7 +56,7 @@ def _response(library: Library, info: RunInfo, stored: StoredRun, joint: int) ->
         raise UserError(f"run {name}: no commands in it; expected a run that the daemon recorded")
     n = stored.samples.q.shape[1]
     if not 1 <= joint <= n:
-        raise UserError(f"joint: found {joint}, expected 1 to {n} in run {name}")
+        raise UserError(f"joint: found {joint}, expected {from_one(n)} in run {name}")
     told = json.loads(stored.metadata.get("pa10d.plan", {}).get("plan") or "{}")
     tracking = tracking_of(stored)
     plan = Plan.from_dict(told) if told.get("kind") == "step" else None

@@ -4,6 +4,7 @@ what is mistyped is said before anything is started."""
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,13 @@ from test_run_commands import URDF
 
 from pa10d.cli import main
 from pa10d.client import Client
+from pa10d.common.errors import UserError
+from pa10d.compare import compare
+from pa10d.diagnose.asked.adding import refuse_slips
+from pa10d.diagnose.procedure import lacking, suspicion
+from pa10d.identify import identify
+from pa10d.model import Term
+from pa10d.services.robots import load_robot
 from pa10d.store import Channels, RunStore, Samples
 from pa10d.store.models import ModelStore
 
@@ -33,6 +41,14 @@ def place(tmp_path, monkeypatch):
         header = "time,q1,q2,tau1,tau2,dq1,dq2"
         np.savetxt(f"{name}.csv", table, delimiter=",", header=header, comments="")
     return tmp_path
+
+
+@pytest.fixture
+def fitted(place, capsys):
+    """With a model m0 of the sound recording."""
+    assert _import("sound") == 0
+    assert main(["identify", "sound", "--profile", "two.yaml", "--name", "m0"]) == 0
+    capsys.readouterr()
 
 
 def _import(name, *more):
@@ -116,14 +132,65 @@ def test_a_typo_is_said_before_anything_is_started(place, capsys, monkeypatch, c
         (["--validate", "nothing"], "run 'nothing'"),
     ],
 )
-def test_a_typo_is_said_before_anything_is_computed(place, capsys, more, said):
-    assert _import("sound") == 0
-    assert main(["identify", "sound", "--profile", "two.yaml", "--name", "m0"]) == 0
-    capsys.readouterr()
+def test_a_typo_is_said_before_anything_is_computed(fitted, capsys, more, said):
     assert main(["diagnose", "m0", "--fit", "sound", *more]) == 1
     err = capsys.readouterr().err
     assert said in err
     assert "%" not in err  # no progress was made
+
+
+@pytest.mark.parametrize("cutoff", ["0", "nan", "1e-300", "-1", "inf"])
+def test_a_cutoff_that_no_filter_has_is_one_line(fitted, capsys, cutoff):
+    """``1e-300`` overflowed, ``0`` divided by itself, and ``nan`` became no integer."""
+    for command in (
+        ["compare", "m0", "sound"],
+        ["identify", "sound", "--profile", "two.yaml", "--name", "m1"],
+    ):
+        assert main([*command, f"--cutoff={cutoff}"]) == 1
+        said = [line for line in capsys.readouterr().err.splitlines() if "%" not in line]
+        assert said == [
+            f"cut-off {float(cutoff):g} Hz: expected between 2e-05 Hz and half the sampling rate "
+            "(100 Hz)"
+        ]
+    run, robot = RunStore().recording(RunStore().find("sound")), load_robot("two.yaml")[1]
+    model = ModelStore().load(ModelStore().find("m0"))
+    with pytest.raises(UserError, match="half the sampling rate"):
+        compare(model, [run], cutoff=float(cutoff))
+    with pytest.raises(UserError, match="half the sampling rate"):
+        identify([run], robot, name="m1", cutoff=float(cutoff))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["coulomb"], "coulomb J1, coulomb J2"),
+        (["coulomb", "--joint", "1"], "coulomb J1"),
+        (["viscous", "--joint", "1", "2"], "viscous J1, viscous J2"),
+    ],
+)
+def test_an_effect_is_not_added_where_the_model_has_it(fitted, capsys, more, said):
+    """Two of the same columns share one torque in any way they like: 1.22 and -0.496 N·m."""
+    assert main(["add", "m0", *more, "--fit", "sound", "--name", "m1"]) == 1
+    err = capsys.readouterr().err
+    assert f"{said}: model 'm0' has it already; expected an effect that it lacks there" in err
+    assert "%" not in err
+    assert [info.name for info in ModelStore().all()] == ["m0"]
+
+
+def test_what_a_joint_may_have_twice_is_no_slip_and_one_without_a_joint_goes_where_it_lacks(fitted):
+    model = ModelStore().load(ModelStore().find("m0"))
+    ripple = Term.of("torque_ripple", (0,), {"order": 4.0})
+    more = replace(model, terms=(*model.terms, ripple, Term.of("stribeck", (0,))))
+    refuse_slips(more, "torque_ripple", [0], ())
+    refuse_slips(more, "payload", [], ())
+    assert [joints for _, joints in lacking(more, "stribeck", [])] == [(1,)]
+    with pytest.raises(UserError, match=r"^stribeck J1: model 'm0' has it already"):
+        refuse_slips(more, "stribeck", [0], ())
+
+
+def test_the_joints_of_a_robot_of_one_are_said_as_such():
+    with pytest.raises(UserError, match="joint 7: expected 1, the only one"):
+        suspicion(("stribeck", [6]), 1)
 
 
 def test_an_interrupted_wait_cancels_its_job_and_names_it():

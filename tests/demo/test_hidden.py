@@ -43,9 +43,9 @@ def test_a_pair_holds_the_joint_asked_for():
     ("asked", "says"),
     [
         ("gremlins", "no such effect, expected none or one of torque_offset"),
-        ("stribeck:8", "joint '8', expected a number from 1 to 7"),
-        ("stribeck:x", "joint 'x', expected a number from 1 to 7"),
-        ("stribeck:²", "joint '²', expected a number from 1 to 7"),
+        ("stribeck:8", "joint '8', expected 1 to 7"),
+        ("stribeck:x", "joint 'x', expected 1 to 7"),
+        ("stribeck:²", "joint '²', expected 1 to 7"),
         ("payload:3", "payload is of the whole arm, expected no joint"),
     ],
 )

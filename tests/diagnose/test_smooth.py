@@ -161,7 +161,7 @@ def test_a_map_of_one_quantity_draws_its_curve():
 
 
 WRONG = {
-    "no joint": ([], ("q",), "joint none: expected one joint from 1 to 2"),
+    "no joint": ([], ("q",), "joint none: expected one joint of 1 to 2"),
     "two joints": ([0, 1], ("q",), "joint 1, 2: expected one joint"),
     "another joint": ([2], ("q",), "joint 3: expected one joint"),
     "nothing": ([0], (), "over nothing: expected one or two"),

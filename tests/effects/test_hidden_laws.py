@@ -55,7 +55,7 @@ def test_the_demo_hides_it_where_it_is_asked_to(hiding):
     assert with_secret(profile, secret, 3).simulation.options["effects"] == [
         dict(secret.effects[0])
     ]
-    with pytest.raises(UserError, match="expected a number from 1 to 7"):
+    with pytest.raises(UserError, match="expected 1 to 7"):
         hide("creeping_hose:8", 3, profile)
 
 

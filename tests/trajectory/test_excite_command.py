@@ -51,7 +51,7 @@ def test_people_get_a_table(capsys):
     ("options", "words"),
     [
         (["--joints", "x"], "--joints: found 'x', expected such as 1-4"),
-        (["--joints", "1-9"], "joints: found 8, expected numbers from 1 to 7"),
+        (["--joints", "1-9"], "joints: found 8, expected 1 to 7"),
         (["--floor", "low"], "--floor: found 'low', expected a height"),
         (["--samples", "3"], "samples: 3 in a period"),
         (["--out", "/nowhere/at/all.yaml"], "/nowhere/at/all.yaml: no such folder"),

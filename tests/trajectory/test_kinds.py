@@ -186,7 +186,7 @@ def test_a_broken_request_is_one_clear_line(data, words):
 @pytest.mark.parametrize(
     ("kind", "parameters", "words"),
     [
-        ("tracking", {"joints": [8]}, "joints: found 8, expected numbers from 1 to 7"),
+        ("tracking", {"joints": [8]}, "joints: found 8, expected 1 to 7"),
         ("tracking", {"joints": [2, 2]}, "expected at least one, each once"),
         ("tracking", {"pose": [0.0]}, "pose: found 1 angles, expected 7"),
         ("tracking", {"period": 1.0}, "joint 1: a sine of 0.524 rad in 1 s needs a speed of 3.29"),

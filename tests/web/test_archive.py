@@ -220,7 +220,7 @@ def test_a_report_draws_its_plots_at_the_daemon_too_and_may_do_no_more(archive, 
 @pytest.mark.parametrize(
     ("query", "status", "says"),
     [
-        ("torque?model=m0&run=valid_a&joint=9", 400, "joint 9: expected a number from 1 to 7"),
+        ("torque?model=m0&run=valid_a&joint=9", 400, "joint 9: expected 1 to 7"),
         ("torque?model=m0&run=none&joint=1", 404, "none"),
         ("torque?model=m0&run=valid_a&joint=1&begin=3&end=2", 400, "begin before end"),
         ("torque?model=m0&run=valid_a&joint=1&variable=x&low=0&high=1", 400, "variable 'x'"),

@@ -23,6 +23,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.motions.improvement import ImprovementRequest, improvement_job
+from pa10d.diagnose.asked.adding import refuse_slips
 from pa10d.diagnose.procedure import suspicion
 from pa10d.effects import Effect, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
@@ -163,7 +164,8 @@ async def add_effect(
     may_replace(request.replace)
     await _check(daemon, request.fit, request)
     if request.effect != SmoothMap.id:
-        refuse_wrong_effect(request.effect, request.joints, len(info.joints))
+        refuse_wrong_effect(request.effect)
+    await daemon.shelf(_refuse_slips, daemon, info, request)
     return accepted(daemon.compute("add", "add", {"model": info.id, **_dump(request)}), response)
 
 
@@ -247,6 +249,11 @@ def refuse_wrong_effect(asked: str | None, joints: Sequence[int] = (), n: int = 
             raise Problem("not-found", f"no effect {asked!r} in the library; see /api/v1/effects")
         if n:
             suspicion((asked, [joint - 1 for joint in joints]), n)
+
+
+def _refuse_slips(daemon: Daemon, info: ModelInfo, request: AddRequest) -> None:
+    at = [joint - 1 for joint in request.joints]
+    refuse_slips(daemon.models.load(info), request.effect, at, request.over)
 
 
 async def _check(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from pa10d.common.errors import UserError
 from pa10d.diagnose.asked.smooth import add_map, asked
-from pa10d.diagnose.procedure import add, diagnose, suspicion
+from pa10d.diagnose.procedure import add, diagnose, lacking, suspicion
 from pa10d.effects import all_effects
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.measurement.recording import Recording
@@ -52,8 +52,10 @@ def refuse_slips(
         raise UserError(f"--over: given with {effect}; expected it with {SmoothMap.id} only")
     if effect == SmoothMap.id:
         asked(model, joints, over)
-    else:
-        suspicion((effect, joints), model.robot.n)
+        return
+    suspicion((effect, joints), model.robot.n)
+    if all_effects()[effect].question != "changed":  # what has changed once may change again
+        lacking(model, effect, joints)
 
 
 def _changed(

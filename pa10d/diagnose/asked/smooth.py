@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import from_one
 from pa10d.diagnose.asked.stiffness import NormalEquations, stiffness
 from pa10d.diagnose.constants import (
     ALIKE,
@@ -92,7 +93,7 @@ def asked(
     n = model.robot.n
     if len(joints) != 1 or not 0 <= joints[0] < n:
         named = ", ".join(str(j + 1) for j in joints) or "none"
-        raise UserError(f"smooth_map: joint {named}: expected one joint from 1 to {n}")
+        raise UserError(f"smooth_map: joint {named}: expected one joint of {from_one(n)}")
     names = tuple(at_joint(name, joints[0], n) for name in over)
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
         raise UserError(

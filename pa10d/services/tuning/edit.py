@@ -12,7 +12,7 @@ import numpy as np
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import joint_words, listed
+from pa10d.common.words import from_one, joint_words, listed
 from pa10d.common.yamlfile import YamlFile, read_yaml
 from pa10d.profile.load import profile_folders
 from pa10d.services.joints import keep_for
@@ -203,7 +203,7 @@ class _Edit:
         for joint, one in value.items():
             number = int(joint) if str(joint).isdecimal() else 0
             if not 1 <= number <= n:
-                raise UserError(f"{key.name}: found joint {joint!r}, expected 1 to {n}")
+                raise UserError(f"{key.name}: found joint {joint!r}, expected {from_one(n)}")
             shown[number - 1] = one
         given = {int(joint) for joint in value}
         if value_at(self.data, key) is None:

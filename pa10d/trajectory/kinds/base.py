@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.words import from_one
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
@@ -52,7 +53,7 @@ class Kind(BaseModel, ABC):
             return list(range(n))
         for j in self.joints:
             if j > n:
-                raise UserError(f"joints: found {j}, expected numbers from 1 to {n}")
+                raise UserError(f"joints: found {j}, expected {from_one(n)}")
         if len(set(self.joints)) != len(self.joints) or not self.joints:
             raise UserError(f"joints: found {self.joints}, expected at least one, each once")
         return [j - 1 for j in self.joints]
