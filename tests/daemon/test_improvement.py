@@ -10,6 +10,7 @@ from loops import run_apart
 
 from pa10d.common.errors import Stopped, UserError
 from pa10d.daemon.motions import improvement
+from pa10d.daemon.robot.stops import Stops
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.experiments.outcome import Outcome
 from pa10d.services import diagnoses
@@ -24,6 +25,7 @@ class PaperDaemon:
 
     def __init__(self, *doubts):
         self.doubts, self.looks = list(doubts), []
+        self.robot = SimpleNamespace(stops=Stops())
 
     async def compute_now(self, task, progress, **arguments):
         assert task == "improve"
@@ -96,6 +98,22 @@ def test_a_stop_before_the_first_motion_stops_it_too(monkeypatch):
     with pytest.raises(Stopped):
         improved(monkeypatch, daemon, before=("velocity_sweep",))
     assert len(daemon.looks) == 1
+
+
+def test_a_stop_of_the_arm_ends_it_while_it_looks(monkeypatch):
+    class Stopping(PaperDaemon):
+        async def compute_now(self, task, progress, **arguments):
+            self.robot.stops.ask()
+            return await super().compute_now(task, progress, **arguments)
+
+    async def asked_for(daemon, request, report):
+        with daemon.robot.stops.heard_by(daemon.robot.stops.count):
+            return await look(daemon, request, report)
+
+    look = improvement._improve
+    monkeypatch.setattr(improvement, "_improve", asked_for)
+    with pytest.raises(Stopped, match="somebody stopped the arm"):
+        improved(monkeypatch, Stopping())
 
 
 def test_nothing_is_stored_while_an_experiment_is_asked_for(monkeypatch, tmp_path):

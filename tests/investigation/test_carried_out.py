@@ -9,8 +9,9 @@ from types import SimpleNamespace
 import pytest
 from made_up import answer, finding, investigation
 
-from pa10d.common.errors import UserError
+from pa10d.common.errors import Stopped, UserError
 from pa10d.daemon.motions import investigations
+from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.outcome import Outcome, RecordedRun
 from pa10d.investigation import course
 from pa10d.investigation.archive import Archive
@@ -25,7 +26,7 @@ class PaperDaemon:
         self.data, self.on, self.refuses = data, on, refuses
         self.investigations, self.pauses = Archive(data), set()
         self.events = SimpleNamespace(publish=lambda *_: None)
-        self.robot = SimpleNamespace(state="inactive")
+        self.robot = SimpleNamespace(state="inactive", stops=Stops())
         self.carried_out = []
 
     async def compute_now(self, task, progress, investigation, step):
@@ -57,6 +58,12 @@ class PaperDaemon:
         return Experiment()
 
 
+async def asked_for(daemon, carrier):
+    """As a job is: a stop from now on ends it."""
+    with daemon.robot.stops.heard_by(daemon.robot.stops.count):
+        return await carrier.carry_out()
+
+
 @pytest.fixture
 def carry(tmp_path, monkeypatch):
     """carry(daemon) carries out the one investigation of the folder, in a loop of its own."""
@@ -68,8 +75,9 @@ def carry(tmp_path, monkeypatch):
             investigations, "experiment_of", lambda _, request, report: daemon.experiment(request)
         )
         carrier = investigations._Carrier(daemon, state.id, lambda *_: None, recover=False)
+        carry_out = asked_for(daemon, carrier)
         with ThreadPoolExecutor(1) as pool:
-            return pool.submit(asyncio.run, carrier.carry_out()).result()
+            return pool.submit(asyncio.run, carry_out).result()
 
     return carried
 
@@ -117,6 +125,33 @@ def test_a_stop_leaves_it_ready_to_go_on(tmp_path, carry):
     (left,) = daemon.investigations.all()
     assert left.status == "stopped"
     assert course.next_step(left).id == "compare"
+    assert carry(daemon)["status"] == "done"
+
+
+@pytest.mark.parametrize("at", ["identify", "diagnose-1", "add", "judge", "report"])
+def test_a_stop_of_the_arm_ends_it_while_it_computes(tmp_path, carry, at):
+    """Also where no motion is left: it is not done as if nobody had pressed anything."""
+    left = [at]
+
+    def stop(step):
+        if [step] == left:
+            left.clear()
+            daemon.robot.stops.ask()
+
+    daemon = PaperDaemon(tmp_path, stop)
+    with pytest.raises(Stopped, match="somebody stopped the arm"):
+        carry(daemon)
+    (found,) = daemon.investigations.all()
+    assert (found.status, course.next_step(found).id) == ("stopped", at)
+    assert carry(daemon)["status"] == "done"
+
+
+def test_a_stop_of_the_arm_leaves_an_investigation_of_recordings_be(tmp_path, carry):
+    (state,) = Archive(tmp_path).all()
+    state.moves, state.fit = False, ["r1"]
+    state.steps = [step for step in state.steps if step.kind != "motion"]
+    Archive(tmp_path).save(state)
+    daemon = PaperDaemon(tmp_path, lambda step: daemon.robot.stops.ask())
     assert carry(daemon)["status"] == "done"
 
 

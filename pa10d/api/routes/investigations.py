@@ -44,6 +44,11 @@ async def prepare_investigation(
 ) -> Any:
     """Plan one: the job's result has its ``steps`` and ``motions`` with their times. Nothing moves
     before ``/investigations/{id}/start``."""
+    if request.names_no_recordings:
+        raise UserError(
+            "fit: found no runs, expected those to fit a model to; or neither 'fit' nor "
+            "'validate', where the arm is to move"
+        )
     if request.since is not None:
         await find_model(daemon, request.since)
     await find_runs(daemon, [*request.fit, *request.validate_], request.force)

@@ -23,6 +23,12 @@ class InvestigationRequest(Strict):
     validate_: Annotated[list[Name], Field(max_length=100, alias="validate")] = []
     force: Force = False
 
+    @property
+    def names_no_recordings(self) -> bool:
+        """Whether somebody speaks of recordings and gives none to fit to: taken as it stands, that
+        would move the arm of who wanted it not to move."""
+        return not self.fit and not {"fit", "validate_"}.isdisjoint(self.model_fields_set)
+
 
 class StartRequest(Strict):
     """How an investigation moves the arm."""

@@ -63,11 +63,12 @@ async def _improve(daemon: Daemon, request: ImprovementRequest, report: Report) 
     for number in range(MOST + 1):
         tried = [one.plan.document() for one in settled] if number < MOST else None
         looking = part(report, 2 * number * share, (2 * number + 1) * share)
-        made: JsonObject = await daemon.compute_now(
+        work = daemon.compute_now(
             "improve", looking, model=request.model, fit=fit, validate=validate, tried=tried,
             name=request.name, replace=request.replace, smooth=request.smooth,
             force=request.force,
         )  # fmt: skip
+        made: JsonObject = await daemon.robot.stops.unless(work)
         experiments = [one.document() for one in settled]
         if made["doubt"] is None:
             return {**made, "experiments": experiments, "fit": fit, "validate": validate}

@@ -90,9 +90,11 @@ class _Carrier:
     async def _one(self, state: Investigation, step: Step) -> None:
         told = self._told(state, step)
         if step.motion is None:
-            outcome = await self._daemon.compute_now(
+            work = self._daemon.compute_now(
                 "investigation_step", told, investigation=self._id, step=step.id
             )
+            # who stops an arm is not to be told of motions to come, nor that all went to its end
+            outcome = await (self._daemon.robot.stops.unless(work) if state.moves else work)
             course.done(state, step, parsed(StepOutcome, outcome))
             return
         await self._move(state, step, told)

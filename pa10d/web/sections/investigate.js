@@ -76,7 +76,14 @@ function form() {
     await refresh();
     parts.detail.querySelector("button.primary")?.focus();
   }) }, "Show what will be done");
-  const turn = () => { moved.hidden = source.value === "runs"; given.hidden = !moved.hidden; };
+  const missing = el("small", { role: "status" });
+  const turn = () => {
+    moved.hidden = source.value === "runs";
+    given.hidden = !moved.hidden;
+    plan.disabled = moved.hidden && !fit.ids.length;
+    missing.textContent = plan.title = plan.disabled ? "Choose the recordings to fit to." : "";
+  };
+  given.addEventListener("change", turn);
   let own = false; // somebody has chosen
   source.addEventListener("change", () => { own = true; turn(); });
   watch(["robot", "runs"], () => {
@@ -91,7 +98,7 @@ function form() {
   });
   watch(["story", "models"], () => { if (changesUnasked() && current().length) question.value ||= current()[0].name; }); // what the guide says to ask
   return el("div", { class: "panel" }, el("div", { class: "row pickers" }, el("h2", {}, "New investigation"),
-    el("label", { class: "picker" }, el("span", {}, "Ask"), question), el("label", { class: "picker" }, el("span", {}, "From"), source), moved, given, plan),
+    el("label", { class: "picker" }, el("span", {}, "Ask"), question), el("label", { class: "picker" }, el("span", {}, "From"), source), moved, given, plan, missing),
   el("p", { class: "muted below" }, "Record, fit, compare, diagnose, settle what is in doubt, add what was found, judge it on fresh motion, report. The motions and their times are shown before anything moves."));
 }
 
