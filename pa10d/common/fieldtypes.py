@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -37,6 +38,12 @@ def _height(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float) or not -1e3 < value < 1e3:
         raise expected("a height in m, or none")
     return float(value)
+
+
+def _in_rad(value: float) -> float:
+    if abs(value) > 2.0 * math.pi:
+        raise expected("an angle in rad, of one turn at most")
+    return value
 
 
 def _lengths(value: tuple[float, ...]) -> tuple[float, ...]:
@@ -82,6 +89,8 @@ Nonzero = Annotated[Number, AfterValidator(_nonzero)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 Factory = Annotated[Text, AfterValidator(_factory)]
 Vector3 = Annotated[tuple[Number, Number, Number], _count(3)]
+Turned = Annotated[Number, AfterValidator(_in_rad)]
+Turns3 = Annotated[tuple[Turned, Turned, Turned], _count(3)]
 Size = Annotated[tuple[Number, Number, Number], AfterValidator(_lengths), _count(3)]
 Height = Annotated[float | Literal["none"], BeforeValidator(_height)]
 Range = Annotated[tuple[Number, Number], AfterValidator(_ascending), _count(2)]

@@ -50,6 +50,7 @@ EXPECTED = {
     "missing": "a value; it has no default",
     "model_type": "a section of keys and values",
     "string_type": "text",
+    "too_long": "at most {max_length} entries",
     "tuple_type": "a list",
 }
 

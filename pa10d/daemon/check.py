@@ -22,6 +22,8 @@ from pa10d.common.errors import UserError
 from pa10d.common.processor import stay_on_one, take_priority
 from pa10d.control.build import build_arm
 from pa10d.control.clock import Clock
+from pa10d.control.gains import burdens
+from pa10d.control.joint_figures import presumed_figures
 from pa10d.control.limits import arm_limits
 from pa10d.control.realtime import PRIORITY
 from pa10d.control.ring import Ring
@@ -29,10 +31,13 @@ from pa10d.control.states import Refused
 from pa10d.daemon.presence import present
 from pa10d.daemon.processes.simulator import simulated_bus
 from pa10d.daemon.timekeeping import rate_to_write
-from pa10d.dynamics import Robot
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.checks import Check
 from pa10d.profile import Profile
+from pa10d.services.tuning.arm import Tuned
+from pa10d.services.tuning.by_hand import gain_checks, range_checks
 from pa10d.store.folders import write_text
+from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.poses import CLEAR, Surroundings
 
 SMALL_DISK = 2.0  # GB; an hour of a seven-axis run takes about one
@@ -46,6 +51,8 @@ def check_robot(profile: Profile, robot: Robot, data: Path, seconds: float) -> l
     return [
         *_bus(profile),
         *_limits(profile, robot),
+        *_by_hand(data, profile, robot),
+        *carrying_checks(robot),
         *environment_checks(robot),
         *_disk(data),
         *_clock(),
@@ -70,6 +77,31 @@ def _limits(profile: Profile, robot: Robot) -> list[Check]:
     ]
     text = "position, velocity, acceleration and torque are known for every joint"
     return unbounded or [Check("ok", "limits", text)]
+
+
+def _by_hand(data: Path, profile: Profile, robot: Robot) -> list[Check]:
+    """What Tune would have asked about, had it been written there."""
+    tuned = Tuned.of(data, profile, robot)
+    return [*range_checks(tuned), *gain_checks(tuned)]
+
+
+def carrying_checks(robot: Robot) -> list[Check]:
+    """Whether each joint can hold what gravity asks of it: where the arm rests, and elsewhere."""
+    rest = limits_of(robot).rest_pose()[None]
+    still = np.zeros_like(rest)
+    here = np.abs(inverse_dynamics(robot, robot.parameters, rest, still, still))[0]
+    worst = np.maximum(here, burdens(robot, presumed_figures(robot)))
+    found = []
+    for j in np.flatnonzero(worst > robot.effort):
+        always = here[j] > robot.effort[j]
+        asked, unit = (here if always else worst)[j], "N" if robot.prismatic[j] else "N·m"
+        found.append(Check(
+            "error" if always else "warning", "limits",
+            f"standing still {'where the arm rests' if always else 'in its worst pose'}, joint "
+            f"{j + 1} needs {asked:.4g} {unit} and may give {robot.effort[j]:.4g}; look at the "
+            "masses (URDF, tool), the mounting (base, gravity) and limits.torque", int(j) + 1,
+        ))  # fmt: skip
+    return found
 
 
 def environment_checks(robot: Robot) -> list[Check]:

@@ -30,7 +30,7 @@ from pa10d.daemon.robot.telemetry import Telemetry
 from pa10d.dynamics import Robot
 from pa10d.identify.scale import Body
 from pa10d.investigation.archive import Archive
-from pa10d.profile import Profile, load_profile
+from pa10d.profile import Gains, Profile, load_profile
 from pa10d.services.joints import kept_joints
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning import own_profile
@@ -83,6 +83,8 @@ class Daemon:
         self.weighings = Weighings(data)
         self.robot = RobotProcess(profile, robot, data, runtime, self.events)
         self.robot.inherit = inherit
+        self.robot.not_held = self._why_not_held
+        self._judged: tuple[Gains, MeasuredJoints | None, str | None] | None = None
         self.robot.joints = self.measured_joints()
         if self.robot.joints is not None:
             self.robot.keep_gains(self.robot.joints.known.gains)
@@ -101,6 +103,17 @@ class Daemon:
         """What is kept of the joints, by the profile's file, as every plan and table looks it up:
         what a virtual arm hides is in our memory only, and would look like another arm."""
         return kept_joints(self.data, load_profile(self.profile.path))
+
+    async def _why_not_held(self) -> str | None:
+        """Looked at by a worker, once for what is in force; gains by the rule need no look."""
+        gains, joints = self.profile.control.gains, self.robot.joints
+        if gains == Gains():
+            return None
+        known = self._judged
+        if known is None or known[0] is not gains or known[1] is not joints:
+            why = await self.tuning("why_not_held", gains=gains.model_dump())
+            self._judged = known = gains, joints, why
+        return known[2]
 
     @property
     def uptime(self) -> float:

@@ -23,6 +23,7 @@ from pa10d.common.fieldtypes import (
     Range,
     Size,
     Text,
+    Turns3,
     Vector3,
     at_least,
 )
@@ -51,12 +52,14 @@ Bandwidth = Annotated[Positive, at_least(0.01)]  # Hz
 Gain = Annotated[NotNegative, Field(le=1e8)]
 Stiffness = Annotated[Positive, Field(le=1e8)]
 LONGEST_SILENCE = 0.5  # s without news that a profile may let an arm go on
+LONGEST_BEAT = 200  # ms: a drive waits 2.5 of them for a control PC that has died
+MOST_BOXES = 200  # each is looked at in every pose of a plan: with so many one takes 10 s
 
 
 class Base(_Strict):
-    """How the arm is mounted: world gravity is (0, 0, -9.81) and the base is turned by rpy."""
+    """How the arm is mounted: world gravity is (0, 0, -9.81) and the base is turned by rpy, rad."""
 
-    rpy: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Turns3 = (0.0, 0.0, 0.0)
 
 
 class Tool(_Strict):
@@ -72,7 +75,7 @@ class Box(_Strict):
 
     size: Size  # m, whole lengths along its own axes
     xyz: Vector3  # m, its centre
-    rpy: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Turns3 = (0.0, 0.0, 0.0)  # rad
     name: Text | None = None
 
 
@@ -80,7 +83,7 @@ class Environment(_Strict):
     """What stands around the arm, in the frame of its base (a turned base takes it along)."""
 
     floor: Height = 0.0  # m along the base's z axis, or none
-    boxes: list[Box] = []
+    boxes: Annotated[list[Box], Field(max_length=MOST_BOXES)] = []
 
 
 class Limits(_Strict):
@@ -113,7 +116,7 @@ class Drive(_Strict):
     eds: Text | None = None  # relative to the profile; default: the package's own EDS
     vendor_id: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:1
     product_code: Annotated[int, Field(strict=True, ge=0, lt=2**32)] | None = None  # 0x1018:2
-    heartbeat_ms: Annotated[int, Field(strict=True, ge=10, le=60000)] = 100
+    heartbeat_ms: Annotated[int, Field(strict=True, ge=10, le=LONGEST_BEAT)] = 100
     accepted_risks: list[Risk] = []  # without them a drive that has one is not powered
 
 

@@ -70,7 +70,7 @@ def patient_profile(folder: Path) -> Profile:
         simulation={"clock": "real"},
         control={"rate": 100.0},
         safety={"stale_cycles": 30},
-        drive={"eds": patient_eds(folder, 600), "heartbeat_ms": 500},
+        drive={"eds": patient_eds(folder, 600), "heartbeat_ms": 200},
     )
 
 

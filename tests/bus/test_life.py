@@ -32,7 +32,7 @@ def test_the_whole_life_by_our_backend(tmp_path: Path, clock: str) -> None:
         simulation={"clock": clock},
         control={"rate": 100.0},
         safety={"stale_cycles": 30},  # 0.3 s: no busy machine is judged
-        drive={"eds": patient_eds(tmp_path, 600), "heartbeat_ms": 500},
+        drive={"eds": patient_eds(tmp_path, 600), "heartbeat_ms": 200},
     )
     with virtual_arm(profile), VirtualBus(profile.can.channel) as bus, promptly():
         arm = CanopenBackend(profile)

@@ -40,7 +40,7 @@ def profile(tmp_path: Path, request: pytest.FixtureRequest) -> Profile:
         simulation={"clock": request.param},
         control={"rate": 50.0},
         safety={"stale_cycles": 25},
-        drive={"eds": patient_eds(tmp_path), "heartbeat_ms": 500},
+        drive={"eds": patient_eds(tmp_path), "heartbeat_ms": 200},
     )
 
 

@@ -77,7 +77,7 @@ def profile() -> Path:
     made["safety"] = {"stale_cycles": 25, "following_error": [1.0] * AXES}
     PLACE.mkdir(exist_ok=True)
     for drive in made["drives"]:
-        drive |= {"eds": patient_eds(PLACE, 400), "heartbeat_ms": 500}
+        drive |= {"eds": patient_eds(PLACE, 400), "heartbeat_ms": 200}
     path = PLACE / "arm.yaml"
     path.write_text(yaml.safe_dump(made))
     return path

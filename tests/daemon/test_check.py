@@ -37,6 +37,7 @@ def profile_with(folder, **sections):
     profile = yaml.safe_load(base.read_text())
     profile["urdf"] = str(base.parent / profile["urdf"])
     profile["can"]["channel"] = f"c{os.getpid()}-{time.time_ns() % 10**6}"
+    profile["safety"]["stale_cycles"] = 30  # at any rate less than the longest silence allowed
     for key, value in sections.items():
         profile[key] = value if value is None else {**profile[key], **value}
     for drive in profile["drives"]:

@@ -9,6 +9,7 @@ from pa10d.profile import load_profile
 
 URDF = '<robot name="r"><link name="a"/></robot>'
 HEAD = "urdf: robot.urdf\n"
+BOX = "{size: [1, 1, 1], xyz: [0, 0, 0]}"
 DRIVE = "{node: 1, counts_per_rev: 1000, rated_torque: 1}"
 
 BROKEN = {
@@ -93,6 +94,23 @@ BROKEN = {
     ),
     "negative gain": (
         HEAD + "control: {gains: {ki: [-1]}}\n", 2, "control.gains.ki.1", "-1", "at least 0",
+    ),
+    "nobody notices that we died": (
+        HEAD + f"drives: [{DRIVE[:-1]}, heartbeat_ms: 60000}}]\n",
+        2, "drives.1.heartbeat_ms", "60000", "at most 200",
+    ),
+    "mounted in degrees": (
+        HEAD + "base: {rpy: [180, 0, 0]}\n",
+        2, "base.rpy.1", "180", "an angle in rad, of one turn at most",
+    ),
+    "box in degrees": (
+        HEAD + "environment:\n  boxes: [{size: [1, 1, 1], xyz: [0, 0, 0], rpy: [0, 0, 45]}]\n",
+        3, "environment.boxes.1.rpy.3", "45", "an angle in rad, of one turn at most",
+    ),
+    "boxes without end": (
+        HEAD + f"environment:\n  boxes: [{', '.join([BOX] * 201)}]\n",
+        3, "environment.boxes", "[{'size': [1, 1, 1], 'xyz': [0, 0, 0]}, {'size': [1, 1, 1...",
+        "at most 200 entries",
     ),
     "node too large": (
         HEAD + "drives:\n  - {node: 200, counts_per_rev: 4096, rated_torque: 1}\n",

@@ -46,6 +46,11 @@ def stands_outside(do: str, state: str, why: str) -> Message:
     return {"state": state, "needed": [state], "detail": f"{do}: {why}", "remedy": why}
 
 
+def not_to_be_held(state: str, why: str) -> Message:
+    """The profile's gains would not hold the arm; why: says what to do, too."""
+    return {"state": state, "needed": [state], "detail": f"enable: {why}", "remedy": why}
+
+
 def being_started(do: str, state: str) -> Message:
     """Nobody is on the bus yet: what would be said of its silence is no news of a drive."""
     return _unheard(do, state, "the drives are being started", "wait a few seconds, then ask again")

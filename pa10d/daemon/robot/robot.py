@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ from pa10d.daemon.robot.refusals import (
     CommandRefused,
     being_started,
     no_control,
+    not_to_be_held,
     not_unpowered,
     still_in_fault,
 )
@@ -79,6 +80,7 @@ class RobotProcess:
         self.law = ChosenLaw(self.command, lambda: self._told)
         self.joints: MeasuredJoints | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
+        self.not_held: Callable[[], Coroutine[Any, Any, str | None]] = _held  # why it would swing
         self._told = ArmTold()
         self._gone: Fault | None = None  # that control's own death is
         self._changed = asyncio.Condition()
@@ -225,7 +227,11 @@ class RobotProcess:
     async def enable(self, recover: bool = False) -> None:
         """Until the arm is held, or in fault, or somebody has stopped that. recover: also where it
         stands outside its position limits."""
-        await self._switch("enable", recover=recover)
+        with self.stops.heard_from_now():
+            why = await self.stops.unless(self.not_held())
+            if why is not None:
+                raise CommandRefused(not_to_be_held(self.state, why))
+            await self._switch("enable", recover=recover)
         await self._take_up_law()
 
     async def disable(self) -> None:
@@ -465,6 +471,11 @@ class RobotProcess:
             await self.connect()
         self._gone = None
         self._announce()
+
+
+async def _held() -> str | None:
+    """Nobody knows of gains that would not hold the arm."""
+    return None
 
 
 _POWERED = frozenset(state.label for state in POWERED)

@@ -45,6 +45,13 @@ class Stops:
         finally:
             _BEGAN.reset(token)
 
+    @contextlib.contextmanager
+    def heard_from_now(self) -> Iterator[None]:
+        """The same for what is asked for now, unless it is part of something that began before."""
+        began = _BEGAN.get()
+        with self.heard_by(self.count if began is None else began):
+            yield
+
     def refuse(self) -> None:
         """Stopped where somebody has asked for a stop since this work was asked for."""
         if _BEGAN.get() not in (None, self.count):

@@ -1,5 +1,6 @@
 """Gains, limits and surroundings of a profile: seen, changed with a diff before, and undone."""
 
+from pa10d.services.tuning.by_hand import why_not_held
 from pa10d.services.tuning.edit import propose, show, undo, versions, write
 from pa10d.services.tuning.told import (
     ProfileDifference,
@@ -19,5 +20,6 @@ __all__ = [
     "show",
     "undo",
     "versions",
+    "why_not_held",
     "write",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,12 +20,17 @@ UNBOUNDED = "neither the URDF nor a drive says how much it may be"
 def loosened(before: Tuned, after: Tuned) -> list[str]:
     """A sentence each, empty where nothing is to be confirmed."""
     raised = [s for key in KEYS.values() if key.per_joint for s in _raised(key, before, after)]
-    return [*raised, *_swinging(before, after), *_surroundings(before, after)]
+    swings = [one.sentence for one in swinging(before, after)]
+    return [*raised, *swings, *_surroundings(before, after)]
 
 
 def _raised(key: Key, before: Tuned, after: Tuned) -> Iterator[str]:
-    if key.group not in ("limits", "safety"):
-        return
+    if key.group in ("limits", "safety"):
+        yield from wider(key, before, after)
+
+
+def wider(key: Key, before: Tuned, after: Tuned) -> Iterator[str]:
+    """A sentence for each joint whose limit lets it do more than is known to be right."""
     old, new = (np.asarray(one.in_force(key.name), dtype=float) for one in (before, after))
     bounds = after.bounds(key.name)
     if key.name == "limits.position":
@@ -63,7 +69,27 @@ def _above(
             yield f"{what} instead of {old[j]:.6g}: {UNBOUNDED}"
 
 
-def _swinging(before: Tuned, after: Tuned) -> Iterator[str]:
+@dataclass(frozen=True)
+class Swings:
+    """A joint, from 0, that swings with its gains; peak: of its loop's sensitivity, inf: always."""
+
+    joint: int
+    peak: float
+
+    @property
+    def sentence(self) -> str:
+        """For a person."""
+        how = (
+            f"the sensitivity of its loop peaks at {self.peak:.2g} ({SENSITIVITY:g} is the rule, "
+            f"more than {SLUGGISH:g} swings for long)"
+            if np.isfinite(self.peak)
+            else "its loop is not stable"
+        )
+        return f"joint {self.joint + 1}: with these gains {how} in the worst pose"
+
+
+def swinging(before: Tuned, after: Tuned) -> Iterator[Swings]:
+    """Joints whose gains are others than before, and too much or too little for them."""
     changed = np.zeros(after.robot.n, dtype=bool)
     for key in GAINS:
         changed |= ~np.isclose(getattr(before.gains, key), getattr(after.gains, key), rtol=1e-9)
@@ -71,15 +97,8 @@ def _swinging(before: Tuned, after: Tuned) -> Iterator[str]:
         return
     for j in np.flatnonzero(changed):
         peak = float(after.sensitivity[j])
-        if peak <= SLUGGISH or peak < before.sensitivity[j]:
-            continue
-        how = (
-            f"the sensitivity of its loop peaks at {peak:.2g} ({SENSITIVITY:g} is the rule, more "
-            f"than {SLUGGISH:g} swings for long)"
-            if np.isfinite(peak)
-            else "its loop is not stable"
-        )
-        yield f"joint {j + 1}: with these gains {how} in the worst pose"
+        if peak > SLUGGISH and peak >= before.sensitivity[j]:
+            yield Swings(int(j), peak)
 
 
 def _surroundings(before: Tuned, after: Tuned) -> Iterator[str]:
