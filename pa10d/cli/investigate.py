@@ -13,6 +13,7 @@ from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.story import tell
 from pa10d.common.errors import Unsound, UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.words import listed
 
 if TYPE_CHECKING:
     from pa10d.client import Client
@@ -176,6 +177,8 @@ def _motions_in_words(found: JsonObject) -> str:
 
 def in_words(found: JsonObject) -> str:
     """How it ended, for the terminal."""
+    from pa10d.investigation.words import judged_where
+
     if found["status"] != "done":
         why = f": {found['error']}" if found["error"] else ""
         return (
@@ -194,7 +197,10 @@ def in_words(found: JsonObject) -> str:
             [str(j), f"{a:.4g}", f"{b:.4g}", "not known" if f is None else f"{f:.4g}"]
             for j, (a, b, f) in enumerate(columns, 1)
         ]
-        lines += [f"Error in N·m on runs that {judged['seen']}:", table(head, rows)]
+        there = judged_where(
+            listed(judged.get("run_names", [])), judged["cutoff_hz"], judged["mask"]
+        )
+        lines += [f"Error in N·m on runs that {judged['seen']} ({there}):", table(head, rows)]
     for doubt in found["doubts"]:
         lines.append(doubt["says"])
         lines += [f"   {doubt[key]}" for key in ("plan", "motion") if doubt[key]]

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from pa10d.common.jsonable import parsed
 from pa10d.common.words import listed
-from pa10d.demo.story import Told, settling
+from pa10d.demo.story import Told, answered, settling
 from pa10d.investigation.archive import Archive
 from pa10d.investigation.report import report_text
 from pa10d.investigation.results import Searched
-from pa10d.investigation.words import found_words, named
+from pa10d.investigation.words import named
 from pa10d.report.blocks import Section, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.services.library import open_library
@@ -46,7 +46,7 @@ def _story(told: Told) -> Section:
 def _facts(told: Told) -> list[tuple[str, str]]:
     asked = ("What is missing in the model?", "What has changed since?")
     found = [parsed(Searched, chapter) for chapter in told.chapters]
-    answers = [(q, found_words(one)) for q, one in zip(asked, found, strict=False)]
+    answers = [(q, answered(one)) for q, one in zip(asked, told.chapters, strict=False)]
     tried = [step["experiment"]["kind"] for chapter in told.chapters for step in settling(chapter)]
     return [
         ("Hidden", told.hidden.in_words()),

@@ -74,6 +74,12 @@ def settling(chapter: JsonObject) -> list[JsonObject]:
     return [step for step in chapter["steps"] if step["purpose"] == "settle"]
 
 
+def answered(chapter: JsonObject) -> str:
+    """What its last search said."""
+    searches = [step for step in chapter["steps"] if step["kind"] == "diagnose"]
+    return str(searches[-1]["said"])
+
+
 def play(bench: Bench, hidden: Hidden, seed: int, tell: Tell, progress: Progress) -> Told:
     """From a hidden effect to the truth."""
     tell("2. What is missing in its model? It is moved, over HTTP and CAN, and investigated.")

@@ -30,9 +30,8 @@ def first_steps(
     for k, (motion, problem) in enumerate(motions, 1):
         step = Step(id=f"motion-{k}", kind="motion", title=_title(motion), motion=motion)
         if motion not in chosen:
-            left_out(step, problem or _beyond(motion, minutes))
+            _leave_out(step, problem or _beyond(motion, minutes))
         steps.append(step)
-    given = not motions
     before = [s for s in steps if s.motion is not None and s.motion.purpose != "fresh"]
     fresh = [s for s in steps if s not in before]
     textbook = [
@@ -46,7 +45,7 @@ def first_steps(
         Step(id="diagnose-1", kind="diagnose", title=asks),
         Step(id="add", kind="add", title="Add what was found, as new versions"),
         *fresh,
-        Step(id="judge", kind="judge", title=_judged_by(given)),
+        Step(id="judge", kind="judge", title=_judged_by(steps)),
         Step(id="report", kind="report", title="Write the report"),
     ]
 
@@ -104,8 +103,14 @@ def done(state: Investigation, step: Step, outcome: StepOutcome) -> None:
         state.status = "done"
 
 
-def left_out(step: Step, why: str) -> None:
-    """It cannot be done, and the others go on without it."""
+def left_out(state: Investigation, step: Step, why: str) -> None:
+    """It cannot be done, and the others go on without it; the last judgement says so, too."""
+    _leave_out(step, why)
+    if step.motion is not None and step.motion.purpose == "fresh":
+        state.step("judge").title = _judged_by(state.steps)
+
+
+def _leave_out(step: Step, why: str) -> None:
     step.status, step.said, step.finished = "left_out", why[:4000], _now()
 
 
@@ -156,10 +161,10 @@ def _after_search(state: Investigation, step: Step) -> None:
         if next_step(state) is not state.step("add"):
             return
     if not state.findings:
-        left_out(state.step("add"), "There is nothing to add.")
+        left_out(state, state.step("add"), "There is nothing to add.")
         for other in state.steps:
             if other.motion is not None and other.motion.purpose == "fresh":
-                left_out(other, "Nothing was added that fresh motion could judge.")
+                left_out(state, other, "Nothing was added that fresh motion could judge.")
 
 
 def _settling(state: Investigation, finding: NamedEffect, number: int) -> list[Step]:
@@ -173,7 +178,7 @@ def _settling(state: Investigation, finding: NamedEffect, number: int) -> list[S
     )  # fmt: skip
     step = Step(id=f"settle-{number}", kind="motion", title=_title(motion), motion=motion)
     if way.seconds > budget_left(state):
-        left_out(step, _beyond(motion, state.minutes))
+        _leave_out(step, _beyond(motion, state.minutes))
         return [step]
     again = Step(id=f"diagnose-{number + 1}", kind="diagnose", title="Ask again, with that motion")
     return [step, again]
@@ -198,8 +203,11 @@ def _title(motion: ArmMotion) -> str:
     return f"{words}: {ends[motion.purpose]}"
 
 
-def _judged_by(given: bool) -> str:
-    return "Judge all versions on the runs to judge by" if given else "Judge it on fresh motion"
+def _judged_by(steps: Sequence[Step]) -> str:
+    fresh = [s for s in steps if s.motion is not None and s.motion.purpose == "fresh"]
+    if any(step.status != "left_out" for step in fresh):
+        return "Judge it on fresh motion"
+    return "Judge all versions on the runs to judge by"
 
 
 def _beyond(motion: ArmMotion, minutes: float | None) -> str:

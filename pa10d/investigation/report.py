@@ -13,7 +13,7 @@ from pa10d.dynamics import Robot
 from pa10d.investigation.archive import REPORT, SHEET
 from pa10d.investigation.results import LastWord, Searched
 from pa10d.investigation.state import Investigation
-from pa10d.investigation.words import found_words, named
+from pa10d.investigation.words import judged_where, named
 from pa10d.report.blocks import Lines, Section, Table, Text
 from pa10d.report.facts import Facts, Verdict
 from pa10d.report.model_page import Dossier, dossier_sections
@@ -48,7 +48,7 @@ def report_text(
         *first,
         Section(
             "In short",
-            [Verdict(found_words(found), found.verdict), Facts(_facts(state, found))],
+            [Verdict(state.done("diagnose")[-1].said, found.verdict), Facts(_facts(state, found))],
         ),
         *_delivery(state, sheet.model.robot),
         *_doubts(state),
@@ -102,7 +102,7 @@ def _delivery(state: Investigation, robot: Robot) -> list[Section]:
     note = Text(
         f"RMS error in {robot.torque_units()}. Promised and achieved: on the runs that the search "
         f"judged by, low-passed at {promise.cutoff_hz:.4g} Hz. The last columns: on runs that "
-        f"{last.seen}, at {last.cutoff_hz:.4g} Hz; samples {last.mask}.",
+        f"{last.seen} ({judged_where(listed(last.run_names), last.cutoff_hz, last.mask)}).",
         muted=True,
     )
     return [Section("Promised and achieved", [Table(head, rows), note])]

@@ -92,8 +92,6 @@ class Searched:
     findings: list[NamedEffect]
     unexplained: list[Structured]
     frozen: bool
-    rms_as_given: PerJoint | None = None
-    rms_with_reversals: Known | None = None
 
 
 @dataclass(frozen=True)
@@ -108,8 +106,8 @@ class StoredAs:
 @dataclass(frozen=True)
 class LastWord:
     """The first and the last version on the same runs. fresh: moved for nothing else; seen: what
-    fits have seen of them, in words; models: names of all versions; units: of every joint's torque,
-    empty where an older version has written it."""
+    fits have seen of them, in words; runs: ids; models: names of all versions; units: of every
+    joint's torque; this and the runs' names are empty where an older version has written it."""
 
     fresh: bool
     seen: str
@@ -121,6 +119,7 @@ class LastWord:
     cutoff_hz: float
     mask: str
     units: list[str] = field(default_factory=list)
+    run_names: list[str] = field(default_factory=list)
 
     def unit(self, joint: int) -> str:
         """Of a joint's error (0-based)."""

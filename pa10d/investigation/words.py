@@ -8,19 +8,12 @@ import numpy as np
 
 from pa10d.common.words import listed, percent, times
 from pa10d.compare.comparison import RunScores
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
-from pa10d.diagnose.outcome.words import nothing
-from pa10d.effects import all_effects
+from pa10d.effects import Value, all_effects
 from pa10d.identify.summary import FitSummary
-from pa10d.investigation.results import (
-    LastWord,
-    NamedEffect,
-    Searched,
-    Size,
-    StoredAs,
-    Structured,
-)
-from pa10d.report.verdict import more_or_less, place_words
+from pa10d.investigation.results import LastWord, NamedEffect, StoredAs
+from pa10d.report.verdict import answer, finding_words, more_or_less, place_words
 from pa10d.trajectory.kinds import KINDS
 
 RISE = 0.1  # of the squared error that is worth a word
@@ -33,14 +26,20 @@ def named(finding: NamedEffect, frozen: bool = False) -> str:
     return f"{more_or_less(kind, change, frozen)}{place_words(finding.joints)}"
 
 
-def compared_words(pooled: RunScores) -> str:
-    """Where the model is worst, against the noise of the sensors."""
+def judged_where(on: str, cutoff: float, mask: str) -> str:
+    """``valid_a; low-pass 12 Hz, in motion, clear of reversals``; ``on`` in words, or ""."""
+    return f"{on}{'; ' if on else ''}low-pass {cutoff:.4g} Hz, {mask}"
+
+
+def compared_words(pooled: RunScores, model: str) -> str:
+    """Where the model is worst, against the noise as far as this model shows it: one that lacks
+    less, and is not fitted yet, may show less noise in the same runs."""
     scores = pooled.scores
     ratio = scores.rms / pooled.noise_floor
     known = bool(np.any(np.isfinite(ratio)))
     worst = int(np.nanargmax(ratio if known else scores.nrmse))
     size = (
-        f"{times(ratio[worst])} the noise of its sensors"
+        f"{times(ratio[worst])} the noise, as far as {model} shows it"
         if known
         else f"{percent(scores.nrmse[worst])} of its torque's range"
     )
@@ -51,41 +50,18 @@ def compared_words(pooled: RunScores) -> str:
     return f"{text} {sentence[0].upper()}{sentence[1:].removesuffix('.')}."
 
 
-def _unexplained(s: Structured) -> str:
-    start = f"{percent(min(s.share, 1.0))} of joint {s.joint}'s squared error"
-    if not s.depends_on:
-        return f"{start} is more than the noise that this data shows"
-    return f"{start} depends on {' and '.join(s.depends_on)}"
-
-
-def found_words(found: Searched) -> str:
-    """The verdict of a diagnosis."""
-    if found.verdict == "none":
-        told = found.rms_with_reversals
-        reversals = None if told is None else np.array(told, dtype=float)
-        return nothing(
-            found.rms,
-            np.array(found.noise_floor, dtype=float),
-            found.frozen,
-            found.rms_as_given,
-            reversals,
-        )
-    if found.verdict == "unknown":
-        places = [_unexplained(s) for s in found.unexplained]
-        what = "has changed" if found.frozen else "is missing"
-        return f"Something {what} that no effect of the library explains: {listed(places)}."
-    verb = "What changed" if found.frozen else "Missing in the model"
-    text = f"{verb}: {listed([named(f, found.frozen) for f in found.findings])}."
+def found_words(found: Diagnosis) -> str:
+    """The verdict of a diagnosis, how large what it found is, and on what it was judged."""
+    sizes = ""
     for finding in found.findings:
-        sizes = [_sized(*one) for one in finding.parameters.items() if one[1].determined]
-        whose = f"{named(finding, found.frozen)}: " if len(found.findings) > 1 else ""
-        text += f" {whose}{', '.join(sizes)}." if sizes else ""
-    if found.unexplained:
-        text += " Something besides is left that no effect of the library explains."
-    return text
+        known = [_sized(*one) for one in finding.parameters.items() if one[1].determined]
+        whose = f"{finding_words(finding, found.frozen)}: " if len(found.findings) > 1 else ""
+        sizes += f" {whose}{', '.join(known)}." if known else ""
+    on = judged_where(found.judged_on, found.cutoff, found.left.mask)
+    return f"{answer(found, sizes)} Judged on {on}."
 
 
-def _sized(name: str, size: Size) -> str:
+def _sized(name: str, size: Value) -> str:
     """``F = 1.12 ± 0.06 N·m``; what was chosen, not fitted, has no error: ``ratio = 1``."""
     error = f" ± {size.std_error:.1g}" if size.std_error else ""
     return f"{name} = {size.value:.3g}{error} {size.unit}".removesuffix(" 1")
@@ -127,7 +103,8 @@ def added_words(versions: Sequence[StoredAs], findings: Sequence[NamedEffect], f
 def fall_words(judged: LastWord) -> str:
     """How far the error fell, at the joint where it fell most; what rose is not left out."""
     before, after = np.array(judged.before), np.array(judged.after)
-    where = f"on runs that {judged.seen}"
+    there = judged_where(listed(judged.run_names), judged.cutoff_hz, judged.mask)
+    where = f"on runs that {judged.seen} ({there})"
     if len(judged.models) == 1:
         return f"{judged.models[0]} is judged {where}; nothing was added to it."
     fall = (before**2 - after**2) / np.maximum(before**2, 1e-300)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed, plain
+from pa10d.common.words import listed
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.search.delivery import delivered
 from pa10d.identify.summary import summary
@@ -24,7 +25,9 @@ from pa10d.investigation.words import (
     fall_words,
     found_words,
     identified_words,
+    judged_where,
 )
+from pa10d.judgement import MASK
 from pa10d.services.diagnoses import diagnose_runs
 from pa10d.services.history import history
 from pa10d.services.library import Library, open_library
@@ -66,9 +69,11 @@ def _compare(
     runs = state.unseen or state.to_fit
     found = compare_runs(library, _base(state), runs, force=state.force, progress=progress)
     kept = {"runs": [run.id for run in found.runs], "pooled": found.document()["pooled"]}
-    said = compared_words(found.comparison.pooled)
+    said = compared_words(found.comparison.pooled, found.info.name)
     if not state.unseen:
         said = f"Judged on the runs it was fitted to: there are no others. {said}"
+    on = judged_where(listed([run.name for run in found.runs]), found.comparison.model.cutoff, MASK)
+    said = f"{said} Judged on {on}."
     return StepOutcome(result=kept, said=said)
 
 
@@ -89,7 +94,7 @@ def _diagnose(
     for finding, way in zip(document["findings"], ways, strict=True):
         if way is not None:
             finding["settling"] = plain(way)
-    return StepOutcome(result=document, said=found_words(seen))
+    return StepOutcome(result=document, said=found_words(found))
 
 
 def _add(
@@ -134,6 +139,7 @@ def _judge(
         cutoff_hz=last.cutoff,
         mask=last.mask,
         units=[robot.torque_unit(j) for j in range(robot.n)],
+        run_names=[library.runs.find(run).name for run in runs],
     )
     return StepOutcome(result=plain(word), said=fall_words(word))
 

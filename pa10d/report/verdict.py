@@ -41,8 +41,8 @@ def doubt_words(found: Diagnosis) -> str:
     return f"{text}; {where}there is an experiment that would."
 
 
-def answer(found: Diagnosis) -> str:
-    """The verdict alone."""
+def answer(found: Diagnosis, sizes: str = "") -> str:
+    """The verdict alone. sizes: what is said of them behind the names of what was found."""
     if found.verdict == "none":
         return none_found(found)
     if found.verdict == "unknown":
@@ -50,7 +50,7 @@ def answer(found: Diagnosis) -> str:
         return f"{unexplained(found)}: {places}."
     named = listed([finding_words(f, found.frozen) for f in found.findings])
     verb = "What changed" if found.frozen else "Missing in the model"
-    text = f"{verb}: {named}."
+    text = f"{verb}: {named}.{sizes}"
     if found.unexplained:
         text += " Something besides is left that no effect of the library explains."
     return text

@@ -231,10 +231,12 @@ class Step(Document):
 
 
 class Judged(Document):
-    """The first and the last version on the same runs; fresh: moved for nothing else."""
+    """The first and the last version on the same runs; fresh: moved for nothing else; run_names:
+    empty where an older version has judged."""
 
     fresh: bool
     runs: list[str]
+    run_names: list[str] = []
     models: list[str]
     before: PerJoint
     after: PerJoint

@@ -143,7 +143,7 @@ def test_whatever_ended_it_what_is_done_is_not_done_again(after, ended):
 def test_without_any_recording_it_says_why_nothing_was_recorded():
     state = investigation()
     for k in range(1, 6):
-        course.left_out(state.step(f"motion-{k}"), f"motion {k} meets the floor")
+        course.left_out(state, state.step(f"motion-{k}"), f"motion {k} meets the floor")
     step = course.next_step(state)
     assert step.id == "identify"
     with pytest.raises(UserError, match="motion 1 meets the floor"):

@@ -69,7 +69,7 @@ class _Carrier:
                 await self._save(state)
                 return
             if course.spent(state, step):
-                course.left_out(step, SPENT)
+                course.left_out(state, step, SPENT)
                 await self._save(state)
                 continue
             try:
@@ -112,7 +112,7 @@ class _Carrier:
             stopped = isinstance(error, Stopped)
             if stopped or experiment.moved or self._daemon.robot.state not in ABLE:
                 raise
-            course.left_out(step, str(error))
+            course.left_out(state, step, str(error))
             return
         names = [run.name for run in found.recorded]
         advice = found.recommendation or [""]

@@ -172,7 +172,7 @@ function result(found) {
   const search = found.steps.filter((one) => one.kind === "diagnose" && one.status === "done").at(-1);
   const judged = found.judged;
   return el("div", { class: "result" }, el("p", { class: `verdict ${found.verdict}` }, search.said),
-    judged ? [el("p", {}, `RMS error on runs that ${judged.seen}, with ${judged.models.join(" and ")}:`),
+    judged ? [el("p", {}, `RMS error on runs that ${judged.seen} (${[judged.run_names?.join(", "), `low-pass ${number(judged.cutoff_hz)} Hz, ${judged.mask}`].filter(Boolean).join("; ")}), with ${judged.models.join(" and ")}:`),
       judgedTable(judged)] : null,
     found.doubts.map((doubt) => el("p", {}, doubt.says, " ", doubt.problem ?? "",
       links(found, doubt))));
