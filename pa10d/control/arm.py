@@ -65,7 +65,7 @@ class Arm:
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
         self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
-        self._switch_by = 0.0  # s, until when the drives may switch
+        self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
@@ -160,7 +160,7 @@ class Arm:
 
     def drive_errors(self, clear: bool = False) -> list[DriveErrors]:
         """What each drive remembers of its errors, or is left of it once it was emptied; no cycle
-        runs meanwhile."""
+        runs meanwhile, and one after it: what is asked for next begins now, not before."""
         states = (ArmState.OFFLINE, ArmState.INACTIVE, ArmState.FAULT)
         require("errors", self.state, *states)
         if not isinstance(self.backend, KeepsErrors):
@@ -169,9 +169,11 @@ class Arm:
             raise Refused("errors", self.state, states, "the drives do not switch off: see to that")
         try:
             do = self.backend.clear_errors if clear else self.backend.read_errors
-            return asked("errors", do)
+            found = asked("errors", do)
         except Exception as error:
             raise Refused("errors", self.state, states, self._as_fault(error).sentence) from error
+        self.cycle()
+        return found
 
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque, or refused."""
@@ -237,17 +239,18 @@ class Arm:
 
     def _switch_further(self) -> None:
         """What the drives were asked for: is it done?"""
+        overdue = self._overdue()
         if (
             self.state != ArmState.RESETTING
             and self.state != ArmState.ENABLING
             and not self._asked_off
         ):
             self._ask_off()
-            if self.state == ArmState.DISABLING and self.path.time > self._switch_by:
+            if self.state == ArmState.DISABLING and overdue:
                 self._give_up()
             return
         under_way = asked("switching", lambda: self.backend.switching)
-        if under_way and self.state in SWITCHING and self.path.time > self._switch_by:
+        if under_way and self.state in SWITCHING and overdue:
             raise LoopFault("switching", f"the drives have not switched within {PATIENCE:g} s")
         if self.state == ArmState.ENABLING:
             if under_way:
@@ -299,7 +302,7 @@ class Arm:
         self.path.time += self.backend.period
         if self._stop is not None and self._stop.by_drives and self._stop.overtime:
             self._power_off()
-        elif self.state == ArmState.DISABLING and self.path.time > self._switch_by:
+        elif self.state == ArmState.DISABLING and self._overdue():
             self._give_up()
 
     # -- ways to rest -----------------------------------------------------------------------
@@ -369,7 +372,14 @@ class Arm:
         self._ask_off()
 
     def _switch(self, state: ArmState) -> None:
-        self.state, self._switch_by = state, self.path.time + PATIENCE
+        self.state, self._switch_by = state, None
+
+    def _overdue(self) -> bool:
+        """Whether the drives had their time to switch. It begins with the first cycle after the
+        command: what was known before may be the time of a cycle long ago, or of none at all."""
+        if self._switch_by is None:
+            self._switch_by = self.path.time + PATIENCE
+        return self.path.time > self._switch_by
 
     def _rest_unpowered(self) -> None:
         self.path.power_down()

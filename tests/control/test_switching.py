@@ -183,6 +183,75 @@ def test_a_backend_that_never_ends_is_given_up():
     assert arm.maybe_powered
 
 
+def late_arm():
+    """A new control process on a clock that has run for long; its first look at the drives finds
+    that the last process died."""
+    arm, backend = flywheel_arm()
+    backend.time = 1000.0
+    backend.fail["read"] = [BackendFault("joint 1: heartbeat lost", axis=0)]
+    arm.connect()
+    assert arm.state == FAULT
+    return arm, backend
+
+
+def test_a_new_control_process_resets_drives_that_were_left_in_fault():
+    """The 15 s that drives have began with the clock, and were over before the first cycle."""
+    arm, _ = late_arm()
+    arm.reset()
+    until(arm, INACTIVE)
+    assert arm.fault is None
+
+
+def test_a_reset_after_an_hour_on_another_bus_has_its_time():
+    arm, backend = connected_arm()
+    arm.disconnect()
+    backend.time += 3600.0
+    backend.fail["read"] = [BackendFault("joint 1: heartbeat lost", axis=0)]
+    arm.connect()
+    arm.reset()
+    until(arm, INACTIVE)
+
+
+def test_a_reset_whose_drives_are_configured_for_long_has_its_time(monkeypatch):
+    arm, backend = late_arm()
+    begin = backend.begin_reset
+
+    def slowly():
+        begin()
+        backend.time += 20.0
+
+    monkeypatch.setattr(backend, "begin_reset", slowly)
+    arm.reset()
+    until(arm, INACTIVE)
+
+
+def test_drives_of_a_new_control_process_that_never_switch_are_given_up():
+    arm, backend = late_arm()
+    backend._switch = lambda: None
+    arm.reset()
+    began = backend.time
+    until(arm, FAULT, seconds=20.0)
+    assert arm.fault.kind == "switching"
+    assert 14.9 < backend.time - began < 15.1
+
+
+def test_an_arm_that_is_enabled_after_its_errors_were_read_is_watched_for_its_signs():
+    """Reading took so long that the first seconds of being held were over before they began."""
+    arm, backend = connected_arm()
+
+    def read_errors():
+        backend.time += 20.0
+        return []
+
+    backend.read_errors, backend.clear_errors = read_errors, read_errors
+    arm.drive_errors()
+    backend.inverted[0] = True
+    backend.plant.q[0] += 1e-5
+    arm.enable()
+    until(arm, FAULT)
+    assert arm.fault.kind == "wrong_sign"
+
+
 def test_a_reset_that_fails_says_why():
     arm, backend = connected_arm()
     backend.fail["read"] = [BackendFault("joint 1: overcurrent", axis=0)]

@@ -30,6 +30,33 @@ def test_control_ends(world, moment):
     assert world.farthest < 1.5
 
 
+@pytest.mark.parametrize("wait", [0.5, 20.0])
+def test_a_reset_is_enough_after_control_was_killed(world, wait):
+    """The next control process finds the drives in fault before it has measured anything."""
+
+    def holding():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.say("enable")
+        yield world.is_in("holding")
+        world.kill("control")
+        yield world.passes(1.0)
+
+    def acknowledged():
+        world.say("connect")
+        yield world.is_in("fault")
+        world.say("reset")
+        yield world.is_in("resetting")
+        yield world.is_in("inactive", "fault")
+        assert world.state() == "inactive", world.how_it_is()
+
+    world.run(holding())
+    world.advance(world.now + wait)
+    world.start_control_again()
+    world.run(acknowledged())
+    assert world.at_rest()
+
+
 def test_the_daemon_ends(world, moment):
     def story():
         yield from world.moving()

@@ -69,20 +69,23 @@ class World:
         self.robot: Robot = robot_from_profile(profile)
         self.drives = VirtualArm(profile, _End(self, self._to_arm, self._to_control, arm=True))
         self._at_once(self.drives)
-        backend = CanopenBackend(
-            profile, lambda: _End(self, self._to_control, self._to_arm, arm=False)
-        )
-        self.ring = Ring.create(self.robot.n, 4096, backend.period)
-        self.arm = build_arm(profile, self.robot, backend, self.ring)
-        make_servo = servo_factory(profile, self.robot, backend.period)
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._pipe = ours
-        self._pipe.setblocking(False)
-        self.loop = Loop(self.arm, self.ring, Commands(self.arm, self.robot, make_servo), theirs)
-        self._theirs = theirs
+        self.ring = Ring.create(self.robot.n, 4096, self.drives.period)
+        self._start_control()
         self._numbers = itertools.count(1)
         n = self.robot.n
         self.lowest, self.highest, self.fastest = np.full(n, np.inf), np.full(n, -np.inf), 0.0
+
+    def _start_control(self) -> None:
+        profile, ring = self.profile, self.ring
+        backend = CanopenBackend(
+            profile, lambda: _End(self, self._to_control, self._to_arm, arm=False)
+        )
+        self.arm = build_arm(profile, self.robot, backend, ring)
+        make_servo = servo_factory(profile, self.robot, backend.period)
+        self._pipe, self._theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._pipe.setblocking(False)
+        commands = Commands(self.arm, self.robot, make_servo)
+        self.loop = Loop(self.arm, ring, commands, self._theirs)
 
     # --- what a story is made of ---
 
@@ -131,6 +134,13 @@ class World:
     def kill(self, who: str) -> None:
         """… and never goes on."""
         self._asleep[who] = math.inf
+
+    def start_control_again(self) -> None:
+        """After it was killed, on the same drives; ``run`` tells what follows."""
+        self.close()
+        self._to_control.clear()
+        self._asleep["control"] = 0.0
+        self._start_control()
 
     def state(self) -> str:
         return self.arm.state.label
