@@ -14,7 +14,8 @@ from pa10d.common.locked_file import lock_at_once, still_there
 from pa10d.profile import Profile
 
 LOOKED_AT = 0.5  # s; whoever only looks whether there is an arm holds it for an instant
-LEAVES = b"leaves"
+LEAVES, OWNED = b"leaves", b"daemon"  # the second is followed by the daemon's process
+SAID = 32  # bytes at most
 
 
 class Held:
@@ -41,7 +42,22 @@ def is_simulated(profile: Profile) -> bool:
 
 def arm_leaves(profile: Profile) -> bool:
     """Whether the virtual arm of this bus is about to end: its daemon has gone."""
-    return _said(profile) == LEAVES
+    return (_said(profile) or b"").startswith(LEAVES)
+
+
+def refuse_arm_of_others(profile: Profile, daemon: int | None = None) -> None:
+    """UserError where the virtual arm of this bus is another daemon's than the one of this process
+    id: it obeys that one, and hides what that one was asked to hide."""
+    said = _said(profile) or b""
+    number = said.removeprefix(OWNED).strip()
+    if not said.startswith(OWNED) or not number.isdigit():
+        return
+    owner = int(number)
+    if owner != daemon and Path(f"/proc/{owner}").exists():
+        raise UserError(
+            f"the virtual arm on '{profile.can.channel}' is of another daemon, process {owner}; "
+            "expected that one to be used or ended, or --channel NAME for an arm of its own"
+        )
 
 
 def _said(profile: Profile) -> bytes | None:
@@ -52,14 +68,15 @@ def _said(profile: Profile) -> bytes | None:
         return None
     try:
         there = not lock_at_once(descriptor, shared=True)
-        return os.pread(descriptor, len(LEAVES), 0) if there else None
+        return os.pread(descriptor, SAID, 0) if there else None
     finally:
         os.close(descriptor)
 
 
 @contextlib.contextmanager
-def arm_lock(profile: Profile) -> Iterator[Held | None]:
-    """Be the virtual arm of this bus for the length of the block; None: there is one."""
+def arm_lock(profile: Profile, daemon: int | None = None) -> Iterator[Held | None]:
+    """Be the virtual arm of this bus for the length of the block; None: there is one. daemon: the
+    process that it is played for alone."""
     path, until = lock_path(profile), time.monotonic() + LOOKED_AT
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
@@ -73,6 +90,8 @@ def arm_lock(profile: Profile) -> Iterator[Held | None]:
         os.close(descriptor)
         time.sleep(0.01)
     os.ftruncate(descriptor, 0)
+    if daemon is not None:
+        os.pwrite(descriptor, OWNED + f" {daemon}".encode(), 0)
     try:
         yield Held(descriptor)
     finally:

@@ -19,6 +19,7 @@ from typing import IO
 
 import uvicorn
 
+from backends.arm_lock import refuse_arm_of_others
 from pa10d.api.access import Access
 from pa10d.api.app import create_app
 from pa10d.api.listeners import LARGEST, listeners
@@ -27,6 +28,7 @@ from pa10d.daemon.daemon import Daemon
 from pa10d.daemon.night import Secret
 from pa10d.daemon.presence import Presence, announced, present
 from pa10d.daemon.processes.runtime import own, runtime_folder
+from pa10d.daemon.processes.simulator import refuse_no_arm, wants_simulator
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 
@@ -72,6 +74,9 @@ def serve(profile: Profile, robot: Robot, settings: Settings) -> None:
     with contextlib.ExitStack() as stack:
         listener = stack.enter_context(_listen(settings.host, settings.port))
         lock = stack.enter_context(_sole_daemon(settings.data))
+        if settings.simulator and wants_simulator(profile):
+            refuse_arm_of_others(profile)
+            refuse_no_arm(profile)
         runtime = stack.enter_context(runtime_folder())
         daemon = Daemon(
             profile, robot, settings.data, runtime,

@@ -9,6 +9,8 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from pa10d.common.yamlfile import expected
 
+NARROWEST = 1e-3  # rad (m) in which a joint may move at all
+
 
 def _count(n: int) -> BeforeValidator:
     def check(value: Any) -> Any:
@@ -22,6 +24,12 @@ def _count(n: int) -> BeforeValidator:
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
     if pair[0] >= pair[1]:
         raise expected("lower and upper limit, the lower one first")
+    return pair
+
+
+def _roomy(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[1] - pair[0] < NARROWEST:
+        raise expected(f"limits that are at least {NARROWEST:g} apart")
     return pair
 
 
@@ -93,7 +101,9 @@ Turned = Annotated[Number, AfterValidator(_in_rad)]
 Turns3 = Annotated[tuple[Turned, Turned, Turned], _count(3)]
 Size = Annotated[tuple[Number, Number, Number], AfterValidator(_lengths), _count(3)]
 Height = Annotated[float | Literal["none"], BeforeValidator(_height)]
-Range = Annotated[tuple[Number, Number], AfterValidator(_ascending), _count(2)]
+Range = Annotated[
+    tuple[Number, Number], AfterValidator(_ascending), AfterValidator(_roomy), _count(2)
+]
 Inertia = Annotated[
     tuple[Number, Number, Number, Number, Number, Number],
     AfterValidator(_physical_inertia),

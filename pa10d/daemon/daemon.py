@@ -92,6 +92,8 @@ class Daemon:
         self.telemetry = Telemetry(self.robot.ring, robot)
         self.lease = Lease(busy=lambda: any(job.kind in MOVING for job in self.jobs.running()))
         self.simulator = Simulator(profile) if simulator and wants_simulator(profile) else None
+        if self.simulator is not None:
+            self.robot.no_arm = self._why_no_arm
         self._arm = profile  # the virtual one, without a weight
         self._hung: Body | None = None
         self._changing = asyncio.Lock()  # the profile, or the virtual arm
@@ -114,6 +116,9 @@ class Daemon:
             why = await self.tuning("why_not_held", gains=gains.model_dump())
             self._judged = known = gains, joints, why
         return known[2]
+
+    def _why_no_arm(self) -> str | None:
+        return None if self.simulator is None else self.simulator.refusal
 
     @property
     def uptime(self) -> float:

@@ -14,6 +14,7 @@ from bus_helpers import make_profile, virtual_arm
 
 from backends import arm_lock as locks
 from backends.arm_lock import arm_leaves, arm_lock, is_simulated, lock_path
+from pa10d.common.errors import UserError
 from pa10d.daemon.processes.simulator import Simulator
 from pa10d.profile import load_profile
 
@@ -83,6 +84,36 @@ def test_an_arm_whose_daemon_has_gone_is_waited_for(profile, monkeypatch):
     with pytest.raises(Started):
         asyncio.run(Simulator(profile).start())
     assert looks == [True, True, True]
+
+
+def test_the_arm_of_another_daemon_is_refused_by_name(profile):
+    """It hides what that one was asked to hide, and ends with it."""
+    with arm_lock(profile, daemon=os.getpid()) as held:
+        locks.refuse_arm_of_others(profile, os.getpid())
+        with pytest.raises(UserError, match=rf"another daemon, process {os.getpid()}; .*--channel"):
+            locks.refuse_arm_of_others(profile)
+        simulator = Simulator(profile)
+        asyncio.run(simulator.start())
+        assert simulator.refusal is None, "of this process"
+        held.leave()
+        locks.refuse_arm_of_others(profile)
+    with arm_lock(profile):
+        locks.refuse_arm_of_others(profile)  # by hand: for whoever comes
+
+
+def test_a_daemon_that_is_gone_owns_no_arm(profile):
+    gone = subprocess.Popen(["true"])
+    gone.wait()
+    with arm_lock(profile, daemon=gone.pid):
+        locks.refuse_arm_of_others(profile)
+
+
+def test_a_daemon_does_not_take_the_arm_of_another(profile):
+    with arm_lock(profile, daemon=1):
+        simulator = Simulator(profile)
+        asyncio.run(simulator.start())
+        assert simulator.process is None
+        assert "is of another daemon, process 1" in simulator.refusal
 
 
 def test_a_second_arm_by_hand_is_refused_in_one_line(tmp_path):

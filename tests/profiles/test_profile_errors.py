@@ -152,6 +152,10 @@ BROKEN = {
         HEAD + "limits: {position: [[1, -1]]}\n",
         2, "limits.position.1", "[1, -1]", "lower and upper limit, the lower one first",
     ),
+    "limits without room": (
+        HEAD + "limits: {position: [[-1e-9, 1e-9]]}\n",
+        2, "limits.position.1", "[-1e-09, 1e-09]", "limits that are at least 0.001 apart",
+    ),
     "limit is one number": (
         HEAD + "limits: {position: [1]}\n", 2, "limits.position.1", "1", "a list of 2 numbers",
     ),

@@ -50,7 +50,10 @@ def reduced_model(urdf: Path, joints: list[str] | None) -> pin.Model:
     locked = [full.getJointId(name) for name in movable if name not in wanted]
     model = pin.buildReducedModel(full, locked, pin.neutral(full))
     if list(model.names)[1:] != list(wanted):
-        raise UserError(f"{urdf}: joints must be listed from base to tip: {list(model.names)[1:]}")
+        raise UserError(
+            f"joints: found {', '.join(wanted)}, expected from base to tip as in {urdf}: "
+            f"{', '.join(list(model.names)[1:])}"
+        )
     return model
 
 

@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 
-from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated
+from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated, refuse_arm_of_others
 from pa10d.common.errors import UserError
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
@@ -22,7 +22,8 @@ from pa10d.profile import Profile
 START_TIME = 120.0  # s; the plant may have to be compiled
 END_TIME = 2.0  # s; nothing is lost where it is killed
 LOOKS = 0.1  # s between two looks whether an arm that leaves is gone
-READY = "ready"
+READY, REFUSED = "ready", "refused: "  # what it says, in a line; a plant may print others
+SILENT = "the virtual arm did not start; its messages are in the log"
 PRIORITY = 70  # below the control process: drives answer in time, but do not hold the loop up
 
 log = logging.getLogger("pa10d.simulator")
@@ -33,6 +34,15 @@ def wants_simulator(profile: Profile) -> bool:
     return profile.simulation is not None and profile.can.interface in ("virtualbus", "virtual")
 
 
+def refuse_no_arm(profile: Profile) -> None:
+    """UserError where the virtual arm of this profile cannot be made, in the line that says why;
+    nobody would answer on its bus, as if a cable were off."""
+    from backends.virtual.load_plant import made_plant
+
+    if profile.drives and wants_simulator(profile) and not is_simulated(profile):
+        made_plant(profile, len(profile.drives))
+
+
 class Simulator:
     """It does not come back by itself, a dead arm is a fault to be seen; ``start`` starts anew."""
 
@@ -40,6 +50,7 @@ class Simulator:
         self._profile = profile
         self.process: asyncio.subprocess.Process | None = None
         self._alive: int | None = None  # held open as long as it shall live
+        self.refusal: str | None = None  # why there is no arm to be used
 
     @property
     def dead(self) -> str | None:
@@ -54,12 +65,19 @@ class Simulator:
         has gone is waited for."""
         while arm_leaves(self._profile):
             await asyncio.sleep(LOOKS)
+        self.refusal = None
+        try:
+            refuse_arm_of_others(self._profile, os.getpid())
+        except UserError as error:
+            self.refusal = str(error)
+            return
         if is_simulated(self._profile):
             log.info("a virtual arm is on '%s' already", self._profile.can.channel)
             return
         reading, writing = os.pipe()
         self.process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "pa10d.daemon.processes.simulator", "--alive", str(reading),
+            "--daemon", str(os.getpid()),
             pass_fds=(reading,),
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
@@ -72,8 +90,9 @@ class Simulator:
         assert self.process.stdout is not None
         self.process.stdin.write(self._profile.model_dump_json().encode())
         self.process.stdin.close()
+        self.refusal = SILENT
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self.process.stdout.readline(), START_TIME)
+            self.refusal = await asyncio.wait_for(_heard(self.process.stdout), START_TIME)
 
     def refuse_unless_own(self) -> None:
         """UserError where the arm on the bus is somebody else's, and cannot become another."""
@@ -114,6 +133,21 @@ class Simulator:
             self._alive = None
 
 
+async def _heard(said: asyncio.StreamReader) -> str | None:
+    """Why there is no arm, None once there is."""
+    while line := await said.readline():
+        if (refusal := _refusal(line.decode(errors="replace"))) != SILENT:
+            return refusal
+    return SILENT
+
+
+def _refusal(line: str) -> str | None:
+    """By a line that a simulator said: None where it is ready."""
+    if line.strip() == READY:
+        return None
+    return line.removeprefix(REFUSED).strip() if line.startswith(REFUSED) else SILENT
+
+
 def serve_arm(
     profile: Profile, ready: Callable[[], None], stopped: Callable[[], bool] = lambda: False
 ) -> None:
@@ -135,6 +169,7 @@ def simulated_bus(profile: Profile) -> Iterator[None]:
     """A virtual arm for the length of the block, where the profile wants one and none is there."""
     while wants_simulator(profile) and arm_leaves(profile):
         time.sleep(LOOKS)
+    refuse_arm_of_others(profile)
     if not wants_simulator(profile) or is_simulated(profile):
         yield
         return
@@ -150,8 +185,9 @@ def simulated_bus(profile: Profile) -> Iterator[None]:
     try:
         process.stdin.write(profile.model_dump_json())
         process.stdin.close()
-        if process.stdout.readline().strip() != READY:
-            raise UserError("the virtual arm did not start; its messages are above")
+        said = (found for line in process.stdout if (found := _refusal(line)) != SILENT)
+        if (refusal := next(said, SILENT)) is not None:
+            raise UserError(refusal)
         yield
     finally:
         os.close(writing)
@@ -167,15 +203,21 @@ def main() -> None:
     """Profile on stdin; ends when the daemon has been gone for a while, or when told to."""
     parser = argparse.ArgumentParser(prog="pa10d-simulator")
     parser.add_argument("--alive", type=int, required=True, help="closed when the daemon ends")
+    parser.add_argument("--daemon", type=int, help="process that it is for alone")
     given = parser.parse_args()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     profile = Profile.model_validate_json(sys.stdin.read())
-    with arm_lock(profile) as held:
-        if held is None:
-            print(READY, flush=True)
-        else:
-            play(profile, given.alive, held)
+    try:
+        with arm_lock(profile, given.daemon) as held:
+            if held is None:
+                refuse_arm_of_others(profile, given.daemon)
+                print(READY, flush=True)
+            else:
+                play(profile, given.alive, held)
+    except UserError as error:
+        print(REFUSED + " ".join(str(error).split()), flush=True)
+        sys.exit(1)
 
 
 def play(profile: Profile, alive: int, held: Held) -> None:
@@ -189,10 +231,7 @@ def play(profile: Profile, alive: int, held: Held) -> None:
         gone.set()
 
     threading.Thread(target=watch, daemon=True).start()
-    try:
-        serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
-    except UserError as error:
-        sys.exit(str(error))
+    serve_arm(profile, lambda: print(READY, flush=True), gone.is_set)
 
 
 if __name__ == "__main__":

@@ -56,6 +56,12 @@ def being_started(do: str, state: str) -> Message:
     return _unheard(do, state, "the drives are being started", "wait a few seconds, then ask again")
 
 
+def no_virtual_arm(do: str, state: str, why: str) -> Message:
+    """It was refused where it was started, in words of its own."""
+    remedy = "mend that, then begin 'pa10d serve' anew"
+    return _unheard(do, state, f"there is no virtual arm: {why}", remedy)
+
+
 def no_control(do: str, state: str, why_offline: str, kept: bool) -> Message:
     """There is no control process; kept: there will be one."""
     remedy = (

@@ -37,6 +37,7 @@ from pa10d.daemon.robot.refusals import (
     CommandRefused,
     being_started,
     no_control,
+    no_virtual_arm,
     not_to_be_held,
     not_unpowered,
     still_in_fault,
@@ -80,6 +81,7 @@ class RobotProcess:
         self.law = ChosenLaw(self.command, lambda: self._told)
         self.joints: MeasuredJoints | None = None  # what a first motion has measured
         self.inherit: Sequence[int] = ()
+        self.no_arm: Callable[[], str | None] = lambda: None  # why no virtual arm can be there
         self.not_held: Callable[[], Coroutine[Any, Any, str | None]] = _held  # why it would swing
         self._told = ArmTold()
         self._gone: Fault | None = None  # that control's own death is
@@ -380,6 +382,8 @@ class RobotProcess:
     async def _reach(self) -> None:
         """CommandRefused where the drives cannot be reached; clients see why, whoever tried."""
         try:
+            if (why := self.no_arm()) is not None:
+                raise CommandRefused(no_virtual_arm("connect", self.state, why))
             await self.command("connect", timeout=60.0)
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
