@@ -18,6 +18,7 @@ SAME_PLACE = 1e-6  # m, rad and parts of unit vectors: of the same joint in two 
 BESIDE = 0.1  # of the torque limit, that a model may lie beside the torque that holds the arm …
 DRY = 0.25  # … and at most this much more where dry friction of its own can hold the arm as well
 CREEP = 0.05  # of the speed limit: dry friction is there, most of the viscous one is not
+DRIVES = 0.01  # of the torque limit, by which friction may push: what noise makes of none
 LOOKED_AT = 500  # poses of a motion: its torque is smooth, and the arm waits meanwhile
 
 
@@ -30,10 +31,13 @@ class HasModel(Protocol):
         ...
 
 
-def wrong_with_model(live: LiveModel, robot: Robot, velocity: Array) -> str | None:
-    """Whether it is of this robot, finite, and its formulas can be evaluated. velocity: (n,)."""
+def wrong_with_model(live: LiveModel, robot: Robot, limits: ArmLimits) -> str | None:
+    """Whether it is of this robot, finite, its formulas can be evaluated, its friction brakes."""
     return (
-        _of_another(live, robot) or _not_a_number(live, robot) or _no_torque(live, robot, velocity)
+        _of_another(live, robot)
+        or _not_a_number(live, robot)
+        or _no_torque(live, robot, limits.velocity)
+        or _driving(live, limits)
     )
 
 
@@ -111,4 +115,22 @@ def _no_torque(live: LiveModel, robot: Robot, velocity: Array) -> str | None:
     said = live.torque(robot, still, creep, creep, still)[0]
     for j in np.flatnonzero(~np.isfinite(said)):
         return f"joint {j + 1}: the model's torque is {said[j]}"
+    return None
+
+
+def _driving(live: LiveModel, limits: ArmLimits) -> str | None:
+    """All friction of a joint together, at a creep and at full speed in both directions: what does
+    not brake would be taken away from the torque that the motion needs."""
+    speeds = np.outer([CREEP, -CREEP, 1.0, -1.0], limits.velocity)
+    rubbing, still = np.zeros_like(speeds), np.zeros_like(speeds)
+    for part in live.parts:
+        if effect(part.effect_id).rubs:
+            part.add(rubbing, speeds, still)
+    along = rubbing * np.sign(speeds)
+    for j in np.flatnonzero(along.min(axis=0) < -DRIVES * limits.torque):
+        row = int(np.argmin(along[:, j]))
+        return (
+            f"joint {j + 1}: the model's friction drives: it is {along[row, j]:.3g} N·m against a "
+            f"motion at {speeds[row, j]:.3g} rad/s, expected one that brakes"
+        )
     return None

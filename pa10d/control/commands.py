@@ -95,7 +95,7 @@ class Commands:
         servo, model = self._make_servo(), command.model
         if command.name == "pid" or model is None:
             return servo
-        wrong = wrong_with_model(model, self._robot, self._arm.path.limits.velocity)
+        wrong = wrong_with_model(model, self._robot, self._arm.path.limits)
         if wrong is not None:
             state = self._arm.state
             raise Refused("controller", state, (state,), f"model '{model.name}': {wrong}")

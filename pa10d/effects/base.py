@@ -33,6 +33,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+ROOM = 1e3  # times beyond the bounds of a logarithmic scale: no other unit, and never nothing
 Shape = Mapping[str, float]
 """Values of an effect's shape parameters by name."""
 
@@ -83,6 +84,17 @@ class ShapeParameter:
         return bool(
             error <= (abs(value) if self.lower >= 0.0 else 0.25 * (self.upper - self.lower))
         )
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """What a stored value may be: the bounds, and well beyond them where it was measured, for
+        an arm of another size and a law whose bounds were others once."""
+        if self.scale == "choice":
+            return self.lower, self.upper
+        if self.scale == "log":
+            return self.lower / ROOM, self.upper * ROOM
+        span = self.upper - self.lower
+        return (0.0 if self.lower >= 0.0 else self.lower - span), self.upper + span
 
     def at_edge(self, value: float) -> bool:
         """At the end of a logarithmic range, where the effect has turned into another one."""

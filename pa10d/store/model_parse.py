@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import binascii
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +16,14 @@ from pa10d.common.errors import UserError
 from pa10d.common.yamlfile import YamlFile, read_yaml, validate
 from pa10d.dynamics import BaseParameters, Robot, robot_from_urdf
 from pa10d.dynamics.base import parameter_name
-from pa10d.effects import Effect, all_effects, effect
+from pa10d.effects import Effect, ShapeParameter, all_effects, effect
 from pa10d.effects.smooth_map import SmoothMap
 from pa10d.effects.variables import at_joint
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model import Term, TorqueModel, label
+from pa10d.model.notes import FeasibleNote
 from pa10d.store.model_info import ModelInfo
-from pa10d.store.model_schema import EffectEntry, ModelFile
+from pa10d.store.model_schema import MOST, WIDEST, EffectEntry, ModelFile
 
 Array = NDArray[np.float64]
 
@@ -70,6 +73,7 @@ class _Parser:
     def model(self) -> TorqueModel:
         entry, fit = self._entry, self._entry.fit
         passed = fit.torque_filter
+        self._feasible(entry.notes.feasible)
         robot = self._robot()
         base = self._base()
         terms = tuple(self._term(k, e) for k, e in enumerate(entry.effects))
@@ -173,6 +177,8 @@ class _Parser:
             if sorted(found) != sorted(names):
                 text = ", ".join(found) or "nothing"
                 self._fail((*where, key), text, ", ".join(names) or "nothing")
+        for s in kind.shapes_in(entry.shape):
+            self._in_reach((*where, "shape", s.name, "value"), s, entry.shape[s.name].value)
         errors = {name: e.std_error for name, e in entry.shape.items()}
         return Term(
             entry.effect,
@@ -183,6 +189,12 @@ class _Parser:
             {name: error for name, error in errors.items() if error is not None},
             tuple(entry.over),
         )
+
+    def _in_reach(self, where: tuple[int | str, ...], shape: ShapeParameter, value: float) -> None:
+        low, high = shape.reach
+        if not low <= value <= high:
+            unit = "" if shape.unit == "1" else f" {shape.unit}"
+            self._fail(where, f"{value:g}", f"{low:g} to {high:g}{unit}")
 
     def _effect(self, where: tuple[int | str, ...], entry: EffectEntry) -> Effect:
         known = all_effects()
@@ -201,6 +213,20 @@ class _Parser:
             self._fail((*where, "over"), ", ".join(entry.over), f"nothing for {entry.effect}")
         return effect(entry.effect, tuple(entry.over))
 
+    def _feasible(self, found: FeasibleNote | None) -> None:
+        """What a controller takes of the notes."""
+        if found is None:
+            return
+        where = ("notes", "feasible")
+        for key in ("rms", "rotors"):
+            self._numbers((*where, key), dict(enumerate(getattr(found, key))))
+        self._numbers((*where, "coefficients"), found.coefficients)
+
+    def _numbers(self, where: tuple[int | str, ...], found: Mapping[Any, float]) -> None:
+        for key, value in found.items():
+            if not abs(value) <= MOST:
+                self._fail((*where, key), f"{value:g}", f"a number of no more than {MOST:g}")
+
     def _covariance(self, size: int) -> Array:
         where = ("covariance", "data")
         try:
@@ -213,8 +239,8 @@ class _Parser:
             self._fail(where, found, f"{count}, the lower triangle of {size} x {size} parameters")
         out = np.zeros((size, size))
         out[np.tril_indices(size)] = np.frombuffer(raw, dtype="<f8")
-        if not np.all(np.isfinite(out)):
-            self._fail(where, "numbers that are not finite", "finite numbers")
+        if not np.all(np.abs(out) <= WIDEST**2):
+            self._fail(where, "a number that no error is", f"finite ones of {WIDEST**2:g} at most")
         return np.asarray(out + np.tril(out, -1).T)
 
     def _standard(self) -> Array | None:

@@ -4,13 +4,41 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from pa10d.common.fieldtypes import NotNegative, Number, Positive, Text, Vector3
+from pa10d.common.yamlfile import expected
 from pa10d.model import ModelNotes
 from pa10d.store.entries import Id, Name
 
 FORMAT = 1
+MOST = 1e15  # of any parameter, whatever noise made of it: with more, sums of powers overflow
+WIDEST = 1e30  # of any error: its square is stored, too
+STRONGEST = 1e6  # m/s², of gravity
+
+
+def _within(low: float, high: float, what: str) -> AfterValidator:
+    def check(value: float) -> float:
+        if not low <= value <= high:
+            raise expected(what)
+        return value
+
+    return AfterValidator(check)
+
+
+Parameter = Annotated[Number, _within(-MOST, MOST, f"a number of no more than {MOST:g}")]
+Error = Annotated[NotNegative, _within(0.0, WIDEST, f"a number of no more than {WIDEST:g}")]
+Cutoff = Annotated[Positive, _within(1e-9, 1e7, "a frequency in Hz")]
+Shift = Annotated[Number, _within(-10.0, 10.0, "s of a channel that is late, 10 at most")]
+
+
+def _felt(vector: tuple[float, ...]) -> tuple[float, ...]:
+    if not max(map(abs, vector)) <= STRONGEST:
+        raise expected(f"an acceleration of no more than {STRONGEST:g} m/s²")
+    return vector
+
+
+Gravity = Annotated[Vector3, AfterValidator(_felt)]
 
 
 class _Strict(BaseModel):
@@ -20,8 +48,8 @@ class _Strict(BaseModel):
 class Estimate(_Strict):
     """A value with its standard error (none where it was not estimated)."""
 
-    value: Number
-    std_error: NotNegative | None = None
+    value: Parameter
+    std_error: Error | None = None
     unit: str
 
 
@@ -29,11 +57,11 @@ class BaseParameter(_Strict):
     """An identifiable combination: the named standard parameter plus multiples of others."""
 
     name: Text
-    value: Number
-    std_error: NotNegative | None = None
+    value: Parameter
+    std_error: Error | None = None
     unit: str
-    plus: dict[str, Number] = {}
-    in_loads: Number | None = None  # value from which effects take their loads, where another
+    plus: dict[str, Parameter] = {}
+    in_loads: Parameter | None = None  # value from which effects take their loads, where another
 
 
 class EffectEntry(_Strict):
@@ -44,7 +72,7 @@ class EffectEntry(_Strict):
     over: list[Text] = []  # quantities of a map
     coefficients: dict[str, Estimate]
     shape: dict[str, Estimate] = {}
-    linear_about: dict[str, Number] = {}  # point at which a nonlinear effect was made linear
+    linear_about: dict[str, Parameter] = {}  # point at which a nonlinear effect was made linear
     values: dict[str, Estimate] = {}  # as a person wants them; not read back
 
 
@@ -63,10 +91,10 @@ class RobotEntry(_Strict):
 
     name: Text
     joints: Annotated[list[Text], Field(min_length=1)]
-    gravity: Vector3
+    gravity: Gravity
     limits: Limits
     torque_gain_error: list[float] | None = None  # shares, see the profile
-    tool: list[Number] | None = None  # standard parameters added to the last link by the profile
+    tool: list[Parameter] | None = None  # standard parameters added to the last link by the profile
 
 
 class Filter(_Strict):
@@ -80,11 +108,11 @@ class FitEntry(_Strict):
     """How the model came about."""
 
     runs: list[str]
-    cutoff_hz: Positive
-    shift_s: Number
+    cutoff_hz: Cutoff
+    shift_s: Shift
     torque_filter: Filter | None = None
     feasible: bool
-    rms: list[NotNegative]
+    rms: list[Error]
 
 
 class Covariance(_Strict):
@@ -106,13 +134,13 @@ class ModelFile(_Strict):
     parent_name: str | None = None
     change: str
     fit: FitEntry
-    noise_floor: list[NotNegative] | None = None
-    held_out: dict[str, list[NotNegative]] = {}
+    noise_floor: list[Error] | None = None
+    held_out: dict[str, list[Error]] = {}
     robot: RobotEntry
     base_parameters: Annotated[list[BaseParameter], Field(min_length=1)]
-    structure: Annotated[list[Number], Field(min_length=2, max_length=2)]  # pivots kept, dropped
+    structure: Annotated[list[Parameter], Field(min_length=2, max_length=2)]  # pivots kept, dropped
     effects: list[EffectEntry]
-    standard_parameters: dict[str, list[Number]] | None = None
+    standard_parameters: dict[str, list[Parameter]] | None = None
     notes: ModelNotes = ModelNotes()
     covariance: Covariance
     urdf: Text

@@ -84,6 +84,16 @@ WRONG = {
     "negative v0": (lambda r: with_part(r, v0=-0.01), "expected a number above 0"),
     "an arm without weight": (lambda r: model_of(r, rigid=0.0 * r.parameters), "do hold it"),
     "upside down": (lambda r: model_of(r, rigid=-r.parameters), "do hold it"),
+    "friction that drives": (
+        lambda r: with_part(r, -60.0),
+        r"joint 1: the model's friction drives: it is -60 N·m against a motion at .* one that brak",
+    ),
+    "viscous friction that drives": (
+        lambda r: model_of(
+            r, parts=(*with_part(r).parts, LiveEffect("viscous", (2,), np.array([[-20.0]]), {}))
+        ),
+        r"joint 3: the model's friction drives: it is -39 N·m against a motion at 2 rad/s",
+    ),
     "another arm": (
         lambda r: model_of(r, kinematics=moved(kinematics_of(r))),
         "of another arm: its joint 4",
@@ -115,6 +125,14 @@ def test_a_wrong_model_moves_nothing(robot, held, case):
         arm.cycle()
     assert arm.state == ArmState.HOLDING
     assert np.abs(arm.path.q - stood).max() < 1e-3
+
+
+def test_friction_that_noise_made_a_little_negative_is_taken(robot, held):
+    """… and so is a slope that falls where all friction of the joint still brakes."""
+    _, commands = held
+    assert load(commands, with_part(robot, -0.05))["ok"]
+    falling = LiveEffect("viscous", (2,), np.array([[-0.4]]), {})
+    assert load(commands, model_of(robot, parts=(*with_part(robot).parts, falling)))["ok"]
 
 
 def test_a_model_that_was_loaded_before_power_is_looked_at_when_power_comes(robot, held):

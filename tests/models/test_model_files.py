@@ -208,7 +208,33 @@ def line(pattern, text):
     return changed
 
 
-BROKEN = {
+# Numbers that a computer takes and no arm has.
+ABSURD = {
+    "value": ((r"value: [-0-9.e]+", "value: 1e308"), "value: found 1e+308, expected a number of"),
+    "std_error": ((r"std_error: [-0-9.e]+", "std_error: 1e200"), "std_error: found 1e+200"),
+    "plus": ((r"plus: {(\w+): [^,}]*", r"plus: {\1: -1e300"), "found -1e+300, expected"),
+    "coefficient": ((r"Fc: {value: [^,]*", "Fc: {value: 1e308"), "Fc.value: found 1e+308"),
+    "v0 of zero": (
+        (r"v0: {value: [^,]*", "v0: {value: 0.0"),
+        "shape.v0.value: found 0, expected 1e-07 to 300 rad/s",
+    ),
+    "v0 below zero": ((r"v0: {value: [^,]*", "v0: {value: -1"), "v0.value: found -1, expected"),
+    "v0 of nothing": ((r"v0: {value: [^,]*", "v0: {value: 1e-320"), "v0.value: found 9.99989e-321"),
+    "v0 too large": ((r"v0: {value: [^,]*", "v0: {value: 1e5"), "v0.value: found 100000"),
+    "cut-off of nothing": ((r"cutoff_hz: .*?$", "cutoff_hz: 1e-300"), "expected a frequency in Hz"),
+    "cut-off": ((r"cutoff_hz: .*?$", "cutoff_hz: 1e9"), "cutoff_hz: found 1000000000"),
+    "shift": ((r"shift_s: .*?$", "shift_s: 1e9"), "shift_s: found 1000000000.0, expected s of a"),
+    "structure": ((r"structure: [^\]]*", "structure: [1e308, 1"), "structure.1: found 1e+308"),
+    "gravity": ((r"gravity: [^\]]*", "gravity: [0, 0, 1e308"), "no more than 1e+06 m/s²"),
+    "rms": ((r"rms: \[[^,]*", "rms: [1e300"), "fit.rms.1: found 1e+300"),
+    "standard": ((r"  j1: \[[^,]*", "  j1: [1e308"), "j1.1: found 1e+308"),
+    "covariance": (
+        (r"data: \|\n    .{10}", "data: |\n    AAAAAAAA8H"),  # infinity, 8 bytes
+        "covariance.data: found a number that no error is",
+    ),
+}
+
+BROKEN = ABSURD | {
     "no YAML": ((r"^fit:", "fit: [1, {"), "expected"),
     "empty": ((r"\A.*\Z", ""), "found an empty file"),
     "a list": ((r"\A.*\Z", "- 1\n- 2\n"), "expected lines 'key: value'"),
@@ -255,6 +281,27 @@ def test_a_broken_file_is_one_line_that_names_it(store, case):
     assert str(path) in message
     assert words in message
     assert path.read_text() == text
+
+
+@pytest.mark.parametrize("number", [".inf", ".nan", "1e308"])
+def test_an_absurd_parameter_of_a_controller_is_one_line(store, number):
+    feasible = f"  feasible: {{rms: [1, 1, 1, 1], coefficients: {{'coulomb J1: Fc': {number}}}}}\n"
+    with pytest.raises(
+        UserError, match=r"yaml:\d+: notes\.feasible\.coefficients\.coulomb J1: Fc: "
+    ):
+        _with_notes(store, feasible).load("m0")
+
+
+def test_shapes_well_beyond_what_a_search_looks_at_come_back(store):
+    """Another release's bounds were others, and an arm may be of another size."""
+    for kind in all_effects().values():
+        for shape in kind.shapes:
+            low, high = shape.reach
+            assert low <= shape.lower <= shape.upper <= high
+            assert shape.scale != "log" or 0.0 < low < 0.01 * shape.lower
+    far = replace(examples.some_term("stribeck"), shape={"vs": 1e-4, "delta": 3.0})
+    store.save(examples.textbook(terms=(far,)))
+    assert store.load("m0").terms[-1].shape == far.shape
 
 
 def test_a_broken_file_does_not_hide_the_others(store):
