@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
-from pa10d.common.errors import Busy, Taken, Unsound, UserError
+from pa10d.common.disk import disk_words, of_the_disk, remedy
+from pa10d.common.errors import Busy, NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.daemon.processes.workers import Ended
@@ -134,11 +135,18 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(OSError)
     async def _os_error(request: Request, error: OSError) -> JSONResponse:
-        log.error("%s %s", request.method, request.url.path, exc_info=error)
+        unknown = None if of_the_disk(error) else error
+        log.error(
+            "%s %s: %s", request.method, request.url.path, disk_words(error), exc_info=unknown
+        )
         detail = (
             f"{Path(error.filename).name if error.filename else 'data folder'}: {error.strerror}"
         )
-        return problem_response("no-room", detail, request.url.path)
+        return problem_response("no-room", detail, request.url.path, remedy=remedy(error))
+
+    @app.exception_handler(NoRoom)
+    async def _no_room(request: Request, error: NoRoom) -> JSONResponse:
+        return problem_response("no-room", str(error), request.url.path)
 
     @app.exception_handler(ClientDisconnect)
     async def _gone(request: Request, error: ClientDisconnect) -> JSONResponse:

@@ -20,6 +20,7 @@ from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
 from pa10d.cli.streams import give_up
+from pa10d.common.disk import disk_words
 from pa10d.common.errors import Unsound, UserError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
@@ -63,8 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         give_up(sys.stdout)
     except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        print_failure(f"{where}{error.strerror or error}", options.json)
+        print_failure(disk_words(error), options.json)
     return FAILED
 
 

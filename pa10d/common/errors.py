@@ -13,8 +13,16 @@ class UserError(Exception):
     """
 
 
-class Busy(UserError):
+class NotNow(UserError):
+    """What is in the way passes, or somebody takes it away: what was asked is right in itself."""
+
+
+class Busy(NotNow):
     """Somebody else holds for a while what is needed; the same may work later."""
+
+
+class NoRoom(NotNow):
+    """The disk does not take what is to be stored; nothing was."""
 
 
 class Taken(UserError):

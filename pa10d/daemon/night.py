@@ -8,16 +8,20 @@ into: a daemon that begins again goes on with the same arm.
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
+from pa10d.common.disk import disk_words
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 from pa10d.store.entries import read_entry
 from pa10d.store.folders import write_text
 
 FILE, LARGEST = "hidden_arm.json", 4096  # bytes
+
+log = logging.getLogger("pa10d")
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,10 @@ class Night:
         drawn = None if self.secret is None else self.secret.drawn
         if drawn is not None:
             self.day, self.revealed = drawn.day, drawn.revealed
-        self._keep()
+        try:
+            self._keep()
+        except OSError as error:  # a full disk keeps no daemon from its arm
+            log.warning("%s", disk_words(error, "the next daemon does not know this virtual arm"))
 
     def document(self) -> dict[str, object]:
         """For clients: what is hidden only once it was revealed."""
@@ -109,6 +116,8 @@ class Night:
         if drawn is None or self.data is None:
             return
         now = replace(drawn, day=self.day, revealed=self.revealed)
+        if now == drawn_before(self.data):
+            return
         self.data.mkdir(parents=True, exist_ok=True)
         write_text(self.data / FILE, json.dumps(asdict(now), indent=2) + "\n")
 

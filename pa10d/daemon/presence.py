@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from pa10d.common.disk import disk_words, writing
 from pa10d.common.jsonable import JsonObject
 
 FILE = "daemon.json"
+
+log = logging.getLogger("pa10d")
 
 
 @dataclass(frozen=True)
@@ -28,16 +32,41 @@ class Presence:
 def announced(data: Path, presence: Presence) -> Iterator[None]:
     """The file exists while the block runs; only its owner may read it."""
     path = data / FILE
-    fresh = path.with_name(f".{FILE}.{os.getpid()}")
-    descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-    with os.fdopen(descriptor, "w") as file:
-        json.dump(vars(presence), file)
-    fresh.replace(path)
+    text = json.dumps(vars(presence)).encode()
+    try:
+        _put(path, text)
+    except OSError as error:
+        said = "commands beside it do not find this daemon before it is started anew"
+        log.warning("%s", disk_words(error, said))
     try:
         yield
     finally:
         with contextlib.suppress(OSError):
             path.unlink()
+
+
+def _put(path: Path, text: bytes) -> None:
+    """In one step; on a full disk into the place that the file of an earlier daemon has there."""
+    fresh = path.with_name(f".{FILE}.{os.getpid()}")
+    try:
+        with writing(path):
+            _write(fresh, text, os.O_CREAT)
+        fresh.replace(path)
+    except OSError:
+        fresh.unlink(missing_ok=True)
+        if not path.is_file():
+            raise
+        with writing(path):
+            _write(path, text, os.O_NOFOLLOW)
+
+
+def _write(path: Path, text: bytes, how: int) -> None:
+    descriptor = os.open(path, os.O_WRONLY | how, 0o600)
+    try:
+        os.pwrite(descriptor, text, 0)
+        os.ftruncate(descriptor, len(text))
+    finally:
+        os.close(descriptor)
 
 
 def present(data: Path) -> Presence | None:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.disk import writing
 from pa10d.common.errors import Busy, UserError
 from pa10d.common.locked_file import lock_at_once
 
@@ -70,7 +71,7 @@ def write_text(path: Path, text: str) -> None:
     """Replace the file's content in one step; the old content survives any failure."""
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with fresh.open("w", encoding="utf-8") as file:
+        with writing(path), fresh.open("w", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

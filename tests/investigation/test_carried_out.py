@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from made_up import answer, finding, investigation
 
-from pa10d.common.errors import Stopped, UserError
+from pa10d.common.errors import NoRoom, NotNow, Stopped, UserError
 from pa10d.daemon.motions import investigations
 from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.outcome import Outcome, RecordedRun
@@ -28,6 +28,7 @@ class PaperDaemon:
         self.events = SimpleNamespace(publish=lambda *_: None)
         self.robot = SimpleNamespace(state="inactive", stops=Stops())
         self.carried_out = []
+        self.bars = []  # what the pre-check of the next motions raises
 
     async def compute_now(self, task, progress, investigation, step):
         assert task == "investigation_step"
@@ -45,6 +46,8 @@ class PaperDaemon:
             moved = False
 
             async def carry_out(self):
+                if daemon.bars:
+                    raise daemon.bars.pop()
                 if request.kind in daemon.refuses:
                     raise UserError("the pre-check refused the motion: floor")
                 self.moved = True
@@ -101,6 +104,34 @@ def fails_once(at, error):
             raise left.pop()
 
     return on
+
+
+def test_a_motion_that_the_disk_has_no_room_for_is_still_to_be_made(tmp_path, carry):
+    daemon = PaperDaemon(tmp_path)
+    daemon.bars.append(NotNow("the pre-check refused the motion: 13 MB are free"))
+    with pytest.raises(NotNow, match="13 MB are free"):
+        carry(daemon)
+    (left,) = daemon.investigations.all()
+    assert left.status == "failed"
+    assert {step.status for step in left.steps} == {"waiting"}, "none is left out"
+    found = carry(daemon)
+    assert [s["status"] for s in found["steps"]] == ["done"] * len(found["steps"])
+
+
+def test_a_disk_that_keeps_no_state_is_told_as_what_it_is(tmp_path, carry, monkeypatch):
+    daemon = PaperDaemon(tmp_path, fails_once("identify", NoRoom("no room")))
+    save = daemon.investigations.save
+
+    def full(state):
+        if state.status == "failed":
+            raise OSError(28, "No space left on device")
+        save(state)
+
+    daemon.investigations.save = full
+    with pytest.raises(NoRoom, match="no room"):
+        carry(daemon)
+    daemon.investigations.save = save
+    assert carry(daemon)["status"] == "done"
 
 
 @pytest.mark.parametrize("at", ["first_motion", "excitation", "identify", "diagnose-1", "report"])

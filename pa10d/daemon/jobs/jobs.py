@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
+from pa10d.common.disk import disk_words, of_the_disk
 from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.daemon.events import Events
@@ -172,6 +173,10 @@ class Jobs:
             job.status, job.message, job.error = "cancelled", "stopped", str(error)
         except (UserError, Crowded) as error:
             job.status, job.error = "failed", str(error)
+        except OSError as error:
+            job.status, job.error = "failed", disk_words(error)
+            if not of_the_disk(error):
+                log.exception("job %s (%s)", job.id, job.kind)
         except Exception as error:
             log.exception("job %s (%s)", job.id, job.kind)
             job.status, job.error = "failed", f"{type(error).__name__}: {error}"

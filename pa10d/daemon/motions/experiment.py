@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pa10d.common.errors import Stopped, UserError
+from pa10d.common.errors import NotNow, Stopped, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
@@ -36,6 +36,7 @@ LOOK_EVERY = 0.1  # s
 TRIES = 3  # with calmer gains, or slower, each
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
+PASSING = ("disk",)  # subjects of what a plan is checked for that are no lack of its own
 PLANNED, CHECKED, MOVED = 0.1, 0.15, 0.9  # progress after each step
 
 log = logging.getLogger("pa10d.experiment")
@@ -184,8 +185,8 @@ class Experiment:
             await self._analyse()
             if prepared.sentence is not None:
                 self.result.notes.append(prepared.sentence)
-        except CommandRefused as refusal:
-            raise UserError(str(refusal)) from refusal
+        except CommandRefused as refusal:  # the arm's state is another in a while
+            raise NotNow(str(refusal)) from refusal
         finally:
             await self._leave(was_unpowered)
         return self.result
@@ -210,7 +211,9 @@ class Experiment:
         )
         self.result.checks = [*readiness(self._robot), *found.checks]
         if wrong := wrong_in(self.result.checks):
-            raise UserError("the pre-check refused the motion: " + "; ".join(wrong[:3]))
+            own = wrong_in([one for one in found.checks if one.subject not in PASSING])
+            kind = UserError if own else NotNow
+            raise kind("the pre-check refused the motion: " + "; ".join(wrong[:3]))
         return found
 
     async def _power_up(self, prepared: Prepared) -> Prepared:

@@ -7,10 +7,11 @@ is in the investigation's file; the same call goes on from there.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from pa10d.common.errors import Stopped, UserError
+from pa10d.common.errors import NotNow, Stopped, UserError
 from pa10d.common.jsonable import JsonObject, parsed
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.kinds import experiment_of
@@ -83,7 +84,8 @@ class _Carrier:
                 raise
             except BaseException as error:
                 course.put_back(state, "failed", str(error) or type(error).__name__)
-                await self._save(state)
+                with contextlib.suppress(OSError):  # a full disk is told as what it is
+                    await self._save(state)
                 raise
             await self._save(state)
 
@@ -100,7 +102,8 @@ class _Carrier:
         await self._move(state, step, told)
 
     async def _move(self, state: Investigation, step: Step, told: Progress) -> None:
-        """A motion that the pre-check refuses is left out; a fault or a stop ends the job."""
+        """A motion that the pre-check refuses is left out. A fault or a stop ends the job, and so
+        does what may be otherwise in a while, as a full disk: the step is still to be done."""
         assert step.motion is not None
         tags = [*TAGS.get(step.motion.purpose, []), state.name]
         asked = step.motion
@@ -109,8 +112,8 @@ class _Carrier:
         try:
             found = await experiment.carry_out()
         except UserError as error:
-            stopped = isinstance(error, Stopped)
-            if stopped or experiment.moved or self._daemon.robot.state not in ABLE:
+            passes = isinstance(error, Stopped | NotNow)  # no lack of the motion's own
+            if passes or experiment.moved or self._daemon.robot.state not in ABLE:
                 raise
             course.left_out(state, step, str(error))
             return

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import errno
 import importlib
 import inspect
 import json
@@ -23,14 +22,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pa10d.common.errors import Taken, Unsound, UserError
+from pa10d.common.disk import disk_words, of_the_disk
+from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject, plain
 
 FIRST_TO_GO = 600  # oom_score_adj; the service itself is below 0
-OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
 ALLOWED = ("pa10d.daemon.jobs.tasks", "pa10d.services.")
 
 Progress = Callable[[float, str], None]
+
+
+class Gone(BaseException):
+    """Nobody waits for an answer any more: the daemon has ended. No task is to take it for a fault
+    of its own, on whatever level it was about to tell how far it is."""
 
 
 def main() -> None:
@@ -49,9 +53,13 @@ def main() -> None:
     lines = connection.makefile("rb")
 
     def say(message: JsonObject) -> None:
-        connection.sendall(json.dumps(message, allow_nan=False).encode() + b"\n")
+        text = json.dumps(message, allow_nan=False).encode() + b"\n"
+        try:
+            connection.sendall(text)
+        except (BrokenPipeError, ConnectionResetError) as error:
+            raise Gone from error
 
-    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+    with contextlib.suppress(Gone, ConnectionResetError):
         for line in lines:
             say({"begun": True})
             say(carry_out(json.loads(line), say))
@@ -78,6 +86,8 @@ def carry_out(task: JsonObject, say: Callable[[JsonObject], None]) -> JsonObject
         return {"result": plain(function(**arguments))}
     except Unsound as error:
         return {"error": str(error), "expected": True, "findings": error.findings}
+    except NoRoom as error:
+        return {"error": str(error), "expected": True, "no_room": True}
     except Taken as error:
         return {"error": str(error), "expected": True, "taken": True}
     except UserError as error:
@@ -87,10 +97,11 @@ def carry_out(task: JsonObject, say: Callable[[JsonObject], None]) -> JsonObject
         said = f"needs more than the {most:.3g} GiB of memory that one job may take"
         return {"error": said, "expected": True, "spent": True}
     except OSError as error:
-        if error.errno not in OF_THE_DISK:
+        if not of_the_disk(error):
             logging.error("%s", traceback.format_exc())
-        what = f"{error.filename or 'data folder'}: {error.strerror}; nothing was stored"
-        return {"error": what, "expected": error.errno in OF_THE_DISK}
+            return {"error": f"{type(error).__name__}: {disk_words(error)}", "expected": False}
+        what = disk_words(error, "nothing was stored", "data folder")
+        return {"error": what, "expected": True, "no_room": True}
     except Exception as error:
         logging.error("%s", traceback.format_exc())
         return {"error": f"{type(error).__name__}: {error}", "expected": False}

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from pa10d.common.errors import Taken, Unsound, UserError
+from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.daemon.processes.budget import Budget
 from pa10d.daemon.processes.child import ENVIRONMENT
@@ -40,14 +40,15 @@ class NeverBegun(Ended):
 
 @dataclass(frozen=True)
 class TaskEnd:
-    """How a task ended. error: why it failed, expected: by a fault of the request; findings, taken:
-    which kind of fault; spent: the process has no memory left for another task."""
+    """How a task ended. error: why it failed, expected: by a fault of the request; findings, taken,
+    no_room: which kind of fault; spent: the process has no memory left for another task."""
 
     result: Any = None
     error: str | None = None
     expected: bool = False
     findings: list[JsonObject] | None = None
     taken: bool = False
+    no_room: bool = False
     spent: bool = False
 
     def outcome(self) -> Any:
@@ -56,6 +57,8 @@ class TaskEnd:
             return self.result
         if self.findings is not None:
             raise Unsound(self.error, self.findings)
+        if self.no_room:
+            raise NoRoom(self.error)
         raise (Taken if self.taken else UserError if self.expected else TaskFailed)(self.error)
 
 

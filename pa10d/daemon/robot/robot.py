@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.registry import device
+from pa10d.common.disk import writing
+from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
@@ -49,6 +51,7 @@ from pa10d.profile import Gains, Profile
 Array = NDArray[np.float64]
 
 RING_SECONDS = 20.0
+FOR_THE_RING = 20  # MB that suffice for it and for the motions that are prepared beside it
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
 MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
@@ -70,7 +73,7 @@ class RobotProcess:
         self.device = device(profile)
         self._runtime = runtime
         period = 1.0 / profile.control.rate
-        self.ring = Ring.create(robot.n, int(RING_SECONDS / period), period, runtime / "ring")
+        self.ring = shared_ring(runtime, robot.n, period)
         self._hand_over(profile)
         self.control: Child | None = None
         self.recorder = KeptRecorder(self._begin_recorder, self._recorder_lost)
@@ -272,7 +275,8 @@ class RobotProcess:
 
     def _hand_over(self, profile: Profile) -> None:
         """What every process that starts from now on begins with."""
-        (self._runtime / "profile.json").write_text(profile.model_dump_json())
+        with writing(self._runtime / "profile.json"):
+            (self._runtime / "profile.json").write_text(profile.model_dump_json())
 
     def stop(self) -> None:
         """At once, without waiting for an answer."""
@@ -475,6 +479,18 @@ class RobotProcess:
             await self.connect()
         self._gone = None
         self._announce()
+
+
+def shared_ring(runtime: Path, joints: int, period: float) -> Ring:
+    """For control to write and everybody to read; UserError where memory has no room for it."""
+    try:
+        with writing(runtime / "ring"):
+            return Ring.create(joints, int(RING_SECONDS / period), period, runtime / "ring")
+    except OSError as error:
+        raise UserError(
+            f"{error.filename}: {error.strerror}; expected some {FOR_THE_RING:g} MB free in this "
+            "memory file system: remove what lies there, or name another by RUNTIME_DIRECTORY"
+        ) from error
 
 
 async def _held() -> str | None:
