@@ -115,7 +115,7 @@ def test_names_are_completed_and_checked():
     assert at_joint("q 0.40 s ago", 3, 7) == "q4 0.4 s ago"
     assert at_joint("t", 3, 7) == "t"
     assert parsed("q12 2 s ago") == ("q", 11, 2.0)
-    with pytest.raises(UserError, match="from 1 to 7"):
+    with pytest.raises(UserError, match="expected joint 1 to 7"):
         at_joint("q8", 3, 7)
     for wrong in ("", "q0", "wind", "dq4 0.4 s ago", "q-1", "x4"):
         with pytest.raises(UserError, match="expected q, dq, ddq"):
