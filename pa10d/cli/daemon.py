@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from pa10d.profile import Profile
 
 PORT = 8010
+OF_ANOTHER = (
+    "these data are of another virtual arm so far ({0.profile}, --hide {0.hide} --seed {0.seed}, "
+    "day {0.day}): recordings of two arms make a model of none; --data FOLDER keeps them apart"
+)
 
 
 def add_commands(commands: Subcommands) -> None:
@@ -268,13 +272,25 @@ def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile
     arms make a model of none. A seed names another."""
     from secrets import randbelow
 
+    from pa10d.common.errors import UserError
     from pa10d.daemon.night import Drawn, Secret, drawn_before
+    from pa10d.daemon.processes.simulator import wants_simulator
     from pa10d.demo.hidden import hide, with_secret
     from pa10d.store.location import data_folder
 
-    kept = drawn_before(data_folder(options.data))
+    named = options.hide is not None and options.seed is not None
+    if not wants_simulator(profile) and options.hide is None:
+        return profile, None
+    try:
+        kept = drawn_before(data_folder(options.data))
+    except UserError:
+        if not named:
+            raise
+        kept = None
     if options.hide is None:
         if kept is None or kept.profile != profile.name or options.seed is not None:
+            if kept is not None and options.seed is not None:
+                note(OF_ANOTHER.format(kept))
             return profile, None
         options.hide = kept.hide
     seed = randbelow(10_000) if options.seed is None else options.seed
@@ -288,6 +304,8 @@ def _with_secret(profile: Profile, options: argparse.Namespace) -> tuple[Profile
             "it; --hide with --seed, or another data folder: another one"
         )
     else:
+        if kept is not None:
+            note(OF_ANOTHER.format(kept))
         told = f"the virtual arm of seed {seed} may hide something, from the start or from day 2 on"
     hidden = hide(None if drawn.hide == "any" else drawn.hide, drawn.seed, profile)
     note(told)

@@ -8,8 +8,14 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from pa10d.common.errors import NoRoom
+
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 OF_THE_DISK = (*FULL, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)
+IN_MEMORY = (
+    "expected some 20 MB free in this memory file system: remove what lies there, or name another "
+    "by RUNTIME_DIRECTORY"
+)
 MAKE_ROOM = "expected room: delete runs (pa10d run delete), or take another data folder (--data)"
 
 
@@ -23,6 +29,16 @@ def writing(path: Path) -> Iterator[None]:
             raise
         number = error.errno or errno.ENOSPC
         raise OSError(number, os.strerror(number), str(path)) from error
+
+
+@contextlib.contextmanager
+def sharing(path: Path) -> Iterator[None]:
+    """NoRoom where a memory file system takes no more of what processes share there."""
+    try:
+        with writing(path):
+            yield
+    except OSError as error:
+        raise NoRoom(f"{error.filename}: {error.strerror}; {IN_MEMORY}") from error
 
 
 def of_the_disk(error: OSError) -> bool:

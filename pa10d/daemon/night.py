@@ -7,8 +7,10 @@ into: a daemon that begins again goes on with the same arm.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
+import os
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -41,14 +43,26 @@ class Drawn:
 
 
 def drawn_before(data: Path) -> Drawn | None:
-    """The arm of this folder; None where there is none, or where its file cannot be read."""
+    """The arm of this folder; None where there is none, UserError where that is not known: its file
+    is damaged."""
     place = data / FILE
+    if not os.path.lexists(place):
+        return None
     try:
         kept = Drawn(**json.loads(read_entry(place, LARGEST)))
-    except (UserError, ValueError, TypeError):
-        return None
+    except (ValueError, TypeError) as error:
+        raise _damaged(place) from error
     whole = isinstance(kept.seed, int) and kept.day in (1, 2) and isinstance(kept.revealed, bool)
-    return kept if whole else None
+    if not whole or not isinstance(kept.profile, str) or not isinstance(kept.hide, str):
+        raise _damaged(place)
+    return kept
+
+
+def _damaged(place: Path) -> UserError:
+    return UserError(
+        f"{place}: found no virtual arm in it, expected the one that these data were recorded "
+        "from: name it as it was (--hide EFFECT --seed N), or take another data folder (--data)"
+    )
 
 
 @dataclass(frozen=True)
@@ -116,8 +130,9 @@ class Night:
         if drawn is None or self.data is None:
             return
         now = replace(drawn, day=self.day, revealed=self.revealed)
-        if now == drawn_before(self.data):
-            return
+        with contextlib.suppress(UserError):  # a damaged file is written anew
+            if now == drawn_before(self.data):
+                return
         self.data.mkdir(parents=True, exist_ok=True)
         write_text(self.data / FILE, json.dumps(asdict(now), indent=2) + "\n")
 

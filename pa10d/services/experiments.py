@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pa10d.common.disk import writing
+from pa10d.common.disk import sharing
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
@@ -65,7 +65,7 @@ def make_plan(profile: str, kind: str, parameters: Mapping[str, Any], folder: st
     plan = asked.build(Surroundings.of(robot))
     refuse_endless_motion(plan.kind, plan.duration, found.control.rate, robot.n)
     text = json.dumps({"parameters": dict(parameters), **plan.to_dict()})
-    with writing(Path(folder) / PLAN):
+    with sharing(Path(folder) / PLAN):
         (Path(folder) / PLAN).write_text(text, encoding="utf-8")
     return {
         "kind": plan.kind,
@@ -144,7 +144,7 @@ def prepare_motion(
         rows[:, -robot.n :] += asked - asked[0]  # what holds it at the beginning, the servo gives
     wrong = wrong_with_rows(rows, whole.first, whole.last, np.array(start), bounds, 1.0 / rate)
     said.append(Check("error", "control", wrong) if wrong else Check("ok", "control", TAKEN))
-    with writing(place / ROWS):
+    with sharing(place / ROWS):
         np.save(place / ROWS, rows)
     recorded = Channels(robot.joint_names, commands=True, temperature=True)
     room = room_check(data_folder(data), size_of_run(recorded, len(rows)))

@@ -102,7 +102,7 @@ def test_a_virtual_arm_that_cannot_be_kept_is_served(tmp_path, monkeypatch, capl
 
 def test_memory_without_room_for_the_ring_is_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr(robots.Ring, "create", no_room)
-    with pytest.raises(UserError, match=r"/ring: No space left on device; expected some 20 MB"):
+    with pytest.raises(NoRoom, match=r"/ring: No space left on device; expected some 20 MB"):
         robots.shared_ring(tmp_path, 7, 0.002)
 
 

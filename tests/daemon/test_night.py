@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import json
 import subprocess
@@ -11,6 +12,7 @@ from dataclasses import replace
 import pytest
 from loops import run_apart
 
+from pa10d.cli.daemon import _with_secret
 from pa10d.client import ApiError, running_at
 from pa10d.common.errors import UserError
 from pa10d.daemon.night import FILE, Drawn, Night, Secret, drawn_before
@@ -95,7 +97,36 @@ def test_day_and_arm_stay_with_the_data(tmp_path):
         '{"profile": "p", "hide": "any", "seed": 1, "day": 5}',
     ):
         (tmp_path / FILE).write_text(broken)
-        assert drawn_before(tmp_path) is None
+        with pytest.raises(UserError, match=rf"{FILE}: found no virtual arm in it, expected the"):
+            drawn_before(tmp_path)
+    Night(secret, tmp_path)
+    assert drawn_before(tmp_path) == drawn, "who names it writes it anew"
+
+
+def served(data, hide=None, seed=None, profile=PROFILE):
+    """What ``serve`` with these options hides."""
+    options = argparse.Namespace(data=str(data), hide=hide, seed=seed)
+    return _with_secret(profile, options)[1]
+
+
+def test_another_arm_for_the_same_data_is_told(tmp_path, capsys):
+    Night(replace(SECRET, drawn=Drawn("pa10-sim", "stribeck:4", 3305)), tmp_path)
+    assert served(tmp_path, "stribeck:4").drawn.seed == 3305
+    assert "these data are of another" not in capsys.readouterr().err
+    for hide_, seed in (("any", None), ("stribeck:4", 7), (None, 7)):
+        served(tmp_path, hide_, seed)
+        said = capsys.readouterr().err
+        assert "of another virtual arm so far (pa10-sim, --hide stribeck:4 --seed 3305, " in said
+
+
+def test_data_whose_arm_is_not_known_are_not_gone_on_with_in_silence(tmp_path):
+    (tmp_path / FILE).write_text("")
+    for hide_, seed in ((None, None), ("any", None), ("stribeck:4", None), (None, 7)):
+        with pytest.raises(UserError, match=r"name it as it was \(--hide EFFECT --seed N\)"):
+            served(tmp_path, hide_, seed)
+    assert served(tmp_path, "stribeck:4", 3305).drawn == Drawn("pa10-sim", "stribeck:4", 3305)
+    real = PROFILE.model_copy(update={"simulation": None})
+    assert served(tmp_path, profile=real) is None, "no virtual arm, none to be known"
 
 
 @contextlib.contextmanager

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.registry import device
-from pa10d.common.disk import writing
-from pa10d.common.errors import UserError
+from pa10d.common.disk import sharing
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
@@ -51,7 +50,6 @@ from pa10d.profile import Gains, Profile
 Array = NDArray[np.float64]
 
 RING_SECONDS = 20.0
-FOR_THE_RING = 20  # MB that suffice for it and for the motions that are prepared beside it
 SWITCHED = 30.0  # s for the drives to be enabled, disabled or reset, or to say why not
 MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
@@ -275,7 +273,7 @@ class RobotProcess:
 
     def _hand_over(self, profile: Profile) -> None:
         """What every process that starts from now on begins with."""
-        with writing(self._runtime / "profile.json"):
+        with sharing(self._runtime / "profile.json"):
             (self._runtime / "profile.json").write_text(profile.model_dump_json())
 
     def stop(self) -> None:
@@ -482,15 +480,9 @@ class RobotProcess:
 
 
 def shared_ring(runtime: Path, joints: int, period: float) -> Ring:
-    """For control to write and everybody to read; UserError where memory has no room for it."""
-    try:
-        with writing(runtime / "ring"):
-            return Ring.create(joints, int(RING_SECONDS / period), period, runtime / "ring")
-    except OSError as error:
-        raise UserError(
-            f"{error.filename}: {error.strerror}; expected some {FOR_THE_RING:g} MB free in this "
-            "memory file system: remove what lies there, or name another by RUNTIME_DIRECTORY"
-        ) from error
+    """For control to write and everybody to read."""
+    with sharing(runtime / "ring"):
+        return Ring.create(joints, int(RING_SECONDS / period), period, runtime / "ring")
 
 
 async def _held() -> str | None:
