@@ -15,15 +15,16 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from pa10d.cli.answer import Answer, print_answer, print_failure
-from pa10d.cli.commands import Subcommands, current, refuse_unwritable, root_parser
+from pa10d.cli.commands import Subcommands, WrongUsage, current, refuse_unwritable, root_parser
 from pa10d.cli.completion import complete
 from pa10d.cli.parser import Parser
 from pa10d.cli.progress import end_progress
+from pa10d.cli.remembered import default_named
 from pa10d.cli.streams import give_up
 from pa10d.common.disk import disk_words
 from pa10d.common.errors import Unsound, UserError
 
-DONE, FAILED, INTERRUPTED = 0, 1, 130
+DONE, FAILED, MISUSED, INTERRUPTED = 0, 1, 2, 130
 
 
 def families() -> list[ModuleType]:
@@ -54,10 +55,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     current.patient = options.patient
     try:
         return _carried_out(options)
+    except WrongUsage as error:
+        print_failure(str(error), options.json)
+        return MISUSED
     except Unsound as error:
         print_failure(f"{error} (--force)", options.json, findings=error.findings)
     except UserError as error:
-        print_failure(str(error), options.json)
+        print_failure(f"{error}{default_named(options, str(error))}", options.json)
     except KeyboardInterrupt as interrupt:
         print_failure(": ".join(["interrupted", *map(str, interrupt.args)]), options.json)
         return INTERRUPTED

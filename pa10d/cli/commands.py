@@ -36,6 +36,10 @@ class Current:
 current = Current()
 
 
+class WrongUsage(UserError):
+    """Words that cannot be carried out whatever the data are, as a misspelt option: status 2."""
+
+
 def root_parser() -> tuple[Parser, Any]:
     """The parser of ``pa10d`` and the place where commands hang."""
     parser = Parser(

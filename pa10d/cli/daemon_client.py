@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note
-from pa10d.cli.commands import profile_option
+from pa10d.cli.commands import WrongUsage, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
@@ -69,12 +69,12 @@ def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> J
     from pa10d.common.yamlfile import read_value, read_yaml
 
     if (kind is None) == (file is None):
-        raise UserError("experiment: expected either KIND or --plan FILE")
+        raise WrongUsage("experiment: expected either KIND or --plan FILE")
     given: JsonObject = {}
     for setting in settings:
         key, equals, value = setting.partition("=")
         if not equals:
-            raise UserError(f"--set {setting}: expected KEY=VALUE")
+            raise WrongUsage(f"--set {setting}: expected KEY=VALUE")
         given[key] = read_value(value, f"--set {key}")
     if file is None:
         return {"kind": kind, "parameters": given}

@@ -6,11 +6,17 @@ import argparse
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, current, file_option, force_option, replace_option
+from pa10d.cli.commands import (
+    Subcommands,
+    WrongUsage,
+    current,
+    file_option,
+    force_option,
+    replace_option,
+)
 from pa10d.cli.daemon_client import improve_by_daemon, robot_options
 from pa10d.cli.models import _library, _model
 from pa10d.cli.progress import progress_line
-from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 
@@ -92,6 +98,8 @@ def diagnose(options: argparse.Namespace) -> Answer:
     """``diagnose``."""
     from pa10d.services.diagnoses import diagnose_runs
 
+    if options.joint and options.effect is None:
+        raise WrongUsage("--joint: given without --effect; expected the effect to test there")
     found = diagnose_runs(
         _library(options), options.model_, options.fit, options.validate, frozen=options.frozen,
         effect=options.effect, joints=options.joint, force=options.force, progress=progress_line(),
@@ -136,7 +144,7 @@ def improve(options: argparse.Namespace) -> Answer:
 
     if options.experiments:
         if options.report is not None:
-            raise UserError(
+            raise WrongUsage(
                 "--report: not together with --experiments, which the daemon runs; afterwards "
                 f"'pa10d diagnose {options.name} --fit … --report FILE' shows what is left"
             )

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands
+from pa10d.cli.commands import Subcommands, WrongUsage
 
 
 def add_commands(commands: Subcommands) -> None:
@@ -83,12 +83,11 @@ def new(options: argparse.Namespace) -> Answer:
 
 def check(options: argparse.Namespace) -> Answer:
     """``effect check``: status 1 where one of them does not conform."""
-    from pa10d.common.errors import UserError
     from pa10d.effect_kit import check as verdicts
     from pa10d.effects import all_effects, effect
 
     if options.draws < 1:
-        raise UserError(f"--draws {options.draws}: expected at least 1")
+        raise WrongUsage(f"--draws {options.draws}: expected at least 1")
     kinds = [effect(name) for name in options.ids] or list(all_effects().values())
     found, lines = [], []
     for kind in kinds:

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, plain, table
-from pa10d.cli.commands import Subcommands, file_option, positive, profile_option
+from pa10d.cli.commands import Subcommands, WrongUsage, file_option, positive, profile_option
 from pa10d.cli.progress import progress_line
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
@@ -114,7 +114,7 @@ def _joints(text: str | None) -> list[int] | None:
             first, _, last = part.partition("-")
             found += range(int(first), int(last or first) + 1)
     except ValueError as error:
-        raise UserError(f"--joints: found {text!r}, expected such as 1-4 or 1,2,4") from error
+        raise WrongUsage(f"--joints: found {text!r}, expected such as 1-4 or 1,2,4") from error
     return found
 
 
@@ -124,4 +124,4 @@ def _floor(text: str | None) -> float | str | None:
     try:
         return float(text)
     except ValueError as error:
-        raise UserError(f"--floor: found {text!r}, expected a height in m or none") from error
+        raise WrongUsage(f"--floor: found {text!r}, expected a height in m or none") from error

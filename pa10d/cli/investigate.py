@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, current, file_option, force_option
+from pa10d.cli.commands import Subcommands, WrongUsage, current, file_option, force_option, positive
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.story import tell
 from pa10d.common.errors import Unsound, UserError
@@ -38,7 +38,7 @@ def add_commands(commands: Subcommands) -> None:
     )
     robot_options(parser)
     parser.add_argument(
-        "--minutes", type=float, metavar="M",
+        "--minutes", type=positive, metavar="M",
         help="of motion, at most; what does not fit is left out, and said (default: 15)",
     )  # fmt: skip
     parser.add_argument(
@@ -72,6 +72,8 @@ def investigate(options: argparse.Namespace) -> Answer:
     from pa10d.investigation.begin import begin
     from pa10d.investigation.document import document
 
+    if options.validate and not options.fit:
+        raise WrongUsage("--validate: given without --fit; expected runs to fit a model to, too")
     if options.resume is not None:
         state = _resumable(options)
     else:
@@ -99,7 +101,7 @@ def _resumable(options: argparse.Namespace) -> Any:
 
     state = Archive(_data(options)).find(options.resume)
     if options.fit or options.validate or options.since or options.minutes is not None:
-        raise UserError(
+        raise WrongUsage(
             "--resume: goes on with what was asked for before; expected no --fit, --validate, "
             "--since or --minutes"
         )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import (
     Subcommands,
+    WrongUsage,
     file_option,
     force_option,
     profile_option,
@@ -116,28 +117,24 @@ def identify(options: argparse.Namespace) -> Answer:
 
 def _known(said: Sequence[str]) -> JsonObject:
     """A number is the share of the URDF's bodies, all else single parameters."""
-    from pa10d.common.errors import UserError
-
     shares = [word for word in said if "=" not in word]
     if len(shares) > 1:
-        raise UserError(f"--prior {' '.join(shares)}: expected one share of the URDF's bodies")
+        raise WrongUsage(f"--prior {' '.join(shares)}: expected one share of the URDF's bodies")
     try:
         percent = float(shares[0].removesuffix("%")) if shares else None
     except ValueError as error:
-        raise UserError(
+        raise WrongUsage(
             f"--prior {shares[0]}: expected a share in %, or NAME=VALUE±ERROR, such as Fc3=12±2"
         ) from error
     return {"prior": percent, "given": [word for word in said if "=" in word]}
 
 
 def _stretches(given: Sequence[Sequence[str]]) -> list[tuple[str, float, float]]:
-    from pa10d.common.errors import UserError
-
     try:
         return [(run, float(begin), float(end)) for run, begin, end in given]
     except ValueError as error:
         said = " ".join(given[-1])
-        raise UserError(f"--leave-out {said}: expected a run and two times in seconds") from error
+        raise WrongUsage(f"--leave-out {said}: expected a run and two times in seconds") from error
 
 
 def compare(options: argparse.Namespace) -> Answer:

@@ -21,6 +21,7 @@ class Parser(argparse.ArgumentParser):
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings
         )
         self.examples = tuple(examples)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # -1,0,0 is no option, either
 
     def leaves(self) -> Iterator[Parser]:
         """The commands below, or itself, that have none below them."""

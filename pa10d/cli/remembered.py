@@ -24,11 +24,19 @@ def profile_of(options: argparse.Namespace) -> str | None:
     if not options.takes_profile or given is not None:
         return given
     known = _recalled(_folder(options)) if options.remembers else None
+    options.profile_said = known is not None
     if known is None:
         return DEFAULT_PROFILE
     if known != DEFAULT_PROFILE:
         note(f"profile {known}, as last used with this data (--profile for another)")
     return known
+
+
+def default_named(options: argparse.Namespace, failure: str) -> str:
+    """What to add to a failure that speaks of a robot that nobody has named."""
+    if getattr(options, "profile_said", True) or DEFAULT_PROFILE not in failure:
+        return ""
+    return f" ({DEFAULT_PROFILE} is the default; --profile names another)"
 
 
 def remember(options: argparse.Namespace, given: str | None) -> None:

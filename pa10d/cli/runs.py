@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, profile_option, replace_option
+from pa10d.cli.commands import Subcommands, WrongUsage, profile_option, replace_option
 from pa10d.common.errors import UserError
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def _import_one(options: argparse.Namespace, name: str | None, episode: int | No
     store = _store(options)
     profile, robot = load_robot(options.profile)
     result = import_run(
-        store, options.file, profile, robot, name=name, mapping=options.map,
+        store, options.file, profile, robot, name=name, mapping=_mapping(options),
         replace=options.replace, check=options.check, force=options.force,
         progress=progress_line(), part=Part(options.topic, episode),
     )  # fmt: skip
@@ -139,6 +139,17 @@ def _import_one(options: argparse.Namespace, name: str | None, episode: int | No
     return Answer(document, result.info.id)
 
 
+def _mapping(options: argparse.Namespace) -> list[str]:
+    """--map, as it was said; what cannot be meant is so whatever the file has."""
+    from pa10d.store.column_mapping import read_mapping
+
+    try:
+        read_mapping(options.map)
+    except UserError as error:
+        raise WrongUsage(str(error)) from error
+    return list(options.map)
+
+
 def preview(options: argparse.Namespace) -> Answer:
     """``run preview``; exit status 1 where an import would be refused."""
     from pa10d.cli.progress import progress_line
@@ -147,10 +158,10 @@ def preview(options: argparse.Namespace) -> Answer:
     from pa10d.services.robots import load_robot
 
     if options.episode == EVERY:
-        raise UserError("--episode all: expected the number of one episode to look at")
+        raise WrongUsage("--episode all: expected the number of one episode to look at")
     profile, robot = load_robot(options.profile)
     found = preview_recording(
-        options.file, profile, robot, mapping=options.map, progress=progress_line(),
+        options.file, profile, robot, mapping=_mapping(options), progress=progress_line(),
         part=Part(options.topic, options.episode),
     )  # fmt: skip
     head = ["column", "read as", "unit", "low", "high", "first values"]

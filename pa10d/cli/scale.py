@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
-from pa10d.cli.commands import Subcommands, profile_option
-from pa10d.common.errors import UserError
+from pa10d.cli.commands import Subcommands, WrongUsage, profile_option
 
 if TYPE_CHECKING:
     from pa10d.services.torque_scale import JointScale, WeightProspect
@@ -52,14 +51,14 @@ def scale(options: argparse.Namespace) -> Answer:
 
     _, robot = load_robot(options.profile)
     if options.alone is bool(options.empty):
-        raise UserError(
+        raise WrongUsage(
             "scale: expected --empty RUN, recorded without the weight, or --alone where the weight "
             "is all that the joints carry"
         )
     loads = [(Body.of(body), runs) for body, *runs in options.payload]
     for body, *runs in options.payload:
         if not runs:
-            raise UserError(f"--payload {body}: no run, expected BODY and the runs with it")
+            raise WrongUsage(f"--payload {body}: no run, expected BODY and the runs with it")
     at_hand = [Body.of(text) for text in options.at_hand]
     found = torque_scale(robot, RunStore(options.data), options.empty, loads, at_hand)
     return Answer(found, in_words(found.joints, found.prospects, found.advice))

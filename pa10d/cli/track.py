@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, file_option, replace_option
+from pa10d.cli.commands import Subcommands, WrongUsage, file_option, replace_option
 from pa10d.cli.daemon_client import daemon_for, read_plan, robot_options
 from pa10d.cli.progress import progress_line
 from pa10d.cli.story import end_as_after_interrupt, seed_number, study_folder, tell
-from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 
 WORDS = {"pid": "PID", "feed_forward": "PID + feed-forward", "computed_torque": "computed torque"}
@@ -65,7 +64,7 @@ def track(options: argparse.Namespace) -> Answer:
     from pa10d.services.tracking import as_csv
 
     if bool(options.models) == (options.hide is not None):
-        raise UserError(
+        raise WrongUsage(
             "track: expected MODELs of this data, or --hide EFFECT:JOINT for a virtual arm"
         )
     motion = read_plan(options.motion, None, options.settings)

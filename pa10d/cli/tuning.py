@@ -10,8 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, profile_option
-from pa10d.common.errors import UserError
+from pa10d.cli.commands import Subcommands, WrongUsage, profile_option
 from pa10d.common.jsonable import JsonObject, parsed
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ def versions(options: argparse.Namespace) -> Answer:
         f"{one.version}  {one.when}{'  undone' if one.undone else ''}  " + "; ".join(one.changes)
         for one in found
     ]
-    return Answer(found, "\n".join(lines))
+    return Answer(found, "\n".join(lines) or "none: nothing was tuned or undone yet")
 
 
 @dataclass(frozen=True)
@@ -159,18 +158,18 @@ def _changes(settings: list[str]) -> JsonObject:
     for setting in settings:
         name, equals, text = setting.partition("=")
         if not equals:
-            raise UserError(f"{setting}: expected KEY=VALUE")
+            raise WrongUsage(f"{setting}: expected KEY=VALUE")
         try:
             value = yaml.safe_load(text)
         except yaml.YAMLError as error:
-            raise UserError(f"{setting}: found {text!r}, expected a number or a list") from error
+            raise WrongUsage(f"{setting}: found {text!r}, expected a number or a list") from error
         key, _, joint = name.rpartition(".")
         if not joint.isdecimal():
             changes[name] = value
             continue
         before = changes.setdefault(key, {})
         if not isinstance(before, dict):
-            raise UserError(f"{setting}: {key} is given as a whole, too; expected one of both")
+            raise WrongUsage(f"{setting}: {key} is given as a whole, too; expected one of both")
         before[joint] = value
     return changes
 

@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, note, table
-from pa10d.cli.commands import Subcommands, current
+from pa10d.cli.commands import Subcommands, WrongUsage, current
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.scale import in_words as scale_in_words
 from pa10d.common.errors import UserError
@@ -95,11 +95,17 @@ def _weights(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", help="of the weighing (default: numbered)")
 
 
+def _require_weights(options: argparse.Namespace) -> None:
+    if not options.weight:
+        raise WrongUsage("--weight: found none, expected MASS,X,Y,Z of at least one at hand")
+
+
 def begin(options: argparse.Namespace) -> Answer:
     """``weigh begin``."""
     from pa10d.services.weighing.work import begin as begun
     from pa10d.services.weighing.work import status
 
+    _require_weights(options)
     found = status(begun(_data(options), options.profile, options.weight, options.name))
     return Answer(found, in_words(found))
 
@@ -135,7 +141,9 @@ def guide(options: argparse.Namespace) -> Answer:
     from pa10d.services.weighing.work import judge, status
 
     if options.resume is not None and options.weight:
-        raise UserError("--resume: goes on with its own weights; expected no --weight")
+        raise WrongUsage("--resume: goes on with its own weights; expected no --weight")
+    if options.resume is None:
+        _require_weights(options)
     state = (
         Weighings(options.data).find(options.resume)
         if options.resume is not None

@@ -50,6 +50,7 @@ EXPECTED = {
     "missing": "a value; it has no default",
     "model_type": "a section of keys and values",
     "string_type": "text",
+    "too_short": "a list of at least {min_length}",
     "too_long": "at most {max_length} entries",
     "tuple_type": "a list",
 }
@@ -205,18 +206,22 @@ def validate(model: type[Model], file: YamlFile, data: Mapping[str, Any]) -> Mod
 
 
 def _lines(model: type[BaseModel], file: YamlFile, error: Any) -> Iterator[str]:
-    location, kind, context = error["loc"], error["type"], error.get("ctx", {})
+    location, kind = error["loc"], error["type"]
     if kind == "several":
-        for where, found, wanted in context["problems"]:
+        for where, found, wanted in error["ctx"]["problems"]:
             yield file.problem(where, _brief(found), wanted)
     elif kind == "extra_forbidden":
         yield file.problem(location, "an unknown key", _known_keys(model, location))
     elif kind == "missing":
         yield file.problem(location, "nothing", EXPECTED["missing"])
     else:
-        template = EXPECTED.get(kind)
-        wanted = template.format(**context) if template else error["msg"]
-        yield file.problem(location, _brief(error["input"]), wanted)
+        yield file.problem(location, _brief(error["input"]), expectation(error))
+
+
+def expectation(error: Any) -> str:
+    """What one error of pydantic says would have been right."""
+    template = EXPECTED.get(error["type"])
+    return template.format(**error.get("ctx", {})) if template else str(error["msg"])
 
 
 def _known_keys(model: type[BaseModel], location: Location) -> str:

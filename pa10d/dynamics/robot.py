@@ -247,8 +247,10 @@ def _read(urdf: str | Path) -> tuple[str | bytes, str]:
         return urdf, "URDF"
     try:
         return Path(urdf).read_bytes(), str(urdf)
+    except FileNotFoundError as error:
+        raise UserError(f"{urdf}: no such file; expected a URDF") from error
     except OSError as error:
-        raise UserError(f"{urdf}: cannot be read as a URDF; expected an XML text file") from error
+        raise UserError(f"{urdf}: {error.strerror}; expected a URDF, an XML text file") from error
 
 
 def _parse(text: str | bytes, where: str) -> ET.Element:

@@ -61,6 +61,63 @@ def test_wrong_usage_is_status_2(capsys, arguments):
     assert _fails(capsys, arguments) == 2
 
 
+MISUSED = {
+    "experiment": "experiment: expected either KIND or --plan FILE",
+    "experiment tracking --plan nope.yaml": "experiment: expected either KIND or --plan FILE",
+    "experiment tracking --set foo": "--set foo: expected KEY=VALUE",
+    "weigh begin": "--weight: found none, expected MASS,X,Y,Z",
+    "weigh guide": "--weight: found none, expected MASS,X,Y,Z",
+    "track": "track: expected MODELs of this data, or --hide",
+    "investigate --validate valid": "--validate: given without --fit",
+    "diagnose m0 --fit train --joint 1": "--joint: given without --effect",
+    "run import train.csv --map foo": "--map foo: expected COLUMN=FIELD",
+    "profile tune foo": "foo: expected KEY=VALUE",
+}
+
+
+@pytest.mark.parametrize("words", MISUSED)
+def test_words_that_cannot_be_meant_are_status_2_and_one_line(tmp_path, capsys, words):
+    assert main([*words.split(), "--data", str(tmp_path)]) == 2
+    said = capsys.readouterr()
+    assert said.err.startswith(MISUSED[words])
+    assert said.err.count("\n") == 1
+    assert main([*words.split(), "--data", str(tmp_path), "--json"]) == 2
+    assert MISUSED[words] in json.loads(capsys.readouterr().out)["error"]
+
+
+@pytest.mark.parametrize("minutes", ["-1", "0", "nan", "soon"])
+def test_no_minutes_are_status_2(capsys, minutes):
+    assert _fails(capsys, ["investigate", "--minutes", minutes]) == 2
+
+
+def test_a_value_may_begin_with_a_minus(tmp_path, capsys):
+    assert main(["weigh", "begin", "--weight", "-1,0,0,0", "--data", str(tmp_path)]) == 1
+    assert "-1,0,0,0" in capsys.readouterr().err
+
+
+def test_the_default_robot_is_named_where_it_is_not_the_one(tmp_path, capsys):
+    recording = tmp_path / "one.csv"
+    recording.write_text("time,q1,tau1\n" + "".join(f"{k / 100},0,0\n" for k in range(50)))
+    words = ["run", "import", str(recording), "--data", str(tmp_path / "data")]
+    assert main(words) == 1
+    assert "(pa10-sim is the default; --profile names another)" in capsys.readouterr().err
+    assert main([*words, "--profile", "pa10-sim"]) == 1
+    assert "is the default" not in capsys.readouterr().err
+
+
+def test_a_profile_without_versions_says_so(tmp_path, capsys):
+    words = ["profile", "versions", "--data", str(tmp_path)]
+    assert main(words) == 0
+    assert capsys.readouterr().out.startswith("none: ")
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == []
+
+
+def test_a_urdf_that_is_not_there_is_said_so(tmp_path, capsys):
+    assert main(["profile", "new", str(tmp_path / "nope.urdf")]) == 1
+    assert "nope.urdf: no such file; expected a URDF" in capsys.readouterr().err
+
+
 def test_what_could_not_be_done_is_status_1_and_one_line(tmp_path, capsys):
     assert main(["--data", str(tmp_path), "run", "show", "nothing"]) == 1
     said = capsys.readouterr()

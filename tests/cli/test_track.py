@@ -96,5 +96,6 @@ REFUSED = {
 @pytest.mark.parametrize("case", sorted(REFUSED))
 def test_what_is_wrong_is_said_before_anything_moves(case, tmp_path, capsys):
     words, expected = REFUSED[case]
-    assert main(["--data", str(tmp_path), "track", *words]) == 1
+    status = 2 if case in ("neither", "both") else 1
+    assert main(["--data", str(tmp_path), "track", *words]) == status
     assert expected in capsys.readouterr().err

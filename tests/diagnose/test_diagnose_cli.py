@@ -201,10 +201,6 @@ REFUSED = {
         ["add", "m0", "coupling_friction", "--joint", "2", "2", "--fit", "fit_a", "--name", "x"],
         "coupling_friction: acts on a pair, expected two different joints",
     ),
-    "a joint without an effect": (
-        ["diagnose", "m0", "--fit", "fit_a", "--joint", "2"],
-        "--joint: given without --effect",
-    ),
     "a name that is taken": (
         ["add", "m0", "spring", "--joint", "2", "--fit", "fit_a", "--name", "clean0"],
         "clean0",

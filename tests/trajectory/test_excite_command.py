@@ -48,18 +48,18 @@ def test_people_get_a_table(capsys):
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("options", "status", "words"),
     [
-        (["--joints", "x"], "--joints: found 'x', expected such as 1-4"),
-        (["--joints", "1-9"], "joints: found 8, expected 1 to 7"),
-        (["--floor", "low"], "--floor: found 'low', expected a height"),
-        (["--samples", "3"], "samples: 3 in a period"),
-        (["--out", "/nowhere/at/all.yaml"], "/nowhere/at/all.yaml: no such folder"),
-        (["--joints", "1-2", "--boundary", "0.1"], "boundary: found 1 values, expected 2"),
+        (["--joints", "x"], 2, "--joints: found 'x', expected such as 1-4"),
+        (["--joints", "1-9"], 1, "joints: found 8, expected 1 to 7"),
+        (["--floor", "low"], 2, "--floor: found 'low', expected a height"),
+        (["--samples", "3"], 1, "samples: 3 in a period"),
+        (["--out", "/nowhere/at/all.yaml"], 1, "/nowhere/at/all.yaml: no such folder"),
+        (["--joints", "1-2", "--boundary", "0.1"], 1, "boundary: found 1 values, expected 2"),
     ],
 )
-def test_what_is_wrong_is_one_line(options, words, capsys):
-    assert main(["excite", "--generations", "0", "--workers", "1", *options]) == 1
+def test_what_is_wrong_is_one_line(options, status, words, capsys):
+    assert main(["excite", "--generations", "0", "--workers", "1", *options]) == status
     said = capsys.readouterr()
     assert words in said.err
     assert said.out == ""

@@ -294,20 +294,24 @@ def test_the_weight_that_a_virtual_arm_hangs_is_as_far_off_as_its_errors_say():
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["begin"], "weights: found none"),
         (["begin", "--weight", "3"], "expected MASS,X,Y,Z"),
         (["show", "nobody"], "nobody"),
         (["record", "w", "--with", "9"], "weight 9: expected 0"),
         (["apply", "w", "--joints", "9"], "joint 9: its gain is not determined"),
         (["undo", "w"], "nothing was applied"),
-        (["guide", "--resume", "w", "--weight", "3,0,0,0"], "--resume"),
     ],
 )
-def test_wrong_usage_is_one_line(recorded, capsys, words, said):
+def test_what_cannot_be_weighed_is_one_line(recorded, capsys, words, said):
     assert main(["--data", recorded, "weigh", *words]) == 1
     error = capsys.readouterr().err
     assert said in error
     assert "Traceback" not in error
+
+
+def test_weights_beside_those_of_a_weighing_that_goes_on_are_wrong_usage(recorded, capsys):
+    words = ["guide", "--resume", "w", "--weight", "3,0,0,0"]
+    assert main(["--data", recorded, "weigh", *words]) == 2
+    assert "--resume" in capsys.readouterr().err
 
 
 def test_the_command_line_says_it(recorded, capsys):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import from_one
+from pa10d.common.words import did_you_mean, from_one
+from pa10d.common.yamlfile import expectation
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
@@ -82,7 +83,14 @@ def validated(kind: type[Kind], parameters: JsonObject) -> Kind:
         lines = []
         for problem in error.errors():
             place = ".".join(str(part) for part in problem["loc"]) or "parameters"
-            what = problem["msg"][0].lower() + problem["msg"][1:]
-            found = "" if problem["type"] == "missing" else f" found {problem['input']!r},"
-            lines.append(f"{kind.kind}: {place}:{found} {what}")
+            lines.append(f"{kind.kind}: {place}: {_told(kind, problem)}")
         raise UserError("\n".join(lines)) from error
+
+
+def _told(kind: type[Kind], problem: Any) -> str:
+    if problem["type"] == "extra_forbidden":
+        name, known = str(problem["loc"][-1]), list(kind.model_fields)
+        meant = did_you_mean(name, known)
+        return f"no such parameter, expected one of {', '.join(known)}{meant}"
+    found = "nothing" if problem["type"] == "missing" else repr(problem["input"])
+    return f"found {found}, expected {expectation(problem)}"
