@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -85,6 +85,16 @@ class SearchState:
     def may_fall(self, effect: Effect) -> bool:
         """Is the effect sought as a change of what a frozen model has already?"""
         return self.frozen and effect.question == "textbook"
+
+    def same_before(self, effect: Effect, joints: Sequence[int]) -> Term | None:
+        """What a frozen model has there already, where all of its shape is how sharp a corner is:
+        what changed is how much of it there is. None: the shape is open."""
+        if not (self.may_fall(effect) and all(s.smoothing or s.optional for s in effect.shapes)):
+            return None
+        there = (
+            t for t in self.model.terms if (t.effect_id, t.joints) == (effect.id, tuple(joints))
+        )
+        return next(there, None)
 
     def push(self, term: Term) -> None:
         """Append a term; the caller refits."""

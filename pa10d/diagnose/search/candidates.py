@@ -111,6 +111,8 @@ def _prepare(state: SearchState, effects: Iterable[Effect]) -> None:
 
 
 def _refined(state: SearchState, candidate: Candidate) -> Best:
+    if state.same_before(candidate.effect, candidate.joints) is not None:
+        return candidate.shape, candidate.partial
     known: dict[tuple[float, ...], PartialFit] = {}
     kind, falls = candidate.effect, state.may_fall(candidate.effect)
 
@@ -221,6 +223,8 @@ def _in_all_equations(
 
 def _starts(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list[Shape]:
     """Shapes to begin with."""
+    if (before := state.same_before(effect, joints)) is not None:
+        return [before.shape]
     if effect.line_order:
         peaks = order_peaks(state.train, state.train_residual(), joints[0])
         return [{effect.line_order: order} for order in peaks]

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 def refine(state: SearchState, fixed: int, index: int) -> None:
     """The shape of one term that fits best beside all else."""
     term = state.terms[index]
+    if index >= fixed and state.same_before(term.effect, term.joints) is not None:
+        return
     rest = state.fit_without(index)
     width = len(term.effect.coefficients)
     falls = index >= fixed and state.may_fall(term.effect)

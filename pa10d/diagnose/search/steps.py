@@ -63,6 +63,7 @@ class Search:
         if steps is None:
             steps = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         align(self.state)
+        self._corners()
         refused: set[Place] = set()
         self._forward(steps, refused)
         if self._late_together():
@@ -73,6 +74,15 @@ class Search:
                 return self
             refused |= unsure
             self._forward(steps, refused)
+
+    def _corners(self) -> None:
+        """How sharply friction turns round, where that was open when the model was identified, as
+        the fit side has it: what is off there would be told as friction at low speed."""
+        for index, term in enumerate(self.state.terms[: self.fixed]):
+            over = term.effect.smoothed_over
+            open_ = over and not np.isfinite(term.shape_errors.get(over, np.inf))
+            if open_ and not self.state.frozen:
+                refine(self.state, self.fixed, index)
 
     def _late_together(self) -> bool:
         """Several joints "measured late" may be one offset of the whole robot, hidden as long as

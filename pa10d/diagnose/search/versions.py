@@ -16,7 +16,7 @@ from pa10d.diagnose.search.harm import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
 from pa10d.judgement import RunResidual, residual_of
-from pa10d.model import TorqueModel, vector_of
+from pa10d.model import Term, TorqueModel, vector_of
 from pa10d.regression.told import added_ones, left_open, names_of
 
 
@@ -47,7 +47,7 @@ def snapshot(
     frozen = state.frozen
     known = stated(part, found_here(part, len(given.terms)))
     terms = [
-        replace(term, shape_errors=known.shape_errors.get(index, term.shape_errors))
+        replace(term, shape_errors=known.shape_errors.get(index, _errors_before(part, term)))
         for index, term in enumerate(part.terms)
     ]
     judged_on = tuple(dict.fromkeys(run.name for run in part.held.runs))
@@ -86,8 +86,15 @@ def found_here(part: SearchState, given: int) -> list[int]:
     return [
         index
         for index, term in enumerate(part.terms)
-        if index >= given or not (part.frozen or term.effect.question == "textbook")
+        if (index >= given and part.same_before(term.effect, term.joints) is None)
+        or (index < given and not (part.frozen or term.effect.question == "textbook"))
     ]
+
+
+def _errors_before(part: SearchState, term: Term) -> dict[str, float]:
+    """Of a shape that these data did not settle: the term's own, or of what is there already."""
+    before = part.same_before(term.effect, term.joints)
+    return term.shape_errors if before is None else before.shape_errors
 
 
 def unseen(model: TorqueModel, part: SearchState, given: int) -> dict[str, str]:
