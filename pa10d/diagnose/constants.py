@@ -151,6 +151,8 @@ SMOOTH_TAILS = 1e-3  # share of samples at either end that do not widen a map's 
 SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged (c: at half and at twice the
 #   LWR4's ripple on joint 7 goes, which is marginal, and joint 6 gets another map)
 HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for (a)
+HIGHEST_OF_SLIDES = 3200.0  # rad/m likewise: a screw of 2 mm pitch
+LEAST_TURNS = 2.0  # of a screw within the way of a slide: fewer look like a spring
 BLOCK_SECONDS = 2.0  # of time that counts as one draw where the drop is judged by blocks (a)
 MAP_KNOTS = 8  # hat functions per variable of a map of two (c: at 16 a map is claimed on a clean
 #   joint of the arm with Stribeck friction; at 4 the LWR4's joint 6 gets another map)

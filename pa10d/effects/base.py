@@ -230,6 +230,7 @@ class Effect(ABC):
     series_spring: ClassVar[bool] = False  # the joint's whole torque passes through a spring with
     # the shapes K, zeta and, where the bodies have taken it in, rotor
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
+    otherwise: ClassVar[str] = ""  # effect that it is where its shape is not its own any more
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines
     joint_property: ClassVar[Literal["", "armature", "damping", "friction"]] = ""  # what URDF
@@ -300,6 +301,10 @@ class Effect(ABC):
     def outside(self, context: Context, shape: Shape) -> NDArray[np.bool_] | None:
         """(N,) samples beyond what the effect was fitted on; None: it holds anywhere."""
         return None
+
+    def is_itself(self, shape: Shape, low: float, high: float) -> bool:
+        """Not ``otherwise`` by its name, where the joint was between two angles (rad, m)."""
+        return True
 
     def relinearised(self, coefficients: Array, shape: Shape) -> dict[str, float]:
         """The shape at which columns are to be taken next, where they are a secant of a

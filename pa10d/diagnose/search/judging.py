@@ -23,7 +23,7 @@ from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, held_columns
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
-from pa10d.effects import Effect
+from pa10d.effects import Effect, Shape
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
@@ -40,6 +40,7 @@ class JudgedCandidate:
     p_corrected: float
     change: PerJoint = field(repr=False, default_factory=dict)
     usual: Array | None = None
+    is_itself: bool = True
 
     @property
     def place(self) -> Place:
@@ -73,6 +74,7 @@ class JudgedCandidate:
         degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
             not degenerate
+            and self.is_itself
             and self.p_corrected < SEARCH_LEVEL
             and e.p_value < HELD_OUT_LEVEL
             and SLOPES[0] < e.slope < SLOPES[1]
@@ -101,7 +103,14 @@ class Judging:
         )
         found = judge(self.state.held, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
-        return JudgedCandidate(candidate, found, p, change, self._usual())
+        return JudgedCandidate(
+            candidate,
+            found,
+            p,
+            change,
+            self._usual(),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+        )
 
     def _corrected(
         self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
@@ -138,7 +147,22 @@ class Judging:
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
         seen = seen_change(rest, train, candidate)
         p = self._corrected(rest, seen, candidate, found, SHORTLIST)
-        return JudgedCandidate(candidate, found, p, usual=self._usual(but=index))
+        return JudgedCandidate(
+            candidate,
+            found,
+            p,
+            {},
+            self._usual(but=index),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+        )
+
+    def is_itself(self, kind: Effect, joints: Sequence[int], shape: Shape) -> bool:
+        """Where the fit side has been."""
+        if not kind.otherwise:
+            return True
+        q = [context.q[:, joints[0]] for context in self.state.train.contexts]
+        low, high = min(float(x.min()) for x in q), max(float(x.max()) for x in q)
+        return kind.is_itself(shape, low, high)
 
     def _usual(self, but: int | None = None) -> Array | None:
         """(n,) N·m that a joint may keep though nothing changed; none where the model as it was

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
+    HIGHEST_OF_SLIDES,
     HIGHEST_ORDER,
+    LEAST_TURNS,
     LINES_WORK,
     LOWEST_ORDER,
     ORDERS_PER_RESOLUTION,
@@ -32,12 +34,20 @@ def order_peaks(side: Side, residual: PerJoint, joint: int, count: int = 3) -> l
     lowpass = side.runs[0].lowpass
     power = 2 * lowpass.order
     slowness = (v / (2 * np.pi * lowpass.cutoff)) ** power
-    first = slice(0, _affordable(q))
-    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER, _fineness(q[first]))
+    lowest, highest = _looked_through(side, joint, q)
+    first = slice(0, _affordable(q, highest - lowest))
+    orders = np.arange(lowest, highest, _fineness(q[first]))
     found = _strongest(_lines(q[first], slowness[first], r[first], orders, power), count)
     if first.stop == len(q):
         return [float(orders[i]) for i in found]
     return [_closer(q, slowness, r, orders[i], _fineness(q[first]), power) for i in found]
+
+
+def _looked_through(side: Side, joint: int, q: Array) -> tuple[float, float]:
+    """From which order to which: cycles per revolution, of a slide rad/m."""
+    if not side.contexts[0].robot.prismatic[joint]:
+        return LOWEST_ORDER, HIGHEST_ORDER
+    return 2.0 * np.pi * LEAST_TURNS / float(np.ptp(q)), HIGHEST_OF_SLIDES
 
 
 def _fineness(q: Array) -> float:
@@ -45,11 +55,11 @@ def _fineness(q: Array) -> float:
     return float(np.pi / np.ptp(q) / ORDERS_PER_RESOLUTION)
 
 
-def _affordable(q: Array) -> int:
+def _affordable(q: Array, orders: float) -> int:
     """How many of these angles, from the first on: one that turns on and on has as many orders to
     look at as turns."""
     span = np.maximum.accumulate(q) - np.minimum.accumulate(q)
-    work = span * np.arange(1, len(q) + 1) * (HIGHEST_ORDER - LOWEST_ORDER)
+    work = span * np.arange(1, len(q) + 1) * orders
     within = int(np.searchsorted(work, LINES_WORK * np.pi / ORDERS_PER_RESOLUTION, side="right"))
     return max(2, within)
 
@@ -78,7 +88,8 @@ def chance_of_line(side: Side, joint: int, power: float) -> float:
     """
     q = [run.context.q[:: run.lowpass.factor, joint] for run in side.runs]
     seen = side.gathered(q, joint)
-    attempts = (HIGHEST_ORDER - LOWEST_ORDER) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
+    lowest, highest = _looked_through(side, joint, seen)
+    attempts = (highest - lowest) / (2 * np.pi) * np.sqrt(4 * np.pi * np.var(seen))
     z = 0.5 * power
     return float(min(1.0, np.exp(-z) * (1.0 + attempts * np.sqrt(z))))
 

@@ -30,7 +30,7 @@ from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.unknown.structure import Structure, all_maps
-from pa10d.effects import Effect
+from pa10d.effects import Effect, effect
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
@@ -166,6 +166,7 @@ class Search:
             self.state.weigh(weights)
             self.state.push(chosen.candidate.term)
             self.settle()
+            self._call_by_name()
             dropped = self.prune()
             if chosen.place in dropped or spoils(saved, self.state):
                 continue
@@ -176,6 +177,22 @@ class Search:
                 return dropped | beside
         self.state = saved
         return None
+
+    def _call_by_name(self) -> None:
+        """Terms that beside the newest one are another effect than they were found as: a contact
+        that is touched everywhere is a spring."""
+        for index in range(self.fixed, len(self.state.terms)):
+            term = self.state.terms[index]
+            if self._judging(self.suspects).is_itself(term.effect, term.joints, term.shape):
+                continue
+            other = effect(term.effect.otherwise)
+            if any((t.effect_id, t.joints) == (other.id, term.joints) for t in self.state.terms):
+                continue
+            best = self.best(other, term.joints)
+            shape = {} if best is None else best.shape
+            start = np.zeros(len(other.coefficients))
+            self.state.replace_term(index, Term(other.id, term.joints, start, shape))
+            self.settle()
 
     def _with_companion(self, saved: SearchState, chosen: JudgedCandidate) -> set[Place] | None:
         """What holds in steady motion and makes only reversals worse may lack what happens there:

@@ -4,6 +4,8 @@ import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter
 
+LEAST_FREE = 0.05  # of the joint's range
+
 
 class Contact(Effect):
     """Beyond one angle something pushes back: a stop, an obstacle, a cable at its end. It begins
@@ -20,6 +22,7 @@ class Contact(Effect):
         ShapeParameter("side", "1", -1.0, 1.0, "choice"),
     )
     repeatable = True
+    otherwise = "spring"
     also_changes = True
     signature = (
         "There is no error up to one angle; beyond it, on one side, it grows, at any speed and in "
@@ -40,6 +43,10 @@ class Contact(Effect):
         side = shape["side"]
         depth = np.maximum(0.0, side * (context.q[:, joints[0]] - shape["qs"]))
         return (side * depth)[:, None]
+
+    def is_itself(self, shape, low, high):
+        free = shape["qs"] - low if shape["side"] > 0 else high - shape["qs"]
+        return free > LEAST_FREE * (high - low)  # touched everywhere it is a spring
 
     def starts(self, context, joints):
         low, high = np.min(context.q[:, joints[0]]), np.max(context.q[:, joints[0]])

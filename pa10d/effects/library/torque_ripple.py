@@ -18,7 +18,7 @@ class TorqueRipple(Effect):
     equation = "τ = a·sin(N·q) + b·cos(N·q)"
     follows_angle = True
     coefficients = (Coefficient("a", "N·m"), Coefficient("b", "N·m"))
-    shapes = (ShapeParameter("N", "cycles/rev", 3.0, 1000.0, "linear", step=0.15),)
+    shapes = (ShapeParameter("N", "cycles/rev", 3.0, 4000.0, "linear", step=0.15),)
     repeatable = True
     line_order = "N"
     signature = (
