@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from pa10d.compare import comparison
 from pa10d.diagnose import procedure
+from pa10d.diagnose.asked.changed import what_changed
 from pa10d.face.answers import Comparison, Diagnosis
 from pa10d.face.model import Model
 from pa10d.face.robot import Robot
@@ -64,12 +65,20 @@ def diagnose(
     frozen: bool = False,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
+    own: Sequence[Run] = (),
 ) -> Diagnosis:
     """Which effect is missing, judged on runs that no fit has seen.
 
     validate: without it the runs are split into blocks of time. frozen: ask instead what changed
-    since the model was identified, without a refit.
+    since the model was identified, without a refit; own: the runs it was identified from, so that
+    what it lacks of those is told from what changed.
     """
+    if frozen:
+        changed = what_changed(
+            model.inner, recordings(fit), recordings(validate), recordings(own),
+            progress=progress, cancel=cancel,
+        )  # fmt: skip
+        return Diagnosis(changed, tuple(fit), tuple(validate))
     found = procedure.diagnose(
         model.inner, recordings(fit), recordings(validate), frozen=frozen,
         progress=progress, cancel=cancel,

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.diagnose.asked.adding import add_asked, refuse_slips
+from pa10d.diagnose.asked.changed import what_changed
 from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
@@ -85,15 +87,26 @@ def diagnose_runs(
     if only is not None:
         suspicion(only, loaded.robot.n)  # a slip of the pen is said before anything is read
     refuse_beyond_memory("diagnose", [library.runs.find(run) for run in (*fit, *validate)])
+    fitted = read_runs(library, fit, loaded.robot, force=force)[1]
+    judged = read_runs(library, validate, loaded.robot, force=force)[1] if validate else []
+    if frozen and only is None:
+        own = _own_runs(library, loaded, [run.name for run in (*fitted, *judged)])
+        return what_changed(loaded, fitted, judged, own, progress=progress, cancel=cancel)
     return diagnose(
-        loaded,
-        read_runs(library, fit, loaded.robot, force=force)[1],
-        read_runs(library, validate, loaded.robot, force=force)[1] if validate else (),
-        frozen=frozen,
-        only=only,
-        progress=progress,
-        cancel=cancel,
+        loaded, fitted, judged, frozen=frozen, only=only, progress=progress, cancel=cancel
     )
+
+
+def _own_runs(library: Library, model: TorqueModel, asked: Sequence[str]) -> list[Recording]:
+    """The runs that a model was identified from, as far as they are still there, and none that is
+    asked about, or all would not fit into memory."""
+    names = [info.name for info in library.runs.all() if info.name in model.runs]
+    names = [name for name in names if name not in asked]
+    try:
+        refuse_beyond_memory("diagnose", [library.runs.find(name) for name in names])
+        return read_runs(library, names, model.robot, force=True)[1] if names else []
+    except UserError:
+        return []
 
 
 def add_effect(

@@ -94,6 +94,7 @@ class Diagnosis:
     only: the one suspicion that was looked for, as people call it; empty: the whole library was
     lacked: joints (0-based) that keep no more than a model that stays as it was may leave though
     nothing changed
+    beside: what the given model lacks of its own data, where the change was sought beside that
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     """
 
@@ -116,6 +117,7 @@ class Diagnosis:
     with_reversals: Array | None = None
     only: str = ""
     lacked: tuple[int, ...] = ()
+    beside: str = ""
 
     @property
     def noise_floor(self) -> Array:
@@ -136,7 +138,7 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
-        own = self._own_runs()
+        own = (*self._own_runs(), *([self.beside] if self.beside else []))
         return (
             (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
             if found

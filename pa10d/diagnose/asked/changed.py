@@ -1,0 +1,68 @@
+"""What changed, beside what the model never had.
+
+What a model always lacked shows more in one motion than in another, and looks like a change there.
+Where a change is claimed on a joint on which the model leaves more than noise of its own data, that
+data is asked first what is missing; the change is sought beside that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pa10d.common.words import listed
+from pa10d.diagnose.constants import MATERIAL_REST
+from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.procedure import diagnose
+from pa10d.measurement.recording import Recording
+from pa10d.model import TorqueModel
+
+Progress = Callable[[float, str], None]
+Cancel = Callable[[], bool]
+
+
+def what_changed(
+    model: TorqueModel,
+    fit: Sequence[Recording],
+    validate: Sequence[Recording] = (),
+    own: Sequence[Recording] = (),
+    *,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+) -> Diagnosis:
+    """own: the runs that the model was identified from, as far as they are at hand."""
+    found = diagnose(
+        model, fit, validate, frozen=True, progress=_part(progress, 0.0, 0.4), cancel=cancel
+    )
+    if not own or not _claims_where_it_lacks(found, model):
+        return found
+    lacking = diagnose(model, own, progress=_part(progress, 0.4, 0.8), cancel=cancel)
+    if not lacking.findings:
+        return found
+    named = listed([f.term.label for f in lacking.findings])
+    runs = listed(sorted(run.name for run in own))
+    told = (
+        f"{model.name} lacks {named} on the runs that it was identified from ({runs}); what "
+        "changed was sought beside that: pa10d improve adds it"
+    )
+    whole = replace(lacking.kept, name=model.name)
+    again = diagnose(
+        whole, fit, validate, frozen=True, progress=_part(progress, 0.8, 1.0), cancel=cancel
+    )
+    return replace(again, beside=told, identified_from=found.identified_from)
+
+
+def _claims_where_it_lacks(found: Diagnosis, model: TorqueModel) -> bool:
+    joints = {u.joint for u in found.unexplained}
+    for finding in found.findings:
+        joints |= {*finding.term.joints} or {*range(model.robot.n)}
+    lacks = model.noise > MATERIAL_REST * found.noise_floor
+    return bool(np.any(lacks[sorted(joints)]))
+
+
+def _part(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda share, what: progress(begin + (end - begin) * share, what)

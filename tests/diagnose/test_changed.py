@@ -1,0 +1,61 @@
+"""What a model always lacked is no change, however much more of it another motion shows."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from two_links import CUTOFF, motion, robot, textbook_torque
+
+from pa10d.diagnose.asked.changed import what_changed
+from pa10d.diagnose.procedure import diagnose
+from pa10d.dynamics import inverse_dynamics
+from pa10d.effects.base import smooth_sign
+from pa10d.identify.procedure import identify
+from pa10d.measurement.recording import Recording
+
+MU, MORE_VISCOUS = 0.12, 0.6
+
+
+def rubbing(name, seed, wide=1.0, more=0.0):
+    """Friction that grows with the load of joint 1; more: N·m·s/rad of friction in joint 2."""
+    rng = np.random.default_rng(seed)
+    t, q, dq, ddq = motion(seed)
+    q, dq, ddq = wide * q, wide * dq, wide * ddq
+    load = inverse_dynamics(robot(), robot().parameters, q, dq, ddq)[:, 0]
+    tau = textbook_torque(q, dq, ddq) + 0.03 * rng.standard_normal(q.shape)
+    tau[:, 0] += MU * np.abs(load) * smooth_sign(dq[:, 0], 0.01)
+    tau[:, 1] += more * dq[:, 1]
+    return Recording(name, t, q, tau)
+
+
+@cache
+def own():
+    """The runs of the model and the model, which lacks that friction."""
+    runs = (rubbing("own_a", 1, 0.5), rubbing("own_b", 2, 0.5))
+    return runs, identify(list(runs), robot(), name="m0", cutoff=CUTOFF)
+
+
+def test_a_lack_that_another_motion_shows_more_is_told_as_a_lack():
+    runs, model = own()
+    day = [rubbing("day_a", 3), rubbing("day_b", 4)]
+    alone = diagnose(model, day[:1], day[1:], frozen=True)
+    assert alone.verdict != "none", "without its own runs it looks like a change"
+    found = what_changed(model, day[:1], day[1:], runs)
+    assert found.verdict == "none"
+    assert all(line.ratio < 1.2 for line in found.remaining)
+    (told,) = found.warnings
+    assert told.startswith(
+        "m0 lacks load_friction J1 on the runs that it was identified from (own_a"
+    )
+
+
+def test_a_change_is_named_beside_the_lack():
+    runs, model = own()
+    day = [rubbing("day_a", 3, more=MORE_VISCOUS), rubbing("day_b", 4, more=MORE_VISCOUS)]
+    found = what_changed(model, day[:1], day[1:], runs)
+    (only,) = found.findings
+    assert (only.term.effect_id, only.term.joints) == ("viscous", (1,))
+    change = only.parameters["Fv"]
+    assert abs(change.value - MORE_VISCOUS) < 3.0 * change.std_error + 0.02
+    assert found.beside
