@@ -47,7 +47,7 @@ from pa10d.diagnose.unknown.remaining import (
     remaining,
     unnamed,
 )
-from pa10d.diagnose.unknown.structure import find_structure, swaying_gains
+from pa10d.diagnose.unknown.structure import Structure, find_readings, find_structure, swaying_gains
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
 from pa10d.judgement.scores import scores
@@ -114,7 +114,10 @@ def diagnose(
     maps, slight = material(left, maps)
     open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
     open_joints = [j for j in open_joints if j not in held.silent]
-    more = [one.unnamed() for one in foretold(state, open_joints)]
+    read = _readings(state, left, maps, open_joints) if only is None else {}
+    maps = [m for m in maps if m.joint not in read]
+    open_joints = [j for j in open_joints if j not in read]
+    more = [*read.values(), *(one.unnamed() for one in foretold(state, open_joints))]
     unsure = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
     doubt = doubtful(left, state.fit.rms(), unsure)
     unexplained: tuple[Unexplained, ...] = (
@@ -280,6 +283,18 @@ def _unsaid(left: Judgement, maps: Sequence[Unexplained]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and have no map."""
     named = {s.joint for s in maps}
     return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
+
+
+def _readings(
+    state: SearchState, left: Judgement, maps: Sequence[Structure], open_joints: Sequence[int]
+) -> dict[int, Unnamed]:
+    """By joint: what its torque's reading depends on, where that says more than a map of motion."""
+    shares = {m.joint: m.share for m in maps}
+    found = find_readings(state, sorted({*open_joints, *shares}))
+    worth, _ = material(left, [m for m in found if m.share > shares.get(m.joint, 0.0)])
+    return {
+        m.joint: Unnamed(m.joint, m.share, m.rms, m.p_value, "reading", m.variables) for m in worth
+    }
 
 
 def _usual(model: TorqueModel, given: Judgement) -> Array:

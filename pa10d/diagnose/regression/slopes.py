@@ -31,7 +31,7 @@ def with_slopes(side: Side, term: Term) -> PerJoint:
         widths.append(ends[1] - ends[0])
     out = {}
     for j, c in side.columns(term.effect, term.joints, shapes).items():
-        each = c.reshape(len(c), len(shapes), -1)
+        each = c.reshape(len(c), len(shapes), c.shape[1] // len(shapes))
         torque = each[:, 1:] @ term.coefficients
         slopes = (torque[:, 1::2] - torque[:, ::2]) / np.array(widths)
         out[j] = np.column_stack([each[:, 0], slopes])

@@ -29,7 +29,7 @@ from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_springs
 from pa10d.diagnose.search.timing import align, late_joints
-from pa10d.diagnose.unknown.structure import Structure, all_maps
+from pa10d.diagnose.unknown.structure import Structure, all_maps, without
 from pa10d.effects import Effect, effect
 from pa10d.model import Term
 
@@ -256,8 +256,8 @@ class Search:
             return []
         bare = self.state.bare(self.fixed)
         now = self.state.held_residual()
-        gains = list(all_maps(bare, concerned, swaying=True))
-        tried = chain(all_maps(bare, concerned), gains)
+        gains = list(all_maps(bare, concerned, "gain"))
+        tried = chain(all_maps(bare, concerned), gains, all_maps(bare, concerned, "reading"))
         outdone = [maps[0].joint for maps in tried if any(m.outdoes(now, OUTDONE) for m in maps)]
         self.rival_gains = {
             m.joint: m
@@ -270,7 +270,21 @@ class Search:
                 self.state.drop(index)
         if outdone:
             self.settle()
+            self._drop_what_paid_for(outdone)
         return outdone
+
+    def _drop_what_paid_for(self, unexplained: Sequence[int]) -> None:
+        """What such joints leave draws the bodies towards itself, and others may have been given an
+        effect that makes up for that: findings have to hold where they are not heard, too."""
+        rest = without(self.state, unexplained)
+        before = len(rest.terms)
+        for index in reversed(range(self.fixed, len(rest.terms))):
+            if not Judging(rest, self.suspects, self.fixed).term(index).acceptable:
+                rest.drop(index)
+                rest.refit()
+                self.state.drop(index)
+        if len(rest.terms) < before:
+            self.settle()
 
     def settle(self, rounds: int = 2) -> None:
         """Refit, with loads and shapes of the new model."""

@@ -37,13 +37,14 @@ class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
-    joint, or that is beyond any noise the data show; RMS N·m of that share."""
+    joint, that is beyond any noise the data show, or that depends on torque as it is read; RMS N·m
+    of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size"]
+    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size", "reading"]
     variables: tuple[str, ...] = ()
 
 
@@ -315,6 +316,8 @@ def _with_sentence(
         rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
         if rest > MATERIAL_REST:
             text += f"; what the rest, {times(rest)} that floor, depends on is not known"
+        if isinstance(left, Unnamed) and left.witness == "reading":
+            text += f". {_read(line.joint, left.variables)}"
     elif isinstance(left, Unnamed) and left.witness == "size":
         text = (
             f"{size}: more than the noise that can be seen, but it follows no quantity of the "
@@ -391,6 +394,14 @@ def _with_sentence(
             "Record one motion twice: what comes again is no noise"
         )
     return Remaining(**{**vars(line), "sentence": f"{text}."})
+
+
+def _read(joint: int, variables: Sequence[str]) -> str:
+    if "time" in variables:
+        return "A motor or a sensor that reads less, or more, as it warms"
+    if variables == (f"tau{joint + 1}",):
+        return "A reading with a step, a dead band or a bend: look at how its torque is measured"
+    return "A channel that takes on another's torque, or gears that share it"
 
 
 def _told(place: Place) -> str:

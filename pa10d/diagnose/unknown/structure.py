@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
 import scipy.sparse
@@ -40,6 +41,9 @@ from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
+Kind = Literal["motion", "gain", "reading"]
+"""Over the motion; of a gain, by which a torque reads differently from place to place, or from
+speed to speed; over the torques themselves, and of a gain over time."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ def find_structure(state: SearchState) -> list[Structure]:
     found = _best_maps(state, heard)
     certain = found[:1]
     while suspected := {s.joint for s in found} - {s.joint for s in certain}:
-        more = _best_maps(_without(state, [s.joint for s in certain]), sorted(suspected))
+        more = _best_maps(without(state, [s.joint for s in certain]), sorted(suspected))
         if not more:
             break
         certain.append(more[0])
@@ -95,7 +99,7 @@ def find_structure(state: SearchState) -> list[Structure]:
 def swaying_gains(state: SearchState, maps: Sequence[Structure]) -> dict[int, Structure]:
     """Joints of which a gain that sways explains more than the map that was found: by joint."""
     shares = {m.joint: m.share for m in maps}
-    tried = all_maps(state, sorted(shares), swaying=True)
+    tried = all_maps(state, sorted(shares), "gain")
     best = [max(gains, key=lambda m: m.share) for gains in tried]
     return {m.joint: m for m in best if m.share > shares[m.joint]}
 
@@ -105,29 +109,31 @@ def _best_maps(state: SearchState, joints: Iterable[int]) -> list[Structure]:
     return sorted(found, key=lambda m: -m.there)
 
 
-def _without(state: SearchState, joints: list[int]) -> SearchState:
+def without(state: SearchState, joints: Sequence[int]) -> SearchState:
     """Fitted to the other joints: these have next to no weight."""
     rest = state.copy()
     sigma = rest.fit.rms()
-    sigma[joints] *= UNHEARD
+    sigma[list(joints)] *= UNHEARD
     rest.weigh(sigma)
     rest.refit()
     return rest
 
 
-def all_maps(
-    state: SearchState, joints: Iterable[int], swaying: bool = False
-) -> Iterator[list[Structure]]:
-    """The significant maps of each of the joints that have any.
+def find_readings(state: SearchState, joints: Iterable[int]) -> list[Structure]:
+    """Of joints that have no map of the motion, the best of what a torque's reading may depend on:
+    a step where it changes its sign, a share of another joint's, a gain that drifts with time."""
+    return [max(maps, key=lambda m: m.there) for maps in all_maps(state, joints, "reading")]
 
-    swaying: of a gain, by which the joint's torque reads differently from place to place, or from
-    speed to speed
-    """
-    motions = motion_variables(state.train.runs), motion_variables(state.held.runs)
+
+def all_maps(
+    state: SearchState, joints: Iterable[int], kind: Kind = "motion"
+) -> Iterator[list[Structure]]:
+    """The significant maps of each of the joints that have any, of one kind."""
+    motions = variables_of(state.train, kind), variables_of(state.held, kind)
     residual = state.held_residual()
     n = state.train.n
     asked = list(joints)
-    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j, swaying), asked)
+    maps_of = shared_map(lambda j: _strongest(state, motions[0], motions[1], j, kind), asked)
     tried = dict(zip(asked, maps_of, strict=True))
     noise = noise_beside(state, residual, [p for maps in tried.values() for p in maps])
     for maps in tried.values():
@@ -149,6 +155,28 @@ def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     pairs |= set(combinations(dq, 2))
     pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MAP_MEMORIES}
     return single + sorted(pairs)
+
+
+def _gains(joint: int) -> list[tuple[str, ...]]:
+    """Where a joint's torque may read differently."""
+    return [(f"q{joint + 1}",), (f"dq{joint + 1}",)]
+
+
+def _readings(joint: int, n: int) -> list[tuple[str, ...]]:
+    """What a joint's torque as it is read may depend on, besides; with time: of a gain."""
+    own = f"tau{joint + 1}"
+    return [(own,), ("time", own), *((f"tau{k + 1}",) for k in range(n) if k != joint)]
+
+
+def variables_of(side: Side, kind: Kind) -> list[dict[str, Array]]:
+    """Per run: name -> (M,) what maps of a kind are made over."""
+    if kind != "reading":
+        return motion_variables(side.runs)
+    out = []
+    for run, context in zip(side.runs, side.contexts, strict=True):
+        torque = run.lowpass(context.total)
+        out.append({"time": run.t, **{f"tau{j + 1}": x for j, x in enumerate(torque.T)}})
+    return out
 
 
 def motion_variables(runs: Sequence[RunEquation]) -> list[dict[str, Array]]:
@@ -183,6 +211,11 @@ class _Map:
     swaying: bool
 
 
+def _over(names: Sequence[str]) -> tuple[str, ...]:
+    """What a map is made over: of a gain that drifts with time, the time alone."""
+    return ("time",) if names[0] == "time" else tuple(names)
+
+
 def rows_of(side: Side, motion: list[dict[str, Array]], name: str, joint: int) -> Array:
     """(m_j,) a quantity in the rows of a joint's equation."""
     return side.gathered([m[name] for m in motion], joint)
@@ -198,8 +231,9 @@ def _fit_map(
     """swaying: the map is that of a gain on the joint's torque, its values N·m at the torque's
     RMS."""
     fit = state.fit
-    x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in names]
-    grid = tuple(knots(v, MAP_FINE_KNOTS if len(names) == 1 else MAP_KNOTS) for v in x)
+    over = _over(names)
+    x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in over]
+    grid = tuple(knots(v, MAP_FINE_KNOTS if len(over) == 1 else MAP_KNOTS) for v in x)
     basis = basis_of(x, grid)
     acts = _share_of_torque(state, 0, joint)[::MAP_THIN] if swaying else np.ones(len(x[0]))
     columns = (basis * (acts / fit.sigma[joint])[:, None]).tocsr()
@@ -244,19 +278,22 @@ def _strongest(
     motion: list[dict[str, Array]],
     held: list[dict[str, Array]],
     joint: int,
-    swaying: bool,
+    kind: Kind,
 ) -> list[Prediction]:
     """The maps of one joint that help the fit side most, among those that know enough ground."""
-    own = [(f"q{joint + 1}",), (f"dq{joint + 1}",)]
-    asked = own if swaying else questions(joint, state.train.n)
-    maps = (_fit_map(state, motion, joint, names, swaying) for names in asked)
+    n = state.train.n
+    asked = {"motion": questions(joint, n), "gain": _gains(joint), "reading": _readings(joint, n)}
+    maps = (
+        _fit_map(state, motion, joint, names, kind == "gain" or names != _over(names))
+        for names in asked[kind]
+    )
     strongest = sorted(maps, key=lambda m: -m.gain)[:MAPS_PER_JOINT]
     predictions = (_predict(state, held, m) for m in strongest)
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
 
 def _predict(state: SearchState, motion: list[dict[str, Array]], m: _Map) -> Prediction:
-    x = [rows_of(state.held, motion, name, m.joint) for name in m.names]
+    x = [rows_of(state.held, motion, name, m.joint) for name in _over(m.names)]
     inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
     inside &= basis @ ~m.visited < UNKNOWN_GROUND
