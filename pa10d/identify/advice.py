@@ -18,6 +18,7 @@ from pa10d.regression.layout import Layout
 
 Array = NDArray[np.float64]
 
+EARLY_SURE = 3.0  # standard errors, from which on torque that looks early is worth a word
 SMALL_RANGE = 0.05  # rad (m): a joint that moves less tells nothing of gravity or inertia
 FEW_REVERSALS = 2
 UNCERTAIN = 0.3  # standard error over value
@@ -159,6 +160,12 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
         yield (
             f"torque is {abs(shift.seconds) * 1e3:.2f} ± {shift.std_error * 1e3:.2f} ms {word} "
             "against position on the whole robot; the fit and the model account for it"
+        )
+    elif shift.estimate < 0.0 and -shift.estimate > EARLY_SURE * shift.std_error:
+        yield (
+            f"torque looks {-shift.estimate * 1e3:.3g} ± {shift.std_error * 1e3:.2g} ms early "
+            "against position, as channels hardly are, but a spring or a gap between motor and "
+            "link looks so; it was not taken for a shift in time"
         )
     if channel is not None:
         yield (

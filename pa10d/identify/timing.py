@@ -50,6 +50,9 @@ AGREE = 3.0  # standard errors by which slow and fast parts of the motion may di
 BENT = 1.0 / 3.0  # of what a lack bends slow parts by, fast ones may be bent by, too (policy)
 LACK_BENDS = 1.0 / 3.0  # of what a model lacks may go as the torque's slope does (policy)
 MOST = 0.5  # of the joints
+EARLIEST = 2e-3  # s, or a sample: angles that come later than that after the torque are rare, but
+# springs and gaps between motor and link look so
+EARLY_KNOWN = 0.1  # of itself, to which such a shift has to be known to be taken (policy)
 FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
 
 
@@ -94,7 +97,10 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
             bent = BENT * (found.estimate - fast.estimate)
             error = float(np.hypot(fast.std_error, bent))
             found = replace(fast, slow=found.estimate, std_error=error)
-    return replace(found, seconds=found.estimate if _likely(found) else 0.0)
+    earliest = -max(EARLIEST, *(1.0 / r.rate for r in pieces.recordings))
+    believed = found.estimate >= earliest or found.std_error < EARLY_KNOWN * -found.estimate
+    likely = believed and _likely(found)
+    return replace(found, seconds=found.estimate if likely else 0.0)
 
 
 def _likely(found: Shift) -> bool:

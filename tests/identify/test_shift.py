@@ -9,7 +9,7 @@ import pytest
 
 from pa10d.checks import estimate_delay
 from pa10d.dynamics import robot_from_urdf
-from pa10d.identify import identify
+from pa10d.identify import identify, timing
 from pa10d.identify.timing import Shift, _agreed, _drawn
 from pa10d.measurement.recording import Recording
 
@@ -149,6 +149,29 @@ def test_what_one_stretch_alone_asks_for_is_no_delay(seed):
     told = model.notes.shift
     assert model.shift == 0.0
     assert 2e-3 < abs(told.estimate_s) < 1.05 * told.std_error_s
+
+
+def test_angles_that_are_late_are_a_shift_where_that_is_sure():
+    model = identify([late(quick(3), -8e-3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert model.shift == pytest.approx(-8e-3, abs=0.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("milliseconds", "error", "taken"),
+    [(-16.8, 4.76, False), (-16.8, 0.8, True), (-4.0, 1.0, True), (16.8, 2.0, True)],
+)
+def test_torque_that_is_early_has_to_be_known_better(monkeypatch, milliseconds, error, taken):
+    """A sample is 5 ms: as early as that any logger may be."""
+    seen = milliseconds * 1e-3 * np.ones(1)
+    shift = Shift(
+        0.0, float(seen[0]), error * 1e-3, seen, noise=error * 1e-3, errors=0.1 * np.abs(seen)
+    )
+    monkeypatch.setattr(timing, "_near_or_far", lambda heard: shift)
+    monkeypatch.setattr(timing, "_differ", lambda one, other: False)
+    model = identify([quick(3)], robot_from_urdf(URDF), name="m", cutoff=10.0)
+    assert (model.shift != 0.0) is taken
+    said = [w for w in model.notes.warnings if "as channels hardly are" in w]
+    assert bool(said) is not taken
 
 
 def test_what_all_stretches_lack_is_no_delay():
