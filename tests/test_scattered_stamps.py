@@ -72,3 +72,24 @@ def test_a_run_is_set_right(missing):
     inner = slice(5, -5)
     off = np.abs(run.q - position(run.time))[inner]
     assert off.max() < 1e-4, "as read late by 0.6 ms at 3 rad/s it would be 20 times that"
+
+
+def bursts(count=4000, packet=4):
+    """Equal steps (N,) s, and when packets of several samples arrive: these come at once."""
+    even = np.arange(count) / RATE
+    arrival = even[packet - 1 :: packet].repeat(packet) + np.tile(np.arange(packet) * 2e-4, 1000)
+    return even, arrival
+
+
+def test_samples_that_arrive_in_packets_are_put_apart():
+    even, stamped = bursts()
+    found = evened(stamped, position(even))
+    assert found is not None
+    assert np.ptp(found - even) < 1e-4
+    lost = np.delete(np.arange(len(even)), np.arange(1500, 1510))
+    assert evened(stamped[lost], position(even)[lost]) is None, "nobody knows where"
+
+
+def test_a_joint_that_is_read_in_bursts_keeps_its_stamps():
+    _, stamped = bursts()
+    assert evened(stamped, position(stamped)) is None

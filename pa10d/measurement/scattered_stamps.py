@@ -32,7 +32,9 @@ def evened(t: Array, q: Array) -> Array | None:
     count, period, late = min(
         (_held_against(t, count) for count in _counts(t)), key=lambda found: float(found[2].std())
     )
-    if late.std() > COMB * period or np.abs(late).max() > FARTHEST * period:
+    if np.abs(late).max() > FARTHEST * period:
+        return None
+    if late.std() > COMB * period and _lost(late, period):
         return None
     share, error = found_in_positions(q, count, late / period)
     return np.asarray(t - late) if share + SURE * error < HALF else None
@@ -46,7 +48,8 @@ def _counts(t: Array) -> list[Counts]:
     while True:
         nearest = np.rint((t[:seen] - start) / step).astype(np.int64)
         if seen >= len(t):
-            return [np.arange(len(t)), nearest - nearest[0]]
+            beside = [nearest - nearest[0]] if np.all(np.diff(nearest) > 0) else []
+            return [np.arange(len(t)), *beside]
         step, start = (float(x) for x in np.polyfit(nearest.astype(float), t[:seen], 1))
         seen *= 2
 
@@ -62,6 +65,14 @@ def _beat(t: Array) -> tuple[float, float]:
             step = span / float(steps)
             best = (abs(turns), step, float(t[0] + np.angle(turns) / (2.0 * np.pi) * step))
     return best[1], best[2]
+
+
+def _lost(late: Array, period: float) -> bool:
+    """Do stamps that come in bursts leave their steps? Then some of the samples
+    are missing, and nobody knows which."""
+    blocks = len(late) // BLOCK
+    middle = np.median(late[: blocks * BLOCK].reshape(blocks, BLOCK), axis=1)
+    return blocks < FEWEST_BLOCKS or bool(np.ptp(middle) > HALF * period)
 
 
 def _held_against(t: Array, count: Counts) -> tuple[Counts, float, Array]:
