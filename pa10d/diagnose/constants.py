@@ -50,6 +50,7 @@ MAP_THIN = 2  # rows left out between, for the same reason
 FORETOLD_THIN = 2  # likewise
 MAJORITY_THIN = 2  # likewise
 ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: not identifiable
+LEAST_OWN = 0.01  # of the power of what an effect changes held out: its own torque's (policy)
 SLOPE_STEP = 1e-3  # of the value, or, on a linear scale, of the search's first step if more
 STIFFNESS_ROUNDING = 1e-9  # of the target's squares: less is never left over
 PLAN_RATE = 100.0  # Hz: enough for the sizes of torques
@@ -140,6 +141,10 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 # (a) no answer and no error changed; (b) other names for what is unexplained, no finding;
 # (c) a finding came or went; (d) the same as (a), on arms of two links alone.
 
+HUM_FINENESS = 4  # looks at a line in time within the resolution of the longest stretch
+HUM_AROUND = 40  # resolutions to either side whose level a line has to stand above
+HUM_LEAST_TURNS = 8.0  # of a line within the shorter of the longest stretches: fewer are slow noise
+HUM_SAMPLES = 8000  # of a stretch that are looked at: a minute or two
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, be predicted, or be removed
 #   by a map where it knows, to be a claim (b: half names a map more, twice one less)
 WORTH_A_ROUND = 0.02  # drop of the errors' logarithms, summed over the joints (a)

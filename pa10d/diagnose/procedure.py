@@ -38,10 +38,12 @@ from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.humming import hums
 from pa10d.diagnose.unknown.remaining import (
     Remaining,
     Unexplained,
     Unnamed,
+    comes_again,
     doubtful,
     material,
     remaining,
@@ -117,7 +119,12 @@ def diagnose(
     read = _readings(state, left, maps, open_joints) if only is None else {}
     maps = [m for m in maps if m.joint not in read]
     open_joints = [j for j in open_joints if j not in read]
-    more = [*read.values(), *(one.unnamed() for one in foretold(state, open_joints))]
+    moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
+    alone = [j for j in open_joints if j not in moved]
+    lines_in_time = [Unnamed.of_hum(hum) for hum in hums(state, alone)]
+    open_joints = [j for j in open_joints if j not in {one.joint for one in lines_in_time}]
+    foreseen = [one.unnamed() for one in foretold(state, open_joints)]
+    more = [*read.values(), *lines_in_time, *foreseen]
     unsure = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
     doubt = doubtful(left, state.fit.rms(), unsure)
     unexplained: tuple[Unexplained, ...] = (

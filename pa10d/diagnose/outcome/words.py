@@ -43,6 +43,8 @@ def sentence(
     text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
     if not frozen and others and term.effect.only_against_others:
         text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
+    if frozen and term.effect.question == "missing" and not term.effect.also_changes:
+        text += " Or it was there all along, where the model's own runs do not show it."
     if not sized:
         text += (
             " How large it is, this data hardly says: other terms, or what the model still lacks, "

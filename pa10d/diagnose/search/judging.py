@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     HELD_OUT_LEVEL,
+    LEAST_OWN,
     MATERIAL_GAIN,
     SEARCH_LEVEL,
     SHORTLIST,
@@ -98,9 +99,8 @@ class Judging:
         """Held-out evidence of one candidate; seen: what it changes on the fit side (weighted);
         doubt: of the present model beside it."""
         fit, partial = self.state.fit, candidate.partial
-        change = self.state.change(
-            fit, held_columns(self.state, candidate), partial.seen, partial.theta
-        )
+        columns = held_columns(self.state, candidate)
+        change = self.state.change(fit, columns, partial.seen, partial.theta)
         found = judge(self.state.held, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
         return JudgedCandidate(
@@ -109,7 +109,8 @@ class Judging:
             p,
             change,
             self._usual(),
-            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape)
+            and _acts(columns, partial.theta, change),
         )
 
     def _corrected(
@@ -153,7 +154,8 @@ class Judging:
             p,
             {},
             self._usual(but=index),
-            self.is_itself(candidate.effect, candidate.joints, candidate.shape),
+            self.is_itself(candidate.effect, candidate.joints, candidate.shape)
+            and _acts(held, partial.theta, change),
         )
 
     def is_itself(self, kind: Effect, joints: Sequence[int], shape: Shape) -> bool:
@@ -175,6 +177,14 @@ class Judging:
             if index != but:
                 found[term.effect.speaks_on(term.joints)] = True
         return np.where((given > usual) & ~found, 0.0, usual)
+
+
+def _acts(columns: PerJoint, theta: Array, change: PerJoint) -> bool:
+    """Does a candidate act on the held-out side? One that has no torque there, and helps by what
+    the bodies become beside it on the other side, is not seen."""
+    own = sum(float(np.sum((c @ theta) ** 2)) for c in columns.values())
+    changed = sum(float(np.sum(change[j] ** 2)) for j in columns)
+    return own > LEAST_OWN * changed
 
 
 def seen_change(fit: LeastSquares, columns: PerJoint, candidate: Candidate) -> PerJoint:

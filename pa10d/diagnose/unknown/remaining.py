@@ -23,6 +23,7 @@ from pa10d.diagnose.constants import (
     MATERIAL_REST,
 )
 from pa10d.diagnose.unknown.beyond import Beyond
+from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
@@ -37,15 +38,23 @@ class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
-    joint, that is beyond any noise the data show, or that depends on torque as it is read; RMS N·m
-    of that share."""
+    joint, that is beyond any noise the data show, that depends on torque as it is read, or that is
+    one line in time at so many hertz; RMS N·m of that share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
-    witness: Literal["again", "motion", "elsewhere", "turning", "reversing", "size", "reading"]
+    witness: Literal[
+        "again", "motion", "elsewhere", "turning", "reversing", "size", "reading", "hum"
+    ]
     variables: tuple[str, ...] = ()
+    hertz: float = float("nan")
+
+    @classmethod
+    def of_hum(cls, hum: Hum) -> Unnamed:
+        """A line in time."""
+        return cls(hum.joint, hum.share, hum.rms, hum.p_value, "hum", hertz=hum.hertz)
 
 
 Unexplained = Structure | Unnamed
@@ -329,6 +338,12 @@ def _with_sentence(
             ""
             if line.source == REPEATS
             else ". Record one motion twice: what comes again is no noise"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "hum":
+        text = (
+            f"{size}; {percent(left.share)} of its squared error is one line in time, at "
+            f"{left.hertz:.3g} Hz on both sides: no motion, and no slow noise, but a fan, mains, a "
+            "machine beside, or a servo or a frame that rings"
         )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (

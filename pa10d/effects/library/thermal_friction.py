@@ -78,6 +78,10 @@ class ThermalFriction(Effect):
         if shape.get("heated") == 1.0:
             for name in ("dFv", "dFc"):
                 out[name] = replace(out[name], unit=f"{out[name].unit}/W")
+        elif shape_errors.get("T") == 0.0:  # a measured temperature: T plays no part
+            for name in ("dFv", "dFc"):
+                out[name] = replace(out[name], unit=f"{out[name].unit} per 10 K")
+            del out["T"], out["heated"]
         return out
 
 

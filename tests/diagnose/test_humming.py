@@ -1,0 +1,41 @@
+"""What swings in time, and not with the motion, is no effect and no slow noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from two_links import CUTOFF, motion, robot, textbook_torque
+
+from pa10d.diagnose.procedure import diagnose
+from pa10d.identify.procedure import identify
+from pa10d.measurement.recording import Recording
+
+
+def hummed(name, seed, size, hertz):
+    """A sine in joint 2's torque whose phase nobody knows."""
+    rng = np.random.default_rng(seed)
+    t, q, dq, ddq = motion(seed)
+    tau = textbook_torque(q, dq, ddq) + 0.05 * rng.standard_normal(q.shape)
+    tau[:, 1] += size * np.sin(2 * np.pi * hertz * t + rng.uniform(0, 6))
+    return Recording(name, t, q, tau)
+
+
+def told(size, hertz, other):
+    runs = [hummed("a", 1, size, hertz), hummed("b", 2, size, hertz), hummed("c", 3, size, other)]
+    model = identify(runs[:2], robot(), name="m0", cutoff=CUTOFF)
+    return diagnose(model, runs[:2], runs[2:])
+
+
+def test_a_line_in_time_is_told_with_its_frequency():
+    found = told(0.12, 3.1, 3.1)
+    assert found.verdict == "unknown"
+    (only,) = found.unexplained
+    assert (only.joint, only.witness) == (1, "hum")
+    assert only.hertz == pytest.approx(3.1, abs=0.01)
+    assert only.share > 0.7
+    assert "one line in time, at 3.1 Hz on both sides" in found.remaining[1].sentence
+
+
+def test_a_line_of_one_side_alone_is_none():
+    found = told(0.12, 3.1, 4.7)
+    assert not [one for one in found.unexplained if getattr(one, "witness", "") == "hum"]
