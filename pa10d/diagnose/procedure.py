@@ -150,6 +150,7 @@ def diagnose(
     )
     verdict = "missing" if findings else "unknown" if unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
+    shares = {m.joint: m.share for m in maps} | {j: one.share for j, one in read.items()}
     lines = remaining(
         left,
         again,
@@ -161,7 +162,7 @@ def diagnose(
         beyond(state),
         state.usual,
         only is None,
-        {**search.rival_gains, **swaying_gains(state, maps)},
+        {**search.rival_gains, **swaying_gains(state, shares)},
         stand_out,
         held.silent,
     )

@@ -46,7 +46,10 @@ def test_the_order_of_many_turns_is_found_between_coarse_ones(work, monkeypatch)
     left = 0.2 * np.sin(71.69 * q + 0.4) + np.random.default_rng(1).normal(0.0, 0.2, len(t))
     seen = SimpleNamespace(q=q[:, None], dq=np.gradient(q, t)[:, None])
     run = SimpleNamespace(context=seen, lowpass=Lowpass(len(t), 200.0, 90.0))
-    side = SimpleNamespace(runs=[run], gathered=lambda parts, _: np.concatenate(parts))
+    turning = SimpleNamespace(robot=SimpleNamespace(prismatic=[False]))
+    side = SimpleNamespace(
+        runs=[run], contexts=[turning], gathered=lambda parts, _: np.concatenate(parts)
+    )
     (peak,) = order_peaks(side, {0: left[:: run.lowpass.factor]}, 0, 1)
     assert peak == pytest.approx(71.69, abs=0.5 * 2.0 * np.pi / np.ptp(q))
 

@@ -7,7 +7,7 @@ residual. Noise, however coloured, is not predicted by motion; structure is.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal
@@ -96,9 +96,8 @@ def find_structure(state: SearchState) -> list[Structure]:
     return certain
 
 
-def swaying_gains(state: SearchState, maps: Sequence[Structure]) -> dict[int, Structure]:
-    """Joints of which a gain that sways explains more than the map that was found: by joint."""
-    shares = {m.joint: m.share for m in maps}
+def swaying_gains(state: SearchState, shares: Mapping[int, float]) -> dict[int, Structure]:
+    """Joints of which a gain that sways explains more than the share that was found: by joint."""
     tried = all_maps(state, sorted(shares), "gain")
     best = [max(gains, key=lambda m: m.share) for gains in tried]
     return {m.joint: m for m in best if m.share > shares[m.joint]}
