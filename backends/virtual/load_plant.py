@@ -45,8 +45,8 @@ def made_plant(profile: Profile, axes: int) -> Any:
     _refuse_unknown(factory, simulation.options, profile)
     try:
         plant = factory(profile, **simulation.options)
-    except UserError:
-        raise
+    except UserError as error:  # of a key: the plant does not know of which file
+        raise UserError(_in_file(profile, str(error))) from error
     except Exception as error:  # whatever a factory of others throws, it is said where it is named
         raise UserError(f"{where}: '{simulation.plant}': {_thrown(error)}") from error
     for name in ("n", "reset", "step", "measure"):
@@ -71,6 +71,10 @@ def _refuse_unknown(factory: Any, options: Mapping[str, Any], profile: Profile) 
                 f"{profile.path}: simulation.options.{key}: found an unknown key, expected one of "
                 f"{', '.join(names) or 'none'}"
             )
+
+
+def _in_file(profile: Profile, line: str) -> str:
+    return f"{profile.path}: {line}" if line.startswith(("joints:", "simulation.")) else line
 
 
 def _thrown(error: Exception) -> str:

@@ -24,7 +24,10 @@ from pa10d.profile import find_profile, load_profile
 
 SWAPPED = ["S2", "S1", "S3", "E1", "E2", "W1", "W2"]
 WRONG = {
-    "order of joints": ({"joints": SWAPPED}, "joints: found S2, S1, .*, expected from base to tip"),
+    "order of joints": (
+        {"joints": SWAPPED},
+        "arm.yaml: joints: found S2, S1, .*, expected from base to tip",
+    ),
     "no such plant": (
         {"simulation": {"plant": "os:nothing"}},
         "arm.yaml: simulation.plant: 'os:nothing': os has no 'nothing'",
