@@ -159,6 +159,44 @@ def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
                 assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "stop"
 
 
+def test_the_gains_of_a_joint_are_all_seen_on_a_phone(archive, visit):
+    visitor = visit(archive[0], viewport={"width": 390, "height": 800})
+    visitor.open("tune")
+    table = visitor.page.get_by_role("region", name="Gains", exact=True)
+    table.locator("tbody tr").first.wait_for()
+    assert table.locator("thead th").count() == 4
+    assert table.evaluate("(box) => box.scrollWidth - box.clientWidth") <= 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_table_that_goes_on_beyond_its_box_shows_it(archive, visit, scheme):
+    """Another edge than that of a table which ends there: a shadow, until it is scrolled away."""
+    visitor = visit(
+        archive[0], viewport={"width": 390, "height": 800}, color_scheme=scheme, bypass_csp=True
+    )
+    visitor.open("models")
+    table = visitor.page.get_by_role("region", name="parameters", exact=True)
+    table.locator("tbody tr").first.wait_for()
+    table.evaluate("(box) => box.scrollIntoView({ block: 'center' })")
+    hidden = table.evaluate("(box) => box.scrollWidth - box.clientWidth")
+    assert hidden > 20
+
+    def edge() -> bytes:
+        box = table.bounding_box()
+        clip = {"x": box["x"] + box["width"] - 5, "y": max(box["y"] + 3, 300), "width": 4, "height": 4}
+        return visitor.page.screenshot(clip=clip)
+
+    before = edge()
+    table.evaluate("(box) => { box.scrollLeft = box.scrollWidth; }")
+    assert edge() != before
+    card = "getComputedStyle(document.getElementById('header')).backgroundColor"
+    plain = visitor.page.evaluate(card)
+    table.evaluate("(box, plain) => { box.style.background = plain; }", plain)
+    ended = edge()
+    table.evaluate("(box) => { box.style.background = ''; }")
+    assert edge() == ended
+
+
 def test_a_plot_is_there_in_numbers_too(archive, visit):
     visitor = visit(archive[0])
     page = visitor.page

@@ -88,6 +88,18 @@ def test_nothing_covers_stop(archive, visit, width):
     assert not visitor.errors
 
 
+def test_no_section_is_beside_stop_on_a_phone(archive, visit):
+    """A thumb on the upper edge of a tab is not to stop the arm; neither with larger text."""
+    visitor = visit(archive[0], viewport={"width": 390, "height": 800})
+    visitor.open("tune")
+    below = """() => { const stop = document.getElementById("stop").getBoundingClientRect();
+      return Math.min(...[...document.querySelectorAll("nav a")].map(
+        (link) => link.getBoundingClientRect().top)) - stop.bottom; }"""
+    assert visitor.page.evaluate(below) >= 4
+    visitor.page.evaluate("() => { document.documentElement.style.fontSize = '200%'; }")
+    assert visitor.page.evaluate(below) >= 4
+
+
 def test_stop_grows_with_the_text_and_covers_nothing(archive, visit):
     """At 200 % text, as a browser's own setting gives it."""
     url, _ = archive
