@@ -37,6 +37,12 @@ function place() {
   return name in rooms ? { section: name, rest } : { section: "robot", rest: [] };
 }
 
+/** What the address asks for and is not there is said: another section alone looks like an answer. */
+function sayUnknown() {
+  const [name] = inAddress();
+  if (name && !(name in rooms)) failed("This section cannot be shown.", new Error(`The page has no section '${name}'; this is ${SECTIONS.robot}.`));
+}
+
 const go = () => route().catch((error) => failed("This section could not be fetched.", error));
 
 function happened(event) {
@@ -81,7 +87,12 @@ async function start() {
     close: () => change({ connected: false }),
     event: happened,
   });
-  addEventListener("hashchange", go);
+  addEventListener("hashchange", () => {
+    if (document.getElementById(location.hash.slice(1))) return; // a place within the page, as the skip link has it
+    sayUnknown();
+    go();
+  });
+  sayUnknown();
   go();
   lookAtRobot();
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from browsers import until
 
 
@@ -64,3 +65,38 @@ def test_a_comparison_asked_for_is_not_replaced_by_one_that_opens_by_itself(arch
     page.wait_for_timeout(500)
     assert page.evaluate("location.hash") == address
     assert page.locator("#compare .ranked[data-mine=yes]").count() == 1
+
+
+@pytest.mark.parametrize(
+    ("address", "section", "said"),
+    [
+        ("models/nope", "models", "This model cannot be shown. model 'nope': none of this name"),
+        ("runs/nope", "runs", "This run cannot be shown. run 'nope': none of this name"),
+        ("investigate/nope", "investigate", "This investigation cannot be shown. investigation"),
+        ("foo", "robot", "This section cannot be shown. The page has no section 'foo'"),
+    ],
+)
+def test_an_address_of_what_is_not_there_says_so(archive, visit, address, section, said):
+    """It showed another thing without a word: at first sight, and gone to later."""
+    visitor = visit(archive[0])
+    page = visitor.page
+    page.goto(f"{archive[0]}/#/{address}")
+    message = page.locator("#notices article, #notices .notice", has_text=said)
+    message.wait_for()
+    assert page.locator(f"#{section} h1").is_visible()
+    message.get_by_label("Close this message").click()
+    page.evaluate("location.hash = '#/compare'")
+    page.locator("#compare h1").wait_for()
+    page.evaluate(f"location.hash = '#/{address}'")
+    message.wait_for()
+    assert not page.evaluate("location.hash").endswith("nope")
+    assert not visitor.errors
+
+
+def test_the_skip_link_leaves_one_where_one_is(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("models")
+    visitor.page.evaluate("location.hash = '#content'")
+    visitor.page.wait_for_timeout(300)
+    assert visitor.page.locator("#models h1").is_visible()
+    assert visitor.page.locator("#notices .notice").count() == 0

@@ -4,7 +4,7 @@ import { el, fill, renew } from "../base/dom.js";
 import { get, post } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
 import { current, state, watch } from "../base/store.js";
-import { guarded, notice } from "../base/notices.js";
+import { failed, guarded, notice } from "../base/notices.js";
 import { number, seconds, when } from "../base/units.js";
 import { ask } from "../parts/dialog.js";
 import { table } from "../parts/blocks.js";
@@ -37,15 +37,23 @@ export function mount(box) {
 
 /** #/investigate/ID */
 export function show([id]) {
+  open(id).catch((error) => { if (error.status === 404) failed("This investigation cannot be shown.", error); });
+}
+
+async function open(id) {
   if (id) shown = id;
-  refresh().catch(() => {});
+  await refresh();
+  if (!id || shown === id) return;
+  sayAddress("investigate", ...(shown ? [shown] : []));
+  shown = (await get(`investigations/${encodeURIComponent(id)}`)).id; // by its name
+  await refresh();
 }
 
 let waiting = null;
 const soon = () => { waiting ??= setTimeout(() => { waiting = null; if (state.section === "investigate") refresh().catch(() => {}); }, 200); };
 
 async function refresh() {
-  known = (await get("investigations")).items;
+  known = (await get("investigations", { limit: 500 })).items;
   renew(parts.list, known.map((one) => el("button", {
     type: "button", role: "tab", class: "kind", "aria-selected": String(one.id === shown), dataset: { investigation: one.name },
     onclick: () => { shown = one.id; sayAddress("investigate", one.id); refresh(); },

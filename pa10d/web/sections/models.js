@@ -5,7 +5,7 @@ import { download, get, put, remove } from "../base/api.js";
 import { whyNot } from "../base/condition.js";
 import { current, loadModels, loadRobot, state, watch } from "../base/store.js";
 import { ask } from "../parts/dialog.js";
-import { guarded, notice, toKnow } from "../base/notices.js";
+import { failed, guarded, notice, toKnow } from "../base/notices.js";
 import { nextModelName, number, when } from "../base/units.js";
 import { table } from "../parts/blocks.js";
 import { empty, plot } from "../parts/figure.js";
@@ -32,6 +32,21 @@ export function mount(box) {
 export function show([name]) {
   wanted = name ?? wanted;
   refresh();
+  if (wanted) lookFor(wanted).catch((error) => failed("This model cannot be shown.", error));
+}
+
+/** One that is not in the list: made a moment ago, replaced, or none at all. */
+async function lookFor(name) {
+  try {
+    const found = await get(`models/${encodeURIComponent(name)}`);
+    if (found.replaced) throw new Error(`${name} was replaced by another of its name.`);
+    if (wanted === name) wanted = found.name;
+    await loadModels();
+  } catch (error) {
+    if (wanted === name) wanted = null;
+    sayAddress("models");
+    throw error;
+  }
 }
 
 function refresh() {

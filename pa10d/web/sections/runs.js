@@ -37,9 +37,21 @@ export function mount(box) {
     fill(detail, details(run));
     detail.scrollIntoView({ block: "start" }); // below a long list nobody would see that it came
   };
-  showRun = (id) => {
+  const shownIfThere = (id) => {
     const run = state.runs.find((one) => one.id === id || one.name === id);
     if (run && run.id !== selected) select(run);
+    return run;
+  };
+  showRun = async (id) => {
+    if (shownIfThere(id)) return;
+    try {
+      const { id: found } = await get(`runs/${encodeURIComponent(id)}`); // it may have come since
+      await loadRuns();
+      shownIfThere(found);
+    } catch (error) {
+      sayAddress("runs", ...(selected ? [selected] : []));
+      failed("This run cannot be shown.", error);
+    }
   };
   fill(box, heading("runs", "Runs", { Mark: "Tick the boxes in the list.", Import: "Drop the files below." }), dropZone("files"), search, table, none, setAside("runs"), detail);
   watch(["runs", "ready"], () => {
@@ -55,7 +67,7 @@ export function show([id]) {
 
 const watchOnce = (f) => {
   let done = false;
-  watch(["runs"], () => { if (!done && state.runs.length) { done = true; setTimeout(f); } });
+  watch(["runs", "ready"], () => { if (!done && state.ready) { done = true; setTimeout(f); } });
 };
 
 function row(run, isSelected, select) {
