@@ -67,12 +67,12 @@ TEXTS = {
         "Green: two standard deviations of the noise, within which the line should lie.",
     ),
     "spectra": Reading(
-        "Left, the residual in cycles per revolution of the joint: cogging, gear mesh and bearings "
-        "make a line there at every speed. Right, in hertz: resonances and electrical noise make "
-        "a line there. The green dashes are the level that noise does not pass (left) and the "
-        "cut-off of the fit (right).",
-        "A line on the left: multiply by the gear ratio to see which part turns so often, and "
-        "suspect torque ripple. A hump on the right only: record a chirp and suspect an elastic "
+        "The order spectrum is the residual in cycles per revolution of the joint: cogging, gear "
+        "mesh and bearings make a line there at every speed. The frequency spectrum is in hertz: "
+        "resonances and electrical noise make a line there. The green dashes are the level that "
+        "noise does not pass (orders) and the cut-off of the fit (hertz).",
+        "A line among the orders: multiply by the gear ratio to see which part turns so often, and "
+        "suspect torque ripple. A hump in hertz only: record a chirp and suspect an elastic "
         "joint, or lower the cut-off.",
     ),
     "memory": Reading(

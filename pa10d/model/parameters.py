@@ -29,6 +29,12 @@ class ParameterLine:
     urdf: float | None
     flags: list[str]
 
+    @property
+    def doubtful(self) -> bool:
+        """Whether anything that is to be known puts the value in doubt; a rotor that is in it is
+        only what it is made of."""
+        return any(flag != WITH_ROTOR for flag in self.flags)
+
     def document(self) -> JsonObject:
         """As JSON: the value and its errors stand beside the rest."""
         return {
@@ -37,6 +43,7 @@ class ParameterLine:
             "meaning": self.meaning,
             "urdf": self.urdf,
             "flags": self.flags,
+            "doubtful": self.doubtful,
         }
 
 

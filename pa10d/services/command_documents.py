@@ -47,6 +47,7 @@ class ShownParameter(Document):
     meaning: str
     urdf: float | None
     flags: list[str]
+    doubtful: bool
 
 
 class Delivered(Document):

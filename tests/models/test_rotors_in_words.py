@@ -19,4 +19,8 @@ def test_lines_that_take_one_in_say_so():
     told = [WITH_ROTOR in line.flags for line in lines]
     assert told == (np.abs(within.share) > 1e-6).any(axis=1).tolist()
     assert any(told)
+    assert [line.doubtful for line in lines] == [
+        line.flags not in ([], [WITH_ROTOR]) for line in lines
+    ]
+    assert any(line.document()["doubtful"] is False for line in lines if WITH_ROTOR in line.flags)
     assert all(("rotor" in line.meaning) == flag for line, flag in zip(lines, told, strict=True))

@@ -290,6 +290,56 @@ def test_panels_stand_where_there_is_room_and_the_table_names_them(
     assert not visitor.errors
 
 
+BESIDE = {
+    "data": PANELS["data"],
+    "layout": {
+        "height": 200,
+        "margin": {"t": 30, "b": 20},
+        "xaxis": {"domain": [0, 0.45]},
+        "xaxis2": {"domain": [0.55, 1], "anchor": "y2"},
+        "yaxis": {"title": {"text": "amplitude, N·m"}},
+        "yaxis2": {"anchor": "x2", "title": {"text": "density, N·m/√Hz"}},
+        "annotations": [
+            {"text": "orders", "x": 0, "y": 1, "xref": "paper", "yref": "paper"},
+            {"text": "hertz", "x": 0.55, "y": 1, "xref": "paper", "yref": "paper"},
+        ],
+    },
+}
+OVERLAP = """() => {
+  const title = document.querySelector("#models .y2title").getBoundingClientRect();
+  const first = document.querySelector("#models .draglayer .xy").getBoundingClientRect();
+  return title.left < first.right && title.top < first.bottom && title.bottom > first.top;
+}"""
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
+    visitor = visit(archive[0], viewport={"width": width, "height": 844})
+    visitor.open("models")
+    page = visitor.page
+    page.evaluate(DRAW, BESIDE)
+    assert page.evaluate(OVERLAP) is False
+    boxes = [page.get_by_text(text, exact=True).bounding_box() for text in ("orders", "hertz")]
+    below = boxes[1]["y"] - boxes[0]["y"]
+    assert below > 150 if width == 390 else below == pytest.approx(0, abs=2)
+    assert not visitor.errors
+
+
+def test_who_commands_is_to_be_read_on_a_phone(archive, visit):
+    visitor = visit(archive[0], viewport={"width": 390, "height": 844})
+    page = visitor.page
+    robot = json.loads(page.request.get(f"{archive[0]}/api/v1/robot").text())
+    robot["lease"] |= {"holder": "browser-01b8fc"}
+    page.route("**/api/v1/robot", answer(robot))
+    visitor.open("runs")
+    page.locator("#lease", has_text="browser-01b8fc commands").wait_for()
+    shown, inside = (page.locator(one).bounding_box() for one in ("#lease", ".now"))
+    brand, stop = (page.locator(one).bounding_box() for one in (".brand", "#stop"))
+    assert shown["x"] >= max(inside["x"], brand["x"] + brand["width"])
+    assert shown["x"] + shown["width"] <= stop["x"]
+    assert page.locator("#lease").evaluate("one => one.scrollWidth <= one.clientWidth + 1")
+
+
 TICKS = """async (far) => {
   const { Chart } = globalThis.pa10dModules.get("parts/chart.js");
   const chart = new Chart(200);

@@ -109,6 +109,13 @@ def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, v
     sixth, seventh = rows.nth(5).inner_text(), rows.nth(6).inner_text()
     assert sixth.split("\t")[1:] == ["1", "1", "1.5", "N·m", "worse than before"]
     assert seventh.split("\t")[1:] == ["1", "0.2", "0.25", "N·m", "fell"]
+    said = "RMS error on the runs that the search judged by; low-pass 10 Hz, all. Compare has"
+    assert page.get_by_text(said).is_visible()
+    page.get_by_text("RMS error on valid_a; low-pass").first.wait_for()
+    assert (
+        "clear of reversals"
+        in page.get_by_text("RMS error on valid_a; low-pass").first.inner_text()
+    )
     page.get_by_role("button", name="Undo: back to m0").click()
     page.get_by_role("dialog").get_by_role("button", name="Undo").click()
     page.locator("[data-model=m1]").wait_for(state="detached")
@@ -116,6 +123,21 @@ def test_what_was_promised_stands_beside_what_came_and_can_be_undone(versions, v
     assert page.locator("#models .panel h2").nth(1).text_content().split()[0] == "m0"
     assert page.locator(".undo:visible").count() == 0
     assert not visitor.errors
+
+
+def test_a_rotor_in_a_base_parameter_puts_no_doubt_in_its_value(versions, visit):
+    """It was drawn as those that are weak or not determined."""
+    visitor = visit(versions[0])
+    page = visitor.page
+    visitor.open("models")
+    rows = page.locator("#models .parameters tbody tr")
+    only_rotor = rows.filter(
+        has=page.get_by_text("with a rotor, of which the URDF says nothing", exact=True)
+    )
+    only_rotor.first.wait_for()
+    assert only_rotor.locator("xpath=self::*[contains(@class, 'doubtful')]").count() == 0
+    weak = rows.filter(has=page.get_by_text("weak", exact=True))
+    assert weak.count() == weak.locator("xpath=self::*[contains(@class, 'doubtful')]").count() > 0
 
 
 def answered(body: str):

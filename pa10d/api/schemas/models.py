@@ -50,6 +50,7 @@ class Parameter(BaseModel):
     flags: list[str] = Field(
         examples=[["weak"], ["not determined"], ["at its bound"], ["from the prior"]]
     )
+    doubtful: bool = Field(description="Whether a flag puts the value in doubt")
 
 
 class Delivery(BaseModel):
@@ -60,6 +61,7 @@ class Delivery(BaseModel):
     achieved: list[float | None] = Field(description="By this model as it is stored")
     worse: list[Joint] = Field(description="Joints that are worse than before, significantly")
     cutoff_hz: float
+    mask: str | None = Field(None, description="Which samples count")
 
 
 class ModelDetails(Model):

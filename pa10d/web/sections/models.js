@@ -14,7 +14,7 @@ import { heading } from "../parts/guide.js";
 import { setAside } from "../parts/set_aside.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
-import { modelPicker, runPicker } from "../parts/picker.js";
+import { modelPicker, nameOf, runPicker } from "../parts/picker.js";
 import { fitOptions } from "../parts/fitoptions.js";
 import { reportButton } from "../parts/report.js";
 
@@ -136,6 +136,12 @@ const exporters = (model) => Object.entries(model.formats).map(([format, ending]
   type: "button", class: "small", title: `Export ${model.name} as ${format}`,
   onclick: guarded("It could not be exported.", () => download(`models/${model.id}/export`, { format }, `${model.name}.${ending}`)) }, format.toUpperCase().replace("_", " ")));
 
+/** Which samples count in an error, in which band: of one model there is another one, with reversals, in Compare. */
+const where = ({ cutoff_hz: band, mask }, of) => el("p", { class: "muted pad" }, mask
+  ? `RMS error on ${of}; low-pass ${number(band)} Hz, ${mask}. Compare has the error with reversals beside it.`
+  : `RMS error on ${of}; an older version has written it, and not kept which samples count.`);
+const judges = () => parts.judge.ids.map(nameOf).join(", ");
+
 /** What the search promised and what came of it, for every joint. */
 function delivered({ delivery, joints, torque_units: units, name }) {
   if (!delivery) return null;
@@ -144,6 +150,7 @@ function delivered({ delivery, joints, torque_units: units, name }) {
     table(["joint", "before", "promised", `achieved by ${name}`, "unit", "the error"], joints.map((joint, j) => [
       `${j + 1} ${joint}`, number(before[j]), number(promised[j]), number(achieved[j]), units[j],
       worse.includes(j + 1) ? el("b", { class: "bad" }, "worse than before") : achieved[j] < 0.95 * before[j] ? el("span", { class: "good" }, "fell") : "as before"])),
+    where(delivery, "the runs that the search judged by"),
     worse.length ? el("p", { class: "bad" }, "Where a joint became worse, this version is no gain there: undo it, or ask what is missing in it.") : null);
 }
 
@@ -186,7 +193,7 @@ async function refreshPlots() {
   try {
     const found = await get("plots/staircase", { model: model.id, run: runs });
     if (drawn !== key) return;
-    fill(parts.stairs, plot({ title: "Every version on the same runs", figures: found.figure, reading: found, advice: fell(found) }), stepsTable(found, model.joints));
+    fill(parts.stairs, plot({ title: "Every version on the same runs", figures: found.figure, reading: found, advice: fell(found) }), where(found, judges()), stepsTable(found, model.joints));
     drawVersus(model);
   } catch (error) {
     drawn = "";
@@ -213,7 +220,7 @@ async function drawVersus(model) {
   if (!runs.length || !other || other === model.name || model.id !== chosen) return;
   try {
     const found = await get("plots/versus", { one: other, other: model.id, run: runs });
-    fill(parts.versus, plot({ title: `${other} and ${model.name}`, figures: found.figure, reading: found }));
+    fill(parts.versus, plot({ title: `${other} and ${model.name}`, figures: found.figure, reading: found }), where(found, judges()));
   } catch (error) {
     fill(parts.versus, el("p", { class: "bad" }, error.message));
   }
@@ -245,7 +252,7 @@ function parameters(model) {
     heads.forEach((head, column) => (by === column ? head.setAttribute("aria-sort", way > 0 ? "ascending" : "descending") : head.removeAttribute("aria-sort")));
     const rows = [...model.parameters];
     if (by !== null) rows.sort((a, b) => { const [x, y] = [a, b].map(PARAMETERS[by][1]); return way * (x < y ? -1 : x > y ? 1 : 0); });
-    fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.flags.length ? "doubtful" : "" }, PARAMETERS.map(([, , show], column) => el("td", {}, show(one),
+    fill(body, rows.map((one) => el("tr", { title: one.meaning, class: one.doubtful ? "doubtful" : "" }, PARAMETERS.map(([, , show], column) => el("td", {}, show(one),
       column === 0 && made.checked && one.meaning !== one.name ? el("small", {}, one.meaning) : null)))));
   };
   refresh();
