@@ -137,7 +137,7 @@ def test_a_job_whose_result_finds_no_room_keeps_it_in_memory_and_says_so(tmp_pat
 
 @pytest.mark.parametrize(
     "changes",
-    [{"id": "../../x"}, {"id": "other"}, {"status": "running"}, {"request": 3}, {"progress": 1e9},
+    [{"id": "../../x"}, {"id": "other"}, {"status": "lost"}, {"request": 3}, {"progress": 1e9},
      {"kind": None}, {"created": 5}],
 )  # fmt: skip
 def test_a_job_file_that_is_none_is_passed_over(tmp_path, changes):
@@ -148,6 +148,48 @@ def test_a_job_file_that_is_none_is_passed_over(tmp_path, changes):
         path = jobs.file_of(job)
         path.write_text(json.dumps(json.loads(path.read_text()) | changes))
         assert Jobs(tmp_path / "jobs", Events()).all() == []
+
+    asyncio.run(main())
+
+
+async def _for_ever(report):
+    await asyncio.Event().wait()
+
+
+def test_a_job_of_a_daemon_that_was_killed_says_so_to_the_next_one(tmp_path):
+    """It was not known any more, and whoever waited for it was told that there is no such job."""
+
+    async def killed():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        job = jobs.start("identify", {"name": "m0"}, _for_ever)
+        while job.begun is None or not job.begun.done():
+            await asyncio.sleep(0)
+        return job.id, jobs.file_of(job).read_text()
+
+    async def restarted(number, written):
+        path = tmp_path / "jobs" / f"{number}.json"
+        path.write_text(written)
+        for again in (Jobs(tmp_path / "jobs", Events()), Jobs(tmp_path / "jobs", Events())):
+            job = again.get(number)
+            assert (job.status, job.message, job.kept) == ("failed", "interrupted", True)
+            assert job.error.startswith("the daemon ended before it was done")
+            kept = json.loads(again.file_of(job).read_text())
+            assert (kept["request"], kept["error"]) == ({"name": "m0"}, job.error)
+            assert again.running() == []
+
+    asyncio.run(restarted(*asyncio.run(killed())))
+
+
+def test_a_daemon_that_ends_in_peace_says_the_same_and_a_cancelled_job_stays_cancelled(tmp_path):
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        wished, other = (jobs.start("identify", {}, _for_ever) for _ in range(2))
+        await asyncio.sleep(0)
+        await jobs.cancel(wished)
+        await jobs.close()
+        assert (wished.status, wished.error) == ("cancelled", None)
+        assert (other.status, other.message) == ("failed", "interrupted")
+        assert "the daemon ended" in json.loads(jobs.file_of(other).read_text())["error"]
 
     asyncio.run(main())
 

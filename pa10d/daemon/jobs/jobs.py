@@ -30,8 +30,11 @@ OVER = ("succeeded", "failed", "cancelled")
 MOST = 64  # jobs that are not over
 KEPT = 500  # finished jobs on disk; in memory they are without their results
 LARGEST = 64 << 20  # bytes of one that is read back
-INSIDE = ("task", "told", "kept", "result")  # what clients see none of, or not as it is
+INSIDE = ("task", "begun", "told", "kept", "result")  # what clients see none of, or not as it is
 TELL_EVERY = 0.1  # s between progress events of one job
+INTERRUPTED = (
+    "the daemon ended before it was done; what it had stored stays, ask for the rest again"
+)
 
 log = logging.getLogger("pa10d.jobs")
 
@@ -41,6 +44,7 @@ class Job:
     """One job. ``request`` is what was asked for, ``error`` one line where it failed,
     or where the arm was stopped.
 
+    begun: its beginning is written down, so that a daemon that is killed leaves word of it
     kept: its document, with the result, is on disk, and the result no longer in memory.
     """
 
@@ -58,6 +62,7 @@ class Job:
     started: str | None = None
     finished: str | None = None
     task: asyncio.Task[None] | None = field(default=None, repr=False)
+    begun: asyncio.Task[None] | None = field(default=None, repr=False)
     told: float = field(default=0.0, repr=False)
     kept: bool = field(default=False, repr=False)
 
@@ -103,6 +108,7 @@ class Jobs:
         self._folder, self._events = folder, events
         folder.mkdir(exist_ok=True)
         self._jobs: dict[str, Job] = {}
+        self._ending = False
         for path in sorted(folder.glob("[!.]*.json"))[-KEPT:]:
             try:
                 job = _read(path)
@@ -110,6 +116,8 @@ class Jobs:
                 log.warning("set aside: %s", error)
                 continue
             self._jobs[job.id] = job
+            if job.status not in OVER:
+                self._interrupt(job)
 
     def all(self) -> list[Job]:
         """Oldest first."""
@@ -152,7 +160,8 @@ class Jobs:
             await self._never_began(job)
 
     async def close(self) -> None:
-        """Cancel all that run."""
+        """Cancel all that run: nobody wished them to end, so they say that the daemon did."""
+        self._ending = True
         await asyncio.gather(*(self.cancel(job) for job in self.running()))
 
     def tell(self, job: Job, at_once: bool = False) -> None:
@@ -164,11 +173,12 @@ class Jobs:
 
     async def _carry_out(self, job: Job, work: Work) -> None:
         job.status, job.started = "running", _now()
+        job.begun = asyncio.create_task(self._note(job, job.document()))
         try:
             job.result = await asyncio.to_thread(plain, _told(await work(Report(self, job))))
             job.status, job.progress, job.message = "succeeded", 1.0, "done"
         except asyncio.CancelledError:
-            job.status, job.message = "cancelled", "cancelled"
+            self._cancelled(job)
         except Stopped as error:
             job.status, job.message, job.error = "cancelled", "stopped", str(error)
         except (UserError, Crowded) as error:
@@ -182,11 +192,32 @@ class Jobs:
             job.status, job.error = "failed", f"{type(error).__name__}: {error}"
         job.finished = _now()
         self.tell(job, at_once=True)
+        await asyncio.wait([job.begun])  # the end is written after it
         await self._keep(job)
-        job.task = None
+        job.task = job.begun = None
+
+    def _cancelled(self, job: Job) -> None:
+        if self._ending:
+            job.status, job.message, job.error = "failed", "interrupted", INTERRUPTED
+        else:
+            job.status, job.message = "cancelled", "cancelled"
+
+    def _interrupt(self, job: Job) -> None:
+        """One that an earlier daemon did not bring to an end; kept as such where there is room."""
+        job.status, job.message, job.error = "failed", "interrupted", INTERRUPTED
+        job.finished, job.kept = _now(), False
+        with contextlib.suppress(OSError):
+            write_json(self.file_of(job), job.document())
+            job.kept = True
+
+    async def _note(self, job: Job, begun: JsonObject) -> None:
+        """That it runs, on disk; where that is full, nothing is lost yet."""
+        with contextlib.suppress(OSError):
+            await asyncio.to_thread(write_json, self.file_of(job), begun)
 
     async def _never_began(self, job: Job) -> None:
-        job.status, job.message, job.finished = "cancelled", "cancelled", _now()
+        self._cancelled(job)
+        job.finished = _now()
         job.task = None
         self.tell(job, at_once=True)
         await self._keep(job)
@@ -217,16 +248,14 @@ def _told(result: Any) -> Any:
 
 
 def _read(path: Path) -> Job:
-    """One that is over, without its result; UserError where the file is none of ours."""
+    """Without its result; UserError where the file is none of ours."""
     try:
         job = _typed().validate_json(read_entry(path, LARGEST))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise UserError(f"{path}: {first['loc']}: {first['msg']}; expected a job") from error
-    if job.id != path.stem or job.status not in OVER:
-        raise UserError(
-            f"{path}: found job {job.id!r}, {job.status}; expected the file's own, over"
-        )
+    if job.id != path.stem:
+        raise UserError(f"{path}: found job {job.id!r}; expected the file's own")
     job.result, job.kept = None, True
     return job
 
