@@ -183,7 +183,12 @@ def test_a_table_that_goes_on_beyond_its_box_shows_it(archive, visit, scheme):
 
     def edge() -> bytes:
         box = table.bounding_box()
-        clip = {"x": box["x"] + box["width"] - 5, "y": max(box["y"] + 3, 300), "width": 4, "height": 4}
+        clip = {
+            "x": box["x"] + box["width"] - 5,
+            "y": max(box["y"] + 3, 300),
+            "width": 4,
+            "height": 4,
+        }
         return visitor.page.screenshot(clip=clip)
 
     before = edge()
