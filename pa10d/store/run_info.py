@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.version import __version__
+from pa10d.common.yamlfile import expected
 from pa10d.store.channels import Channels
 from pa10d.store.entries import Id, Name, read_entry, refuse_links
 from pa10d.store.folders import write_json
@@ -22,8 +23,17 @@ from pa10d.store.names import new_id
 Status = Literal["started", "success", "stopped", "aborted", "failed"]
 FILE, BAG = "run.json", "run.mcap"
 LARGEST = 1 << 20  # bytes of a description
+AHEAD = timedelta(days=1)  # by which the clocks of two machines may differ
 Count = Annotated[int, Field(ge=0, le=1 << 53)]
 Amount = Annotated[float, Field(ge=0)]
+
+
+def _a_time(value: str) -> str:
+    try:
+        datetime.fromisoformat(value)
+    except ValueError as error:
+        raise expected("a time such as 2026-11-26T22:30:43.807+00:00") from error
+    return value
 
 
 class KeptFinding(TypedDict):
@@ -44,7 +54,7 @@ class RunInfo:
 
     id: Id
     name: Name
-    created: str  # UTC, ISO 8601
+    created: Annotated[str, AfterValidator(_a_time)]  # UTC, ISO 8601
     profile: str
     joints: tuple[str, ...]
     status: Status = "started"
@@ -94,10 +104,25 @@ def load_info(folder: Path) -> RunInfo:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"])) or "all of it"
+        if first["type"] == "expected":
+            found = f"found {first['input']!r}, expected {first['msg']}"
+            raise UserError(f"{path}: {where}: {found}") from error
         raise UserError(f"{path}: {where}: {first['msg']}; expected a run's description") from error
     if info.id != folder.name:
         raise UserError(f"{path}: id: found {info.id!r}, expected the folder's name")
-    return info
+    said = _of_the_future(info.created)
+    return (
+        info if said is None or said in info.warnings else info.but(warnings=(*info.warnings, said))
+    )
+
+
+def _of_the_future(created: str) -> str | None:
+    """What is to be told of a run that nobody can have recorded yet."""
+    when = datetime.fromisoformat(created)
+    when = when if when.tzinfo else when.replace(tzinfo=UTC)
+    if when <= datetime.now(UTC) + AHEAD:
+        return None
+    return f"stored on {created[:10]}, which was still to come: was a clock wrong?"
 
 
 @cache

@@ -16,7 +16,7 @@ from pa10d.common.errors import UserError
 from pa10d.store import RunStore
 from pa10d.store.location import data_place
 from pa10d.store.names import checked_name, free_name, new_id, resolve
-from pa10d.store.run_info import RunInfo
+from pa10d.store.run_info import FILE, RunInfo
 
 
 @pytest.fixture
@@ -185,6 +185,35 @@ def test_a_folder_that_is_no_run_is_passed_over(store):
     broken.mkdir()
     (broken / "run.json").write_text("{")
     assert [info.name for info in store.all()] == ["one"]
+
+
+def _dated(store, created):
+    """The same data folder after somebody has written another time into its run."""
+    info = _build(store, "a")
+    told = store.path(info) / FILE
+    told.write_text(told.read_text().replace(info.created, created))
+    return RunStore(store.folder.parent)
+
+
+def test_a_stored_time_that_is_none_is_told(store):
+    again = _dated(store, "gestern")
+    assert again.all() == []
+    (aside,) = again.set_aside()
+    assert "created: found 'gestern', expected a time such as" in aside.reason
+
+
+def test_a_run_of_the_future_is_told_once_and_stays_of_use(store):
+    """The clock of the machine that recorded it may have been wrong; the run is not."""
+    again = _dated(store, "2999-01-01T00:00:00.000+00:00")
+    (info,) = again.all()
+    assert info.warnings == ("stored on 2999-01-01, which was still to come: was a clock wrong?",)
+    info.save(again.path(info))
+    assert RunStore(store.folder.parent).all()[0].warnings == info.warnings
+
+
+@pytest.mark.parametrize("created", ["2026-01-31T10:00:00.000+00:00", "2026-01-31T10:00:00"])
+def test_a_run_of_the_past_is_not_spoken_of(store, created):
+    assert _dated(store, created).all()[0].warnings == ()
 
 
 def test_samples_that_were_announced_and_do_not_come(store):
