@@ -196,16 +196,16 @@ def test_a_weight_is_written_as_it_is_read():
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "status", "said"),
     [
-        (["--alone", "--payload", "heavy", "a"], "expected MASS,X,Y,Z"),
-        (["--alone", "--payload", "0,0,0,0", "a"], "expected MASS,X,Y,Z"),
-        (["--alone", "--payload", "2,0,0,0"], "no run, expected BODY and the runs"),
-        (["--payload", "2,0,0,0", "a"], "expected --empty RUN"),
+        (["--alone", "--payload", "heavy", "a"], 1, "expected MASS,X,Y,Z"),
+        (["--alone", "--payload", "0,0,0,0", "a"], 1, "expected MASS,X,Y,Z"),
+        (["--alone", "--payload", "2,0,0,0"], 2, "no run, expected BODY and the runs"),
+        (["--payload", "2,0,0,0", "a"], 2, "expected --empty RUN"),
     ],
 )
-def test_wrong_usage_is_one_line(tmp_path, capsys, words, said):
-    assert main(["--data", str(tmp_path), "scale", *words, "--profile", "ur5e"]) == 1
+def test_wrong_usage_is_one_line(tmp_path, capsys, words, status, said):
+    assert main(["--data", str(tmp_path), "scale", *words, "--profile", "ur5e"]) == status
     error = capsys.readouterr().err
     assert said in error
     assert "Traceback" not in error
