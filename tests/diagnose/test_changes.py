@@ -157,6 +157,10 @@ def test_the_same_effect_elsewhere_is_a_rival_with_its_place():
 def test_every_effect_has_a_sentence_of_one_breath(kind):
     for frozen in (False, True):
         text = said(kind, frozen)
+        always = " Or it was there all along, where the model's own runs do not show it."
+        no_change = effect(kind).question == "missing" and not effect(kind).also_changes
+        assert text.endswith(always) is (frozen and no_change)
+        text = text.removesuffix(always)
         assert 80 < len(text) < 240
         assert text.count(".") == text.count("0.43") + 1
         assert "_" not in text

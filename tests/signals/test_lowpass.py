@@ -95,7 +95,7 @@ def test_shapes_and_trailing_axes():
 
 @pytest.mark.parametrize("cutoff", [0.0, -1.0, 250.0, 400.0])
 def test_impossible_cutoffs_are_refused_in_words(cutoff):
-    with pytest.raises(UserError, match=r"cut-off .* expected between 0 and half"):
+    with pytest.raises(UserError, match=r"cut-off .* expected between .* and half"):
         Lowpass(1000, RATE, cutoff)
 
 
