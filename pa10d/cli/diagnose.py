@@ -21,7 +21,8 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
 
 if TYPE_CHECKING:
-    from pa10d.diagnose.outcome.diagnosis import Diagnosis
+    from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
+    from pa10d.dynamics import Robot
 
 
 def add_commands(commands: Subcommands) -> None:
@@ -200,12 +201,7 @@ def in_words(found: Diagnosis) -> str:
             f"{name} = {v}" for name, v in finding.parameters.items() if v.determined
         )
         lines.append(f"   {finding.term.label}: {values}")
-        open_: dict[str, list[str]] = {}
-        for name, value in finding.parameters.items():
-            if not value.determined:
-                open_.setdefault(finding.term.effect.shown_by(name), []).append(name)
-        for would, names in open_.items():
-            lines.append(f"   not determined: {listed(names)}; would be by: {would}")
+        lines += _open(finding, found.model.robot)
         if finding.next_experiment is not None:
             lines.append(
                 f"   settle the doubt with: {finding.next_experiment.command} "
@@ -241,6 +237,17 @@ def in_words(found: Diagnosis) -> str:
         given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)
         lines.append(f"RMS is that of the model fitted anew; as it was given it leaves {given}")
     return "\n".join(lines)
+
+
+def _open(finding: Finding, robot: Robot) -> list[str]:
+    """What of it is not determined, and what would tell."""
+    kind = finding.term.effect
+    never = kind.never_shown(robot)
+    by: dict[str, list[str]] = {}
+    for name in (name for name, v in finding.parameters.items() if not v.determined):
+        would = f"would be by: {kind.shown_by(name)}"
+        by.setdefault("no motion of this arm shows it" if name in never else would, []).append(name)
+    return [f"   not determined: {listed(names)}; {told}" for told, names in by.items()]
 
 
 def _sides(parser: argparse.ArgumentParser) -> None:

@@ -14,13 +14,11 @@ from pa10d.common.parallel import one_thread
 from pa10d.common.words import from_one, times
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
-    COMES_AGAIN_LEVEL,
     MATERIAL_REST,
     SIZED_LEVEL,
     STANDS_IN,
     USUAL,
 )
-from pa10d.diagnose.evidence.errors_of import moved_by_doubt
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import helped_most, reason, sentence
@@ -37,21 +35,14 @@ from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.beyond import beyond
-from pa10d.diagnose.unknown.foretold import foretold
-from pa10d.diagnose.unknown.humming import hums
+from pa10d.diagnose.unknown.left_over import left_over, unsaid
 from pa10d.diagnose.unknown.remaining import (
     Remaining,
-    Unexplained,
     Unnamed,
-    comes_again,
-    doubtful,
-    material,
     remaining,
-    unnamed,
 )
-from pa10d.diagnose.unknown.structure import Structure, find_readings, find_structure, swaying_gains
 from pa10d.effects import Effect, Value, effect
-from pa10d.judgement import Judgement, in_band, judged, repeatable, reversing, turning
+from pa10d.judgement import Judgement, in_band, judged, repeatable
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
@@ -108,61 +99,32 @@ def diagnose(
         search.contest()
     state = search.state
     say(0.85, "looking for structure that the library does not know")
-    maps = find_structure(state) if only is None else []
-    say(0.9, "standard errors and doubts")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
-    maps, slight = material(left, maps)
-    open_joints = _unsaid(left, [*maps, *slight]) if only is None else []
-    open_joints = [j for j in open_joints if j not in held.silent]
-    read = _readings(state, left, maps, open_joints) if only is None else {}
-    maps = [m for m in maps if m.joint not in read]
-    open_joints = [j for j in open_joints if j not in read]
-    moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
-    alone = [j for j in open_joints if j not in moved]
-    lines_in_time = [Unnamed.of_hum(hum) for hum in hums(state, alone)]
-    open_joints = [j for j in open_joints if j not in {one.joint for one in lines_in_time}]
-    foreseen = [one.unnamed() for one in foretold(state, open_joints)]
-    more = [*read.values(), *lines_in_time, *foreseen]
-    unsure = moved_by_doubt(state, COMES_AGAIN_LEVEL / model.robot.n)
-    doubt = doubtful(left, state.fit.rms(), unsure)
-    unexplained: tuple[Unexplained, ...] = (
-        *maps,
-        *more,
-        *unnamed(
-            left,
-            again,
-            [*maps, *more],
-            doubt,
-            only is None,
-            turning(seen),
-            reversing(seen),
-            held.silent,
-        ),
-    )
-    said_of = [u for u in unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
-    unsaid = [j for j in _unsaid(left, said_of) if np.isfinite(left.ratio[j])]
-    stand_out = places(seen, model.robot, left.floor.values, joints=unsaid) if only is None else ()
+    over = left_over(state, seen, left, again, only is None)
+    say(0.9, "standard errors and doubts")
+    said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
+    silent = [j for j in unsaid(left, said_of) if np.isfinite(left.ratio[j])]
+    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if only is None else ()
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
-    verdict = "missing" if findings else "unknown" if unexplained else "none"
+    verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
-    shares = {m.joint: m.share for m in maps} | {j: one.share for j, one in read.items()}
     lines = remaining(
         left,
         again,
-        unexplained,
+        over.unexplained,
         units,
         state.terms[given:],
-        slight,
-        doubt,
+        over.slight,
+        over.doubt,
         beyond(state),
         state.usual,
         only is None,
-        {**search.rival_gains, **swaying_gains(state, shares)},
+        {**search.rival_gains, **over.gains},
         stand_out,
         held.silent,
     )
@@ -174,7 +136,7 @@ def diagnose(
         left=left,
         cutoff=model.cutoff,
         findings=tuple(_beside_more(one, lines) for one in findings),
-        unexplained=unexplained,
+        unexplained=over.unexplained,
         remaining=lines,
         model=versions[-1],
         versions=versions,
@@ -285,24 +247,6 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
 def heard(suspects: Suspects, held: Side) -> Suspects:
     """Without those of joints of which no sample counts."""
     return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
-
-
-def _unsaid(left: Judgement, maps: Sequence[Unexplained]) -> list[int]:
-    """Joints that keep more than noise, as far as that is known, and have no map."""
-    named = {s.joint for s in maps}
-    return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
-
-
-def _readings(
-    state: SearchState, left: Judgement, maps: Sequence[Structure], open_joints: Sequence[int]
-) -> dict[int, Unnamed]:
-    """By joint: what its torque's reading depends on, where that says more than a map of motion."""
-    shares = {m.joint: m.share for m in maps}
-    found = find_readings(state, sorted({*open_joints, *shares}))
-    worth, _ = material(left, [m for m in found if m.share > shares.get(m.joint, 0.0)])
-    return {
-        m.joint: Unnamed(m.joint, m.share, m.rms, m.p_value, "reading", m.variables) for m in worth
-    }
 
 
 def _usual(model: TorqueModel, given: Judgement) -> Array:

@@ -16,6 +16,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics import Robot
 from pa10d.effects.context import Context
 from pa10d.effects.sign import smooth_sign
 
@@ -321,6 +322,10 @@ class Effect(ABC):
         """The experiment, in words, that determines one of its parameters."""
         rounds = any(s.name == parameter and s.smoothing for s in self.shapes)
         return "Slow reversals" if rounds else self.experiment.rstrip(".")
+
+    def never_shown(self, robot: Robot) -> frozenset[str]:
+        """Its parameters that no motion of this arm can show."""
+        return frozenset()
 
     def shapes_in(self, shape: Mapping[str, object]) -> list[ShapeParameter]:
         """The shape parameters that this case of the effect has."""

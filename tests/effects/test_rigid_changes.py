@@ -12,7 +12,9 @@ from effect_motions import (
     rms,
 )
 
+from pa10d.dynamics import robot_from_profile
 from pa10d.effects import Context, effect
+from pa10d.profile import load_profile
 
 
 def torque(model: pin.Model, context: Context) -> np.ndarray:
@@ -106,3 +108,11 @@ def test_what_a_joint_moves_is_pinocchios_mass_matrix():
     for j in range(7):
         assert context.inertia_seen(j) == pytest.approx(exact[:, j])
         assert exact[:, j].min() / 20 < context.typical_inertia[j] < 20 * exact[:, j].max()
+
+
+@pytest.mark.parametrize(("profile", "never"), [("pa10-sim", set()), ("cobra600", {"cz"})])
+def test_what_of_a_payload_no_motion_of_an_arm_shows(profile, never):
+    """All axes of a SCARA are vertical: how high its load is changes nothing."""
+    robot = robot_from_profile(load_profile(profile))
+    assert effect("payload").never_shown(robot) == never
+    assert not effect("spring").never_shown(robot)

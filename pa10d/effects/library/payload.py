@@ -3,8 +3,11 @@
 import numpy as np
 
 from pa10d.dynamics import regressor
+from pa10d.dynamics.base import random_motion
 from pa10d.dynamics.robot import PARAMETER_NAMES
 from pa10d.effects.base import Coefficient, Effect, Example, Value, View, fitted
+
+UNFELT = 1e-6  # of what the arm feels most of a payload's moments: rounded axes
 
 
 class Payload(Effect):
@@ -53,6 +56,14 @@ class Payload(Effect):
         last = 10 * (context.robot.n - 1)
         return regressor(
             context.robot, context.q, context.dq, context.ddq, np.arange(last, last + 10)
+        )
+
+    def never_shown(self, robot):
+        last = 10 * (robot.n - 1)
+        moments = regressor(robot, *random_motion(robot, 30, 1), np.arange(last + 1, last + 4))
+        felt = np.abs(moments).max(axis=(0, 1))
+        return frozenset(
+            f"c{axis}" for axis, x in zip("xyz", felt, strict=True) if x < UNFELT * felt.max()
         )
 
     def values(self, coefficients, covariance, shape, shape_errors):

@@ -1,0 +1,94 @@
+"""What no effect explains, joint by joint, asked in the order of what can be named best.
+
+A map of the motion; of a torque as it is read; a line in time; what motion foretells though nobody
+can say by which quantity; and last that it comes again, follows reversals, or is simply too large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST
+from pa10d.diagnose.evidence.errors_of import moved_by_doubt
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.humming import hums
+from pa10d.diagnose.unknown.remaining import (
+    Unexplained,
+    Unnamed,
+    comes_again,
+    doubtful,
+    material,
+    unnamed,
+)
+from pa10d.diagnose.unknown.structure import (
+    Structure,
+    find_readings,
+    find_structure,
+    swaying_gains,
+)
+from pa10d.judgement import Judgement, RunResidual, reversing, turning
+from pa10d.judgement.repeatable import Repeatable
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LeftOver:
+    """unexplained: what is claimed; slight: maps that are too little for a claim; gains: by joint,
+    such as sway and would explain more than what is claimed there; doubt (n,) N·m: what the
+    uncertainty of the model's own coefficients may leave."""
+
+    unexplained: tuple[Unexplained, ...]
+    slight: tuple[Structure, ...]
+    gains: dict[int, Structure]
+    doubt: Array
+
+
+def left_over(
+    state: SearchState,
+    seen: Sequence[RunResidual],
+    left: Judgement,
+    again: Sequence[Repeatable | None],
+    searched: bool,
+) -> LeftOver:
+    """seen: the held-out side as the model with all findings sees it; left: its errors there;
+    again: what comes again of them; searched: more than one suspicion was looked for."""
+    maps, slight = material(left, find_structure(state) if searched else [])
+    open_ = [j for j in unsaid(left, [*maps, *slight]) if searched and j not in state.held.silent]
+    read = _readings(state, left, maps, open_) if searched else {}
+    maps = [m for m in maps if m.joint not in read]
+    open_ = [j for j in open_ if j not in read]
+    moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
+    humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
+    foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in humming])]
+    told: list[Unexplained] = [*maps, *read.values()]
+    named = [*told, *humming.values(), *foreseen]
+    doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, COMES_AGAIN_LEVEL / state.held.n))
+    rest = unnamed(
+        left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
+    )
+    gains = swaying_gains(state, {one.joint: one.share for one in told})
+    return LeftOver((*named, *rest), tuple(slight), gains, doubt)
+
+
+def unsaid(left: Judgement, said: Sequence[Unexplained]) -> list[int]:
+    """Joints that keep more than noise, as far as that is known, and of which nothing is said."""
+    named = {s.joint for s in said}
+    return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
+
+
+def _readings(
+    state: SearchState, left: Judgement, maps: Sequence[Structure], open_: Sequence[int]
+) -> dict[int, Unnamed]:
+    """By joint: what its torque's reading depends on, where that says more than a map of motion."""
+    shares = {m.joint: m.share for m in maps}
+    found = find_readings(state, sorted({*open_, *shares}))
+    worth, _ = material(left, [m for m in found if m.share > shares.get(m.joint, 0.0)])
+    return {
+        m.joint: Unnamed(m.joint, m.share, m.rms, m.p_value, "reading", m.variables) for m in worth
+    }
