@@ -24,7 +24,7 @@ def problem(seed: int, width: int, samples: int = 120, joints: int = 3):
         j: rng.standard_normal((len(side.tau[j]), width)) * size * (rng.random(width) < 0.8)
         for j in range(joints)
     }
-    columns[0] += 1e-3 * size  # no column is empty
+    columns[0] += 1e-3 * size * rng.standard_normal((len(side.tau[0]), width))  # none is empty
     return side, columns
 
 
