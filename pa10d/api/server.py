@@ -116,6 +116,8 @@ class _Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         await asyncio.gather(self._daemon.close(), super().shutdown(sockets))
+        # a worker that ends after the loop is nobody's news
+        logging.getLogger("asyncio").setLevel(logging.ERROR)
 
 
 def _open_files() -> None:

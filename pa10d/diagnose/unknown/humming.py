@@ -15,12 +15,12 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
-    CLAIMED_SHARE,
     FORETOLD_LEVEL,
     HUM_AROUND,
     HUM_FINENESS,
     HUM_LEAST_TURNS,
     HUM_SAMPLES,
+    HUM_SHARE,
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
@@ -72,7 +72,7 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
     p = float(min(1.0, tried * np.exp(-most / max(level, 1e-300))))
     whole = float(sum(np.sum(x**2) for _, x in parts[1]))
     share = min(most / max(whole, 1e-300), 1.0)
-    if p > FORETOLD_LEVEL or share < CLAIMED_SHARE:
+    if p > FORETOLD_LEVEL or share < HUM_SHARE:
         return None
     rms = float(np.sqrt(share * np.mean(held[j] ** 2)))
     return Hum(j, float(hertz[around][own][int(np.argmax(power[own]))]), share, rms, p)
