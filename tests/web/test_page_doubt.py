@@ -57,9 +57,9 @@ def test_the_experiment_that_settles_a_doubt_is_one_click(doubtful, visit):
     visitor = visit(doubtful.url)
     page = visitor.page
     visitor.open("diagnose")
-    finding = ask(page)
-    assert finding.get_attribute("data-effect") == BRAKE["effect"]
+    finding = ask(page)  # by any of its names: slow motion does not tell them apart
     assert RIVAL in finding.inner_text()
+    assert finding.get_attribute("data-effect") in (BRAKE["effect"], "stribeck")
     page.locator("#diagnose .guide", has_text="run the experiment that settles it").wait_for()
 
     finding.get_by_role("button", name="Run the experiment that settles it").click()

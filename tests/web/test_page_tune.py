@@ -86,6 +86,7 @@ def test_a_servo_is_tuned_by_its_step(own, visit):
     page.get_by_role("button", name="Discard").click()
 
     page.get_by_role("button", name="Undo the last change").press("Enter")
+    page.locator("#tune button:enabled", has_text="Undo: back to version 1").wait_for()
     page.get_by_role("button", name="Undo: back to version 1").press("Enter")
     written(page, own, 1)
     assert own.profile.read_text() == before
