@@ -233,9 +233,10 @@ def in_words(found: Diagnosis) -> str:
     ]
     where = f"judged on {found.judged_on}; low-pass {found.cutoff:g} Hz, {found.left.mask}"
     lines += [table(head, rows), where]
-    if not found.frozen:  # compare's figure is the given model's
+    if not found.frozen or found.beside:  # compare's figure is the given model's
         given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)
-        lines.append(f"RMS is that of the model fitted anew; as it was given it leaves {given}")
+        first = found.begins if found.beside else "fitted anew"
+        lines.append(f"RMS is that of the model {first}; as it was given it leaves {given}")
     return "\n".join(lines)
 
 

@@ -144,9 +144,7 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 HUM_FINENESS = 4  # looks at a line in time within the resolution of the longest stretch
 HUM_AROUND = 40  # resolutions to either side whose level a line has to stand above
 HUM_LEAST_TURNS = 8.0  # of a line within the shorter of the longest stretches: fewer are slow noise
-HUM_SHARE = (
-    0.3  # of a joint's squared error that a line in time has to be: less hides in slow noise
-)
+HUM_SHARE = 0.3  # of a joint's squared error that a line in time has to be: slow noise has less
 HUM_SAMPLES = 8000  # of a stretch that are looked at: a minute or two
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, be predicted, or be removed
 #   by a map where it knows, to be a claim (b: half names a map more, twice one less)

@@ -52,7 +52,7 @@ def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> JsonObject:
 
 def steps_of(found: Diagnosis) -> list[Stair]:
     """The versions with their errors on the same held-out data; short names for an axis."""
-    words = ["as given" if found.frozen else "as given, refitted"]
+    words = [found.begins]
     words += [f"+ {finding.term.label}" for finding in found.findings]
     return [
         Stair(f"step {k}" if k else "start", word, version.held_out["held out"])

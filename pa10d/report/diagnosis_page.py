@@ -98,8 +98,7 @@ def _staircase(found: Diagnosis, drawn: Mapping[str, Any]) -> Section:
 def _figures(found: Diagnosis) -> Section:
     units = [found.model.robot.torque_unit(j) for j in range(found.model.robot.n)]
     labels = [f"+ {f.term.label}" for f in found.findings]
-    head = ["joint", "as given" if found.frozen else "as given, refitted", *labels, "noise floor",
-            "left ÷ noise", "unit"]  # fmt: skip
+    head = ["joint", found.begins, *labels, "noise floor", "left ÷ noise", "unit"]
     rows = []
     for j, name in enumerate(found.model.robot.joint_names):
         steps = [float(v.held_out["held out"][j]) for v in found.versions]

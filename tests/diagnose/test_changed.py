@@ -44,6 +44,9 @@ def test_a_lack_that_another_motion_shows_more_is_told_as_a_lack():
     found = what_changed(model, day[:1], day[1:], runs)
     assert found.verdict == "none"
     assert all(line.ratio < 1.2 for line in found.remaining)
+    assert found.document()["refitted"], "it is not the model as it was given that leaves so little"
+    np.testing.assert_array_equal(found.as_given.rms, alone.as_given.rms)
+    assert found.as_given.ratio[0] > 2.0
     (told,) = found.warnings
     assert told.startswith(
         "m0 lacks load_friction J1 on the runs that it was identified from (own_a"

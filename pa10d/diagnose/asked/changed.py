@@ -45,13 +45,15 @@ def what_changed(
     runs = listed(sorted(run.name for run in own))
     told = (
         f"{model.name} lacks {named} on the runs that it was identified from ({runs}); what "
-        "changed was sought beside that: pa10d improve adds it"
+        "changed was sought beside that: add it to the model"
     )
     whole = replace(lacking.kept, name=model.name)
     again = diagnose(
         whole, fit, validate, frozen=True, progress=_part(progress, 0.8, 1.0), cancel=cancel
     )
-    return replace(again, beside=told, identified_from=found.identified_from)
+    return replace(
+        again, as_given=found.as_given, beside=told, identified_from=found.identified_from
+    )
 
 
 def _claims_where_it_lacks(found: Diagnosis, model: TorqueModel) -> bool:

@@ -81,7 +81,8 @@ class Finding:
 class Diagnosis:
     """The whole answer.
 
-    rms: (n,) N·m of the given model, refitted unless frozen, on the held-out side
+    rms: (n,) N·m of the given model, refitted unless frozen, on the held-out side; where beside is
+    said, of that model with what it lacked
     as_given, left: the given model as it came, and the one with all findings, there
     remaining: what is left on each joint, and what this data can say about it
     model: with all findings fitted in; versions: one model per step, the given one (refitted
@@ -118,6 +119,13 @@ class Diagnosis:
     only: str = ""
     lacked: tuple[int, ...] = ()
     beside: str = ""
+
+    @property
+    def begins(self) -> str:
+        """What the first of the versions is, to whose errors ``rms`` belongs."""
+        if self.beside:
+            return "with what it lacked"
+        return "as given" if self.frozen else "as given, refitted"
 
     @property
     def noise_floor(self) -> Array:
@@ -166,7 +174,7 @@ class Diagnosis:
             **self.left.floor.document(),
             "cutoff_hz": self.cutoff,
             "mask": self.left.mask,
-            "refitted": not self.frozen,
+            "refitted": not self.frozen or bool(self.beside),
             "runs": list(self.left.runs),
             "findings": [f.document() for f in self.findings],
             "unexplained": [

@@ -183,9 +183,8 @@ def none_found(found: Diagnosis) -> str:
     """The verdict where nothing was found; of one suspicion it says nothing of all others."""
     if found.only:
         return f"This data does not show {found.only}; nothing else was looked for."
-    return nothing(
-        found.rms, found.noise_floor, found.frozen, found.as_given.rms, found.with_reversals
-    )
+    given = found.rms if found.beside else found.as_given.rms  # else its values were off
+    return nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
 
 
 def unexplained(found: Diagnosis) -> str:
