@@ -325,8 +325,9 @@ def test_the_title_of_a_second_panel_lies_on_no_other(archive, visit, width):
     assert not visitor.errors
 
 
-def test_who_commands_is_to_be_read_on_a_phone(archive, visit):
-    visitor = visit(archive[0], viewport={"width": 390, "height": 844})
+@pytest.mark.parametrize("width", [1024, 390])
+def test_who_commands_is_to_be_read_beside_all_tabs(archive, visit, width):
+    visitor = visit(archive[0], viewport={"width": width, "height": 844})
     page = visitor.page
     robot = json.loads(page.request.get(f"{archive[0]}/api/v1/robot").text())
     robot["lease"] |= {"holder": "browser-01b8fc"}
@@ -337,7 +338,8 @@ def test_who_commands_is_to_be_read_on_a_phone(archive, visit):
     brand, stop = (page.locator(one).bounding_box() for one in (".brand", "#stop"))
     assert shown["x"] >= max(inside["x"], brand["x"] + brand["width"])
     assert shown["x"] + shown["width"] <= stop["x"]
-    assert page.locator("#lease").evaluate("one => one.scrollWidth <= one.clientWidth + 1")
+    for whole in ("#lease", "nav"):
+        assert page.locator(whole).evaluate("one => one.scrollWidth <= one.clientWidth + 1")
 
 
 TICKS = """async (far) => {
