@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from two_links import CUTOFF, motion, robot, textbook_torque
 
+from pa10d.diagnose.asked import changed
 from pa10d.diagnose.asked.changed import what_changed
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import inverse_dynamics
@@ -62,3 +64,26 @@ def test_a_change_is_named_beside_the_lack():
     change = only.parameters["Fv"]
     assert abs(change.value - MORE_VISCOUS) < 3.0 * change.std_error + 0.02
     assert found.beside
+
+
+def test_a_lack_that_does_not_hold_on_the_new_data_is_left_out(monkeypatch):
+    """As if the lack had been found with the wrong sign: the change is told as without it."""
+    runs, model = own()
+    day = [rubbing("day_a", 3), rubbing("day_b", 4)]
+    alone = diagnose(model, day[:1], day[1:], frozen=True)
+
+    def asked(given, fit, validate=(), **options):
+        found = diagnose(given, fit, validate, **options)
+        if options.get("frozen"):
+            return found
+        (lack,) = found.stored[-1:]
+        wrong = [
+            replace(t, coefficients=-t.coefficients) if t.effect_id == "load_friction" else t
+            for t in lack.terms
+        ]
+        return replace(found, stored=(replace(lack, terms=tuple(wrong)),))
+
+    monkeypatch.setattr(changed, "diagnose", asked)
+    found = what_changed(model, day[:1], day[1:], runs)
+    assert not found.beside
+    assert found.verdict == alone.verdict
