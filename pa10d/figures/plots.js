@@ -35,18 +35,19 @@ const pa10dPlots = (() => {
     });
     return out;
   };
-  /** Two panels beside each other, each with its own axis title, too: the second one's would lie on the first panel. */
+  /** So do two panels beside each other; the second one has the first one's axis title where it shared that axis. */
   const underEachOther = (layout, width) => {
     const left = layout.xaxis?.domain, right = layout.xaxis2?.domain, gap = 100 * larger();
-    if (!(right?.[0] > 0) || !layout.yaxis2?.title?.text || width > NARROW * larger()) return layout;
+    if (!(right?.[0] > 0) || width > NARROW * larger()) return layout;
     const inside = layout.height - (layout.margin?.t ?? 0) - (layout.margin?.b ?? 0), whole = 2 * inside + gap, share = inside / whole;
     const moved = (one) => one.xref !== "paper" || one.yref !== "paper" ? one
       : one.x < right[0] ? { ...one, x: one.x / left[1], y: 1 - share + share * one.y }
         : { ...one, x: (one.x - right[0]) / (right[1] - right[0]), y: share * one.y };
+    const title = layout.yaxis2.title?.text ? layout.yaxis2.title : layout.yaxis.title;
     const legend = layout.legend && { ...layout.legend, y: 1 + ((layout.legend.y ?? 1) - 1) * share };
     return { ...layout, height: layout.height + inside + gap, legend, annotations: layout.annotations?.map(moved),
              xaxis: { ...layout.xaxis, domain: [0, 1] }, yaxis: { ...layout.yaxis, domain: [1 - share, 1] },
-             xaxis2: { ...layout.xaxis2, domain: [0, 1] }, yaxis2: { ...layout.yaxis2, domain: [0, share] } };
+             xaxis2: { ...layout.xaxis2, domain: [0, 1] }, yaxis2: { ...layout.yaxis2, title, domain: [0, share] } };
   };
   const template = () => {
     const axis = { gridcolor: css("--grid"), linecolor: css("--line"), tickcolor: css("--line"),

@@ -5,8 +5,11 @@ from __future__ import annotations
 import gzip
 from pathlib import Path
 
+import numpy as np
 import pytest
 from browsers import DROP, until
+
+from pa10d.figures.evidence import evidence
 
 AXE = gzip.decompress((Path(__file__).parent / "vendor/axe.min.js.gz").read_bytes()).decode()
 SECTIONS = ("robot", "investigate", "experiments", "tune", "runs", "explore")
@@ -157,6 +160,31 @@ def test_stop_lies_on_top_of_everything_everywhere(archive, visit, width):
             for x, y in ((0.1, 0.2), (0.5, 0.5), (0.9, 0.8)):
                 at = [box["x"] + x * box["width"], box["y"] + y * box["height"]]
                 assert page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "stop"
+
+
+def test_evidence_stands_under_each_other_on_a_phone(archive, visit):
+    visitor = visit(archive[0], viewport={"width": 390, "height": 800}, bypass_csp=True)
+    page = visitor.page
+    visitor.open("runs")
+    page.get_by_role("button", name="train_a").click()
+    page.locator("#run-detail .main-svg").first.wait_for()
+    x = np.linspace(-1.0, 1.0, 200)
+    shown = evidence(x, "velocity of joint 4, rad/s", np.sign(x), 0.1 * np.cos(x), np.sign(x))
+    panels = page.evaluate(
+        """async (figure) => {
+          const box = document.querySelector("#run-detail .canvas");
+          await pa10dPlots.draw(box, figure);
+          const size = box._fullLayout;
+          return [size.xaxis, size.xaxis2].map((axis) => axis._length / box.clientWidth)
+            .concat([size.yaxis.domain, size.yaxis2.domain], size.yaxis2.title.text);
+        }""",
+        shown,
+    )
+    left, right, upper, lower, title = panels
+    assert left > 0.6
+    assert right > 0.6
+    assert upper[0] > lower[1]
+    assert title == "held-out residual, N·m"
 
 
 def test_the_gains_of_a_joint_are_all_seen_on_a_phone(archive, visit):
