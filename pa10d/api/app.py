@@ -9,7 +9,7 @@ from typing import Any
 
 from fastapi import FastAPI
 
-from pa10d.api import problems, uploads
+from pa10d.api import event_loop, problems, uploads
 from pa10d.api.access import Access, AccessMiddleware
 from pa10d.api.described import describe
 from pa10d.api.ending import EndingMiddleware
@@ -60,6 +60,7 @@ def create_app(daemon: Daemon, access: Access | None = None, ready: Any = None) 
 
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        event_loop.prepare()
         await daemon.shelf(uploads.clear, daemon.data)
         async with running(daemon):
             tidying = asyncio.create_task(app.state.held.tidy_for_ever())

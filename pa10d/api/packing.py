@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gzip
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -40,16 +41,21 @@ def _packing(send: Send) -> Send:
         if start is not None:
             first, start = start, None
             if not message.get("more_body") and len(message.get("body", b"")) > SMALL:
-                packed = await asyncio.to_thread(gzip.compress, message["body"], LEVEL, mtime=0)
-                headers = MutableHeaders(raw=first["headers"])
-                headers["content-encoding"] = "gzip"
-                headers["content-length"] = str(len(packed))
-                headers.add_vary_header("Accept-Encoding")
-                message = {**message, "body": packed}
+                with contextlib.suppress(MemoryError):  # larger, but there
+                    message = await _packed(first, message)
             await send(first)
         await send(message)
 
     return sending
+
+
+async def _packed(first: Message, message: Message) -> Message:
+    packed = await asyncio.to_thread(gzip.compress, message["body"], LEVEL, mtime=0)
+    headers = MutableHeaders(raw=first["headers"])
+    headers["content-encoding"] = "gzip"
+    headers["content-length"] = str(len(packed))
+    headers.add_vary_header("Accept-Encoding")
+    return {**message, "body": packed}
 
 
 def _worth(headers: MutableHeaders) -> bool:

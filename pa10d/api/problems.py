@@ -17,6 +17,7 @@ from starlette.requests import ClientDisconnect
 from pa10d.common.disk import disk_words, of_the_disk, remedy
 from pa10d.common.errors import Busy, NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.shortage import Short, shortage
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.daemon.processes.workers import Ended
 from pa10d.daemon.robot.lease import Held
@@ -41,6 +42,7 @@ KINDS = {
     "crowded": (429, "Too much is asked for at a time"),
     "busy": (503, "Somebody else holds what is needed"),
     "ended": (503, "A process of the daemon has ended"),
+    "short": (503, "The machine is short of threads, memory or files"),
     "no-room": (507, "The data folder cannot be written"),
     "not-ready": (503, "The robot cannot be reached"),
     "internal": (500, "This is a bug of the daemon"),
@@ -135,6 +137,8 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(OSError)
     async def _os_error(request: Request, error: OSError) -> JSONResponse:
+        if (said := shortage(error)) is not None:
+            return _told_short(request, said)
         unknown = None if of_the_disk(error) else error
         log.error(
             "%s %s: %s", request.method, request.url.path, disk_words(error), exc_info=unknown
@@ -147,6 +151,18 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(NoRoom)
     async def _no_room(request: Request, error: NoRoom) -> JSONResponse:
         return problem_response("no-room", str(error), request.url.path)
+
+    @app.exception_handler(RuntimeError)
+    @app.exception_handler(MemoryError)
+    async def _short(request: Request, error: RuntimeError | MemoryError) -> JSONResponse:
+        said = shortage(error)
+        if said is None:
+            raise error
+        return _told_short(request, said)
+
+    @app.exception_handler(Short)
+    async def _not_begun(request: Request, error: Short) -> JSONResponse:
+        return _told_short(request, str(error))
 
     @app.exception_handler(ClientDisconnect)
     async def _gone(request: Request, error: ClientDisconnect) -> JSONResponse:
@@ -202,3 +218,8 @@ def install(app: FastAPI) -> None:
     async def _bug(request: Request, error: Exception) -> JSONResponse:
         log.error("%s %s", request.method, request.url.path, exc_info=error)
         return problem_response("internal", f"{type(error).__name__}: {error}", request.url.path)
+
+
+def _told_short(request: Request, said: str) -> JSONResponse:
+    log.error("%s %s: %s", request.method, request.url.path, said)
+    return problem_response("short", said, request.url.path)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pa10d.common.disk import disk_words
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed
@@ -253,10 +254,14 @@ class Daemon:
 
     async def _judge_weighings(self) -> None:
         """What was recorded before the last end, and is not analysed yet."""
-        with contextlib.suppress(Crowded):
+        try:
             for state in await self.shelf(self.weighings.all):
                 if state.pending:
                     self.compute("gains", "judge_weighing", {"weighing": state.id})
+        except OSError as error:
+            log.warning("what was weighed before is not judged: %s", disk_words(error))
+        except Crowded:
+            pass
 
     def compute(
         self, kind: str, task: str, request: JsonObject, *, sheet: bool = False, **more: Any

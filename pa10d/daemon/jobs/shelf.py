@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextvars
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, TypeVar
 
+from pa10d.common.shortage import ready_pool
 from pa10d.daemon.processes.crowded import Crowded
 
 THREADS = 4
@@ -25,7 +25,7 @@ class Shelf:
     """
 
     def __init__(self, name: str) -> None:
-        self._pool = ThreadPoolExecutor(THREADS, thread_name_prefix=name)
+        self._pool = ready_pool(THREADS, name)
         self._waiting = 0
 
     async def __call__(self, work: Callable[..., Result], *args: Any, **more: Any) -> Result:

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from signal import SIGABRT, SIGKILL
 
+from pa10d.common.shortage import starting
 from pa10d.daemon.processes.link import Link, LinkClosed, Message
 
 LEAVES_TRACE = 2.0  # s
@@ -40,8 +41,10 @@ class Child:
         on_event: Callable[[Message], None],
         inherit: Sequence[int] = (),
     ) -> Child:
-        """Start it; the descriptors in ``inherit`` stay open in it as well."""
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        """Start it; the descriptors in ``inherit`` stay open in it as well. Short where the machine
+        gives no more of what that takes."""
+        with starting():
+            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         for end in (ours, theirs):
             end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 20)
         ready = asyncio.Event()
@@ -56,12 +59,13 @@ class Child:
             else:
                 on_event(message)
 
-        process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", module, *arguments, "--pipe", str(theirs.fileno()),
-            pass_fds=(theirs.fileno(), *inherit),
-            stdin=asyncio.subprocess.DEVNULL,
-            env={**os.environ, **ENVIRONMENT},
-        )  # fmt: skip
+        with starting(ours, theirs):
+            process = await asyncio.create_subprocess_exec(
+                sys.executable, "-m", module, *arguments, "--pipe", str(theirs.fileno()),
+                pass_fds=(theirs.fileno(), *inherit),
+                stdin=asyncio.subprocess.DEVNULL,
+                env={**os.environ, **ENVIRONMENT},
+            )  # fmt: skip
         theirs.close()
         child = Child(name, process, Link(ours, heard), ready)
         return child

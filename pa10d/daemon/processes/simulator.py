@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 
 from backends.arm_lock import Held, arm_leaves, arm_lock, is_simulated, refuse_arm_of_others
 from pa10d.common.errors import UserError
+from pa10d.common.shortage import Short, starting
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.profile import Profile
 
@@ -74,16 +75,12 @@ class Simulator:
         if is_simulated(self._profile):
             log.info("a virtual arm is on '%s' already", self._profile.can.channel)
             return
-        reading, writing = os.pipe()
-        self.process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "pa10d.daemon.processes.simulator", "--alive", str(reading),
-            "--daemon", str(os.getpid()),
-            pass_fds=(reading,),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            env={**os.environ, **ENVIRONMENT},
-        )  # fmt: skip
-        os.close(reading)
+        try:
+            self.process, writing = await _begun()
+        except Short as error:
+            self.refusal = str(error)
+            log.error("the virtual arm cannot be started: %s", error)
+            return
         self._let_go()
         self._alive = writing
         assert self.process.stdin is not None
@@ -131,6 +128,23 @@ class Simulator:
         if self._alive is not None:
             os.close(self._alive)
             self._alive = None
+
+
+async def _begun() -> tuple[asyncio.subprocess.Process, int]:
+    """The process, and what is to be held open as long as it shall live."""
+    with starting():
+        reading, writing = os.pipe()
+    with starting(reading, writing):
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "pa10d.daemon.processes.simulator", "--alive", str(reading),
+            "--daemon", str(os.getpid()),
+            pass_fds=(reading,),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            env={**os.environ, **ENVIRONMENT},
+        )  # fmt: skip
+    os.close(reading)
+    return process, writing
 
 
 async def _heard(said: asyncio.StreamReader) -> str | None:

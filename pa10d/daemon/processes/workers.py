@@ -14,6 +14,7 @@ from typing import Any
 
 from pa10d.common.errors import NoRoom, Taken, Unsound, UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.shortage import Short, starting
 from pa10d.daemon.processes.budget import Budget
 from pa10d.daemon.processes.child import ENVIRONMENT
 from pa10d.daemon.processes.crowded import Crowded
@@ -74,7 +75,8 @@ class Workers:
 
     async def warm_up(self) -> None:
         """Have one ready before it is needed."""
-        self._idle.append(await self._fresh())
+        with contextlib.suppress(Short):
+            self._idle.append(await self._fresh())
 
     async def run(self, call: str, progress: Progress, **arguments: Any) -> Any:
         """The function's result; UserError where the request was at fault or took too much.
@@ -163,14 +165,16 @@ class Worker:
     @staticmethod
     async def start(niceness: int, memory: int) -> Worker:
         """A fresh one that may take ``memory`` bytes."""
-        ours, theirs = socket.socketpair()
-        process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "pa10d.daemon.processes.worker", "--pipe", str(theirs.fileno()),
-            "--nice", str(niceness), "--memory", str(memory),
-            pass_fds=(theirs.fileno(),),
-            stdin=asyncio.subprocess.DEVNULL,
-            env={**os.environ, **ENVIRONMENT},
-        )  # fmt: skip
+        with starting():
+            ours, theirs = socket.socketpair()
+        with starting(ours, theirs):
+            process = await asyncio.create_subprocess_exec(
+                sys.executable, "-m", "pa10d.daemon.processes.worker",
+                "--pipe", str(theirs.fileno()), "--nice", str(niceness), "--memory", str(memory),
+                pass_fds=(theirs.fileno(),),
+                stdin=asyncio.subprocess.DEVNULL,
+                env={**os.environ, **ENVIRONMENT},
+            )  # fmt: skip
         theirs.close()
         reader, writer = await asyncio.open_connection(sock=ours, limit=LARGEST_ANSWER)
         return Worker(process, reader, writer)

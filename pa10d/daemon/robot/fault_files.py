@@ -35,7 +35,10 @@ def keep_fault(data: Path, fault: Fault, ring: Ring, joints: Sequence[str]) -> T
     stamp = time.strftime("%Y%m%d-%H%M%S", time.gmtime())
     path = data / "faults" / f"{stamp}-{_plain(fault.kind)}.npz"
     thread = Thread(target=_write, args=(path, about, fields), daemon=True)
-    thread.start()
+    try:
+        thread.start()
+    except RuntimeError as error:
+        log.warning("%s: %s; the fault's records were not kept", path, error)
     return thread
 
 

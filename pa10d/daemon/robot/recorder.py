@@ -8,6 +8,7 @@ import time
 from collections.abc import Awaitable, Callable
 from typing import Any
 
+from pa10d.common.shortage import Short
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.link import LinkClosed, Message
 from pa10d.daemon.robot.refusals import CommandRefused
@@ -15,6 +16,7 @@ from pa10d.daemon.robot.refusals import CommandRefused
 START_TIME = 180.0  # s for imports and compilation on a slow machine
 LAST_WORDS = 1.0  # s to close a run once control has ended
 AGAIN_AFTER = 0.5  # s
+SHORT_FOR = 5.0  # s until a machine that had too little of something is asked again
 
 log = logging.getLogger("pa10d.robot")
 
@@ -30,7 +32,12 @@ class KeptRecorder:
     async def keep(self) -> None:
         """Start it again whenever it ends."""
         while True:
-            child = await self._start()
+            try:
+                child = await self._start()
+            except Short as error:
+                log.error("the recorder cannot be started: %s", error)
+                await asyncio.sleep(SHORT_FOR)
+                continue
             if await child.ready(START_TIME):
                 self.child = child
                 await child.process.wait()

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from backends.registry import device
 from pa10d.common.disk import sharing
 from pa10d.common.jsonable import JsonObject
+from pa10d.common.shortage import Short
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
@@ -32,7 +33,7 @@ from pa10d.daemon.robot.axes import axes_of, remarks_of
 from pa10d.daemon.robot.chosen_law import ChosenLaw
 from pa10d.daemon.robot.fault_files import keep_fault
 from pa10d.daemon.robot.liveness import Liveness
-from pa10d.daemon.robot.recorder import LAST_WORDS, START_TIME, KeptRecorder
+from pa10d.daemon.robot.recorder import LAST_WORDS, SHORT_FOR, START_TIME, KeptRecorder
 from pa10d.daemon.robot.refusals import (
     UNPOWERED,
     CommandRefused,
@@ -352,9 +353,14 @@ class RobotProcess:
         while True:
             arguments = ["--profile", str(self._runtime / "profile.json")]
             arguments += ["--ring", str(self._runtime / "ring")]
-            child = await Child.start(
-                "control", "pa10d.control", arguments, self._heard, self.inherit
-            )
+            try:
+                child = await Child.start(
+                    "control", "pa10d.control", arguments, self._heard, self.inherit
+                )
+            except Short as error:
+                self._not_started(error)
+                await asyncio.sleep(SHORT_FOR)
+                continue
             if await child.ready(START_TIME):
                 self.control, self.notes = child, list(child.welcome["notes"])
                 self._liveness.heard()
@@ -363,6 +369,11 @@ class RobotProcess:
             await child.end(1.0, polite=False)
             self._control_died(child)
             await asyncio.sleep(1.0)
+
+    def _not_started(self, error: Short) -> None:
+        self.why_offline = f"the control process cannot be started: {error}"
+        log.error("%s", self.why_offline)
+        self._announce()
 
     async def _watch_control(self, child: Child) -> None:
         ended = asyncio.ensure_future(child.process.wait())
@@ -406,9 +417,10 @@ class RobotProcess:
             self._gone = Fault(
                 "control_gone", cause, remedy=DIED, state=was, sequence=self.ring.written
             )
-            keep_fault(self._data, self._gone, self.ring, self.robot.joint_names)
         self._told = ArmTold()
-        self._announce()
+        self._announce()  # before all that may fail
+        if self._gone is not None and was != "offline":
+            keep_fault(self._data, self._gone, self.ring, self.robot.joint_names)
 
     async def _begin_recorder(self) -> Child:
         arguments = ["--profile", str(self._runtime / "profile.json")]
@@ -449,9 +461,9 @@ class RobotProcess:
         if self._told.signals > before.signals:
             self.stops.ask()
         fault = self._told.fault
+        self._announce()  # before all that may fail
         if fault is not None and fault != before.fault:
             keep_fault(self._data, fault, self.ring, self.robot.joint_names)
-        self._announce()
 
     def _announce(self) -> None:
         self._events.publish("robot", self.brief)
