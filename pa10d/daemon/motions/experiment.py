@@ -219,7 +219,11 @@ class Experiment:
     async def _power_up(self, prepared: Prepared) -> Prepared:
         if self._robot.state == "inactive":
             self._report(CHECKED, "enabling the arm")
-            await self._robot.enable()
+            try:
+                await self._robot.enable()
+            except BaseException:
+                self._robot.stop()  # it may be on its way to control, of which nothing is known yet
+                raise
         state = await self._robot.until("holding", "fault", timeout=5.0)
         self._robot.stops.refuse()
         if state != "holding":
@@ -264,6 +268,7 @@ class Experiment:
             await self._follow(number, motion.rows, report)
             await self._finish_recording(ended)
         except BaseException:
+            robot.stop()  # the motion may have begun, and nobody been told yet
             with contextlib.suppress(CommandRefused):
                 if not ended.done():
                     await robot.recorder.withdraw()

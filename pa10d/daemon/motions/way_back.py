@@ -36,6 +36,9 @@ async def bring_inside(daemon: Daemon) -> None:
             await robot.command("run", number=number, rows=str(file), first=rows, last=rows)
             seconds = rows / daemon.profile.control.rate
             await robot.until("holding", "inactive", "fault", "offline", timeout=seconds + STOPPED)
+    except BaseException:
+        robot.stop()  # it may be powered or on its way, and nobody been told yet
+        raise
     finally:
         file.unlink(missing_ok=True)
     if robot.state != "holding" or robot.outside():

@@ -430,7 +430,7 @@ class RobotProcess:
 
     def _recorder_lost(self) -> None:
         self.ring.taken = -1
-        if self.state == "running":
+        if self.state in ("holding", "running"):  # a motion may have begun, and not be told of yet
             self.stop()
         self.runs.lost(CommandRefused({"detail": "the recorder process ended"}))
 
