@@ -14,7 +14,15 @@ from pa10d.profile import load_profile
 from pa10d.services.joints import keep_learnt, kept_joints, learnt
 from pa10d.services.profile_file import rewritten
 from pa10d.services.robots import load_robot
-from pa10d.services.tuning import own_profile, propose, show, undo, versions, write
+from pa10d.services.tuning import (
+    own_profile,
+    propose,
+    show,
+    undo,
+    versions,
+    why_not_held,
+    write,
+)
 from pa10d.services.tuning.told import TuningBound
 from pa10d.services.tuning.versions import folder_of, write_version
 
@@ -88,12 +96,12 @@ def test_the_file_keeps_its_comments_and_undo_every_byte(arm, data):
     changes = {
         "limits.velocity": {"2": 0.8},
         "limits.torque": [30, 20],
-        "control.gains.kp": [10, 5],
+        "control.gains.kp": [1000, 500],
         "environment.boxes": [{"name": "table", "size": [1, 1, 0.5], "xyz": [1, 0, 0.25]}],
     }
     assert write(data, arm, changes, confirmed=True).written
     text = arm.read_text()
-    new = {"    - 0.8", "  torque: [30, 20]", "  gains:", "    kp: [10, 5]"}
+    new = {"    - 0.8", "  torque: [30, 20]", "  gains:", "    kp: [1000, 500]"}
     lines = set(text.splitlines())
     assert new <= lines
     assert set(PROFILE.splitlines()) - lines == {
@@ -180,7 +188,7 @@ def test_a_bad_value_is_one_line_and_writes_nothing(arm, data, changes, wrong):
             "following error of 0.3 rad goes beyond the usual",
         ),
         ({"environment.floor": None}, "no floor instead of -1.5 m"),
-        ({"control.gains.kp": {"1": 1e6}}, "its loop is not stable in the worst pose"),
+        ({"control.gains.kp": {"1": 4e3}}, "more than 3 swings for long"),
     ],
 )
 def test_what_lets_the_arm_do_more_is_to_be_confirmed(arm, data, changes, asked):
@@ -190,6 +198,30 @@ def test_what_lets_the_arm_do_more_is_to_be_confirmed(arm, data, changes, asked)
         write(data, arm, changes)
     assert arm.read_text() == PROFILE
     assert write(data, arm, changes, confirmed=True).written
+
+
+UNSTABLE = "joint 1: the gains that the profile states make a loop that is not stable"
+
+
+def test_gains_that_enable_refuses_are_not_confirmed_either(arm, data):
+    changes = {"control.gains.kp": {"1": 1e6}}
+    for ask in (propose, write):
+        with pytest.raises(UserError, match=UNSTABLE) as refusal:
+            ask(data, arm, changes, **({"confirmed": True} if ask is write else {}))
+    stated = {"kp": [1e6, in_force(data, arm, "control.gains.kp").in_force[1]]}
+    assert str(refusal.value) == f"{arm}: {why_not_held(str(data), str(arm), stated)}"
+    assert arm.read_text() == PROFILE
+
+
+def test_unstable_gains_written_by_hand_are_mended_joint_by_joint(arm, data):
+    ruled = in_force(data, arm, "control.gains.kp").in_force
+    arm.write_text(PROFILE.replace("  rate: 500", "  rate: 500\n  gains: {kp: [1.0e+6, 1.0e+6]}"))
+    assert write(data, arm, {"environment.floor": -1.6}, confirmed=True).written
+    assert write(data, arm, {"control.gains.kp": {"1": ruled[0]}}).written
+    with pytest.raises(UserError, match="joint 2: the gains that the profile states"):
+        write(data, arm, {"control.gains.kp": {"2": 2e6}}, confirmed=True)
+    with pytest.raises(UserError, match=UNSTABLE):
+        undo(data, arm, confirmed=True)
 
 
 def test_a_limit_beyond_the_urdfs_keeps_its_sign(arm, data):

@@ -13,7 +13,7 @@ from pa10d.experiments.checks import Check
 from pa10d.profile import Gains
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning.arm import Tuned
-from pa10d.services.tuning.doubts import Swings, swinging, wider
+from pa10d.services.tuning.doubts import Swings, others_than, swinging, wider
 from pa10d.services.tuning.keys import KEYS
 
 LEAVE_OUT = "leave control.gains out: then a rule gives them, and first_motion measures what fits"
@@ -46,11 +46,27 @@ def why_not_held(data: str, profile: str, gains: Mapping[str, Any]) -> str | Non
     found, robot = load_robot(profile)
     control = found.control.model_copy(update={"gains": Gains.model_validate(gains)})
     tuned = Tuned.of(data, found.model_copy(update={"control": control}), robot)
-    unstable = [one.joint for one in _swinging(tuned) if not np.isfinite(one.peak)]
-    if not unstable:
+    return _unstable_words(_unstable(tuned))
+
+
+def why_not_tuned(before: Tuned, after: Tuned) -> str | None:
+    """Why a change is not made that no confirmation would let the arm be powered with, in the same
+    words. What was so before, and stays as it was, is left to whoever mends it joint by joint."""
+    known = _unstable(before)
+    changed = others_than(before, after)
+    return _unstable_words([j for j in _unstable(after) if j not in known or changed[j]])
+
+
+def _unstable(tuned: Tuned) -> list[int]:
+    """Joints, from 0."""
+    return [one.joint for one in _swinging(tuned) if not np.isfinite(one.peak)]
+
+
+def _unstable_words(joints: list[int]) -> str | None:
+    if not joints:
         return None
     what = "the gains that the profile states make a loop that is not stable in the worst pose"
-    return f"{joint_words(unstable)}: {what}; {LEAVE_OUT}"
+    return f"{joint_words(joints)}: {what}; {LEAVE_OUT}"
 
 
 def _swinging(tuned: Tuned) -> list[Swings]:

@@ -90,15 +90,21 @@ class Swings:
 
 def swinging(before: Tuned, after: Tuned) -> Iterator[Swings]:
     """Joints whose gains are others than before, and too much or too little for them."""
-    changed = np.zeros(after.robot.n, dtype=bool)
-    for key in GAINS:
-        changed |= ~np.isclose(getattr(before.gains, key), getattr(after.gains, key), rtol=1e-9)
+    changed = others_than(before, after)
     if not changed.any():
         return
     for j in np.flatnonzero(changed):
         peak = float(after.sensitivity[j])
         if peak > SLUGGISH and peak >= before.sensitivity[j]:
             yield Swings(int(j), peak)
+
+
+def others_than(before: Tuned, after: Tuned) -> np.ndarray:
+    """(n,) whether the gains of a joint are others than before."""
+    changed = np.zeros(after.robot.n, dtype=bool)
+    for key in GAINS:
+        changed |= ~np.isclose(getattr(before.gains, key), getattr(after.gains, key), rtol=1e-9)
+    return changed
 
 
 def _surroundings(before: Tuned, after: Tuned) -> Iterator[str]:

@@ -19,6 +19,7 @@ from pa10d.services.joints import keep_for
 from pa10d.services.profile_file import as_if_written, beside, not_to_be_written, rewritten
 from pa10d.services.robots import load_robot
 from pa10d.services.tuning.arm import Tuned
+from pa10d.services.tuning.by_hand import why_not_tuned
 from pa10d.services.tuning.doubts import loosened
 from pa10d.services.tuning.keys import (
     KEYS,
@@ -233,6 +234,8 @@ class _Edit:
         diff = self._differences()
         if not diff and self.text == self.before_text:
             raise UserError(f"{self.path}: nothing to change: these values are in force already")
+        if (why := why_not_tuned(self.before, self.after)) is not None:
+            raise UserError(f"{self.path}: {why}")
         groups = {(KEYS | OTHERS)[one.key].group for one in diff}
         restart = self.rescaled or bool(groups - AT_REST.keys())
         at_rest = [says for group, says in AT_REST.items() if group in groups]
