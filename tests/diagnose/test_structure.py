@@ -7,7 +7,7 @@ import pytest
 from bare_sides import ar1
 from hypothesis import given
 from hypothesis import strategies as st
-from two_links import recordings, state_of
+from two_links import NAMES, motion, recordings, state_of, textbook_torque
 
 from pa10d.diagnose.unknown.structure import (
     Prediction,
@@ -18,6 +18,7 @@ from pa10d.diagnose.unknown.structure import (
     questions,
     remembered,
 )
+from pa10d.measurement.recording import Recording
 
 
 @given(st.integers(0, 1000))
@@ -142,3 +143,19 @@ def test_outdoes_compares_on_the_samples_that_the_map_covers():
     assert not found.outdoes(residual, 1.01 * ratio)
     residual[0][~inside] = 1e6
     assert not found.outdoes(residual, 1.01 * ratio)
+
+
+def test_a_plane_goes_on_where_the_fit_side_has_not_been():
+    """Fitted within 0.3 of the angles at which it is judged: a curve would know little of them."""
+    runs = {}
+    for number, (name, span) in enumerate(zip(NAMES, (0.3, 0.3, 1.0, 1.0), strict=True)):
+        t, *moves = motion(number)
+        q, dq, ddq = (span * one for one in moves)
+        tau = textbook_torque(q, dq, ddq)
+        tau[:, 0] += 0.8 * q[:, 0] + 0.6 * q[:, 1]
+        noise = 0.05 * np.random.default_rng(number).standard_normal(tau.shape)
+        runs[name] = Recording(name, t, q, tau + noise)
+    found = find_structure(state_of(runs))[0]
+    assert (found.joint, set(found.variables)) == (0, {"q1", "q2"})
+    assert found.beyond == 0.0
+    assert found.share > 0.9

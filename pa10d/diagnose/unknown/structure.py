@@ -41,6 +41,8 @@ from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
+FLAT = 2
+"""Knots per variable of a map that is straight along each."""
 Kind = Literal["motion", "gain", "reading"]
 """Over the motion; of a gain, by which a torque reads differently from place to place, or from
 speed to speed; over the torques themselves, and of a gain over time."""
@@ -226,13 +228,15 @@ def _fit_map(
     joint: int,
     names: Sequence[str],
     swaying: bool = False,
+    flat: bool = False,
 ) -> _Map:
     """swaying: the map is that of a gain on the joint's torque, its values N·m at the torque's
-    RMS."""
+    RMS; flat: straight along each variable, so that it goes on where the fit side has not been."""
     fit = state.fit
     over = _over(names)
     x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in over]
-    grid = tuple(knots(v, MAP_FINE_KNOTS if len(over) == 1 else MAP_KNOTS) for v in x)
+    count = FLAT if flat else MAP_FINE_KNOTS if len(over) == 1 else MAP_KNOTS
+    grid = tuple(knots(v, count) for v in x)
     basis = basis_of(x, grid)
     acts = _share_of_torque(state, 0, joint)[::MAP_THIN] if swaying else np.ones(len(x[0]))
     columns = (basis * (acts / fit.sigma[joint])[:, None]).tocsr()
@@ -287,15 +291,26 @@ def _strongest(
         for names in asked[kind]
     )
     strongest = sorted(maps, key=lambda m: -m.gain)[:MAPS_PER_JOINT]
+    if kind == "motion":
+        strongest = [_or_flat(state, motion, m) for m in strongest]
     predictions = (_predict(state, held, m) for m in strongest)
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
 
 
+def _or_flat(state: SearchState, motion: list[dict[str, Array]], curved: _Map) -> _Map:
+    """A map that is straight along each of the variables where that is as good by Akaike's measure:
+    it goes on where the fit side has not been, which a curve does not."""
+    flat = _fit_map(state, motion, curved.joint, curved.names, flat=True)
+    return flat if flat.gain >= curved.gain else curved
+
+
 def _predict(state: SearchState, motion: list[dict[str, Array]], m: _Map) -> Prediction:
     x = [rows_of(state.held, motion, name, m.joint) for name in _over(m.names)]
-    inside = np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], axis=0)
     basis = basis_of(x, m.grid)
-    inside &= basis @ ~m.visited < UNKNOWN_GROUND
+    inside = np.ones(len(x[0]), dtype=bool)
+    if len(m.grid[0]) > FLAT:
+        inside &= np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], 0)
+        inside &= basis @ ~m.visited < UNKNOWN_GROUND
     acts = _share_of_torque(state, 1, m.joint) if m.swaying else 1.0
     values = acts * (basis @ m.values.ravel()) - state.held_matrix[m.joint] @ m.absorbed
     return Prediction(m.joint, m.names, np.where(inside, values, 0.0), inside, m)
@@ -415,8 +430,10 @@ def basis_of(x: list[Array], grid: tuple[Array, ...]) -> scipy.sparse.csr_array:
 
 def _two_hats(values: Array, grid: Array) -> tuple[NDArray[np.int64], Array]:
     """(rows, 2): the knots beside each value and their share in a piecewise linear function that is
-    constant beyond the ends."""
+    constant beyond the ends; between two knots alone it is a line that goes on."""
     place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
     width = np.maximum(grid[place + 1] - grid[place], 1e-300)  # none where nothing moved
-    share = np.clip((values - grid[place]) / width, 0.0, 1.0)
+    share = (values - grid[place]) / width
+    if len(grid) > FLAT:
+        share = np.clip(share, 0.0, 1.0)
     return np.column_stack([place, place + 1]), np.column_stack([1.0 - share, share])
