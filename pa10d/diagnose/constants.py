@@ -163,6 +163,7 @@ BLOCK_SECONDS = 2.0  # of time that counts as one draw where the drop is judged 
 MAP_KNOTS = 8  # hat functions per variable of a map of two (c: at 16 a map is claimed on a clean
 #   joint of the arm with Stribeck friction; at 4 the LWR4's joint 6 gets another map)
 MAP_FINE_KNOTS = 24  # of a map of one (a, without the LWR4)
+MAP_FLAT_KNOTS = 2  # the two ends: a map straight along each variable, which goes on beyond them
 MAP_MEMORIES = (0.4, 2.0)  # s: where the joint has been lately (d)
 FORETOLD_WORK = (0.5, 1.5, 4.0)  # s over which a joint's work of late is remembered (d)
 FORETOLD_TURNS = (5.0, 20.0, 60.0)  # s: which way a joint went of late (b: half and twice claim the

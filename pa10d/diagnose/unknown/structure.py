@@ -24,6 +24,7 @@ from pa10d.diagnose.constants import (
     KNOWN_GROUND,
     LEAST_SLOPE,
     MAP_FINE_KNOTS,
+    MAP_FLAT_KNOTS,
     MAP_KNOTS,
     MAP_LEVEL,
     MAP_MEMORIES,
@@ -41,8 +42,6 @@ from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
-FLAT = 2
-"""Knots per variable of a map that is straight along each."""
 Kind = Literal["motion", "gain", "reading"]
 """Over the motion; of a gain, by which a torque reads differently from place to place, or from
 speed to speed; over the torques themselves, and of a gain over time."""
@@ -235,7 +234,7 @@ def _fit_map(
     fit = state.fit
     over = _over(names)
     x = [rows_of(state.train, motion, name, joint)[::MAP_THIN] for name in over]
-    count = FLAT if flat else MAP_FINE_KNOTS if len(over) == 1 else MAP_KNOTS
+    count = MAP_FLAT_KNOTS if flat else MAP_FINE_KNOTS if len(over) == 1 else MAP_KNOTS
     grid = tuple(knots(v, count) for v in x)
     basis = basis_of(x, grid)
     acts = _share_of_torque(state, 0, joint)[::MAP_THIN] if swaying else np.ones(len(x[0]))
@@ -308,7 +307,7 @@ def _predict(state: SearchState, motion: list[dict[str, Array]], m: _Map) -> Pre
     x = [rows_of(state.held, motion, name, m.joint) for name in _over(m.names)]
     basis = basis_of(x, m.grid)
     inside = np.ones(len(x[0]), dtype=bool)
-    if len(m.grid[0]) > FLAT:
+    if len(m.grid[0]) > MAP_FLAT_KNOTS:
         inside &= np.all([(v >= g[0]) & (v <= g[-1]) for v, g in zip(x, m.grid, strict=True)], 0)
         inside &= basis @ ~m.visited < UNKNOWN_GROUND
     acts = _share_of_torque(state, 1, m.joint) if m.swaying else 1.0
@@ -434,6 +433,6 @@ def _two_hats(values: Array, grid: Array) -> tuple[NDArray[np.int64], Array]:
     place = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
     width = np.maximum(grid[place + 1] - grid[place], 1e-300)  # none where nothing moved
     share = (values - grid[place]) / width
-    if len(grid) > FLAT:
+    if len(grid) > MAP_FLAT_KNOTS:
         share = np.clip(share, 0.0, 1.0)
     return np.column_stack([place, place + 1]), np.column_stack([1.0 - share, share])
