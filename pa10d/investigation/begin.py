@@ -5,6 +5,7 @@ Nothing moves here, and nothing is computed but plans.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -58,7 +59,8 @@ def begin(
     limit = None if fit else minutes or MINUTES
     steps = first_steps(asked, question, limit)
     state = Investigation(
-        id=new_id(), name=named, created=datetime.now(UTC).isoformat(timespec="milliseconds"),
+        id=new_id(os.listdir(archive.folder)), name=named,
+        created=datetime.now(UTC).isoformat(timespec="milliseconds"),
         profile=str(found.path),
         robot=found.name, question=question, moves=not fit, minutes=limit,
         fit=to_fit, validate_=to_judge, model=None if model is None else model.id, force=force,

@@ -133,8 +133,12 @@ def faults(data: str) -> FaultList:
 
 def _source_of(data: str, profile: str, kind: Kind, name: str, models: Sequence[str]) -> Source:
     """A run that is still being recorded is read anew as it grows."""
-    samples = plots.library_of(data).runs.find(name).samples if kind == "run" else 0
-    return _source(data, profile, kind, name, tuple(models), samples)
+    if kind == "fault":
+        return _source(data, profile, kind, name, (), 0)
+    library = plots.library_of(data)
+    run = library.runs.find(name)  # by ids: another may bear the name by now
+    known = tuple(library.models.find(model).id for model in models)
+    return _source(data, profile, kind, run.id, known, run.samples)
 
 
 @lru_cache(SOURCES)

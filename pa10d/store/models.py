@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -87,7 +87,7 @@ class ModelStore:
             if not replace:
                 self.refuse_taken(model.name)
             parent = None if model.parent is None else self.find(model.parent)
-            info = new_info(model, parent)
+            info = new_info(model, parent, os.listdir(self.folder))
             text = model_text(model, info)
             _refuse_unreadable(text, model.name)
             write_text(self.folder / f"{info.id}.yaml", text)
@@ -187,11 +187,11 @@ def _careful_info(path: Path) -> ModelInfo | SetAside:
         return SetAside(path.stem, name, path, f"{path}: {explained(error)}; expected a model")
 
 
-def new_info(model: TorqueModel, parent: ModelInfo | None) -> ModelInfo:
-    """What a file says of a model that is written now."""
+def new_info(model: TorqueModel, parent: ModelInfo | None, others: Iterable[str] = ()) -> ModelInfo:
+    """What a file says of a model that is written now, after the others (their ids)."""
     now = datetime.now(UTC)
     return ModelInfo(
-        id=new_id(now),
+        id=new_id(others),
         name=model.name,
         created=now.isoformat(timespec="milliseconds"),
         robot=model.robot.name,

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import secrets
-from collections.abc import Collection, Sequence
-from datetime import UTC, datetime
+from collections.abc import Collection, Iterable, Sequence
+from datetime import UTC, datetime, timedelta
 from typing import Protocol, TypeVar
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import did_you_mean
 
 _FORBIDDEN = re.compile(r"[\x00-\x1f\x7f/\\]")
+_STAMPED = re.compile(r"([0-9]{8}-[0-9]{6}(?:[0-9]{3})?)-")
+STAMP = len("20260131-134500123")
+MOMENT = timedelta(milliseconds=1)  # as far as an id tells times apart
 LONGEST = 100
 LISTED, SHOWN = ("run", "model"), 5  # kinds that have a command to list them; names shown of others
 
@@ -28,10 +32,21 @@ class Named(Protocol):
 Item = TypeVar("Item", bound=Named)
 
 
-def new_id(now: datetime | None = None) -> str:
-    """Sorts by time of creation, unique: 20260131-134500123-9f3a07."""
-    now = now or datetime.now(UTC)
-    return f"{now:%Y%m%d-%H%M%S}{now.microsecond // 1000:03d}-{secrets.token_hex(3)}"
+def new_id(taken: Iterable[str] = ()) -> str:
+    """Unique, and sorts after all that are taken: 20260131-134500123-9f3a07."""
+    return f"{stamp_after(taken)}-{secrets.token_hex(3)}"
+
+
+def stamp_after(taken: Iterable[str]) -> str:
+    """The time, with which names begin that are to sort after all that are taken: a clock that was
+    set back would make what is new the oldest, so it is passed over."""
+    now = datetime.now(UTC).replace(tzinfo=None)
+    stamps = [found[1] for name in taken if (found := _STAMPED.match(name))]
+    with contextlib.suppress(ValueError, OverflowError):  # of no calendar, or of its last day
+        if stamps:
+            last = datetime.strptime(max(stamps).ljust(STAMP, "0"), "%Y%m%d-%H%M%S%f")
+            now = max(now, last + MOMENT)
+    return f"{now:%Y%m%d-%H%M%S}{now.microsecond // 1000:03d}"
 
 
 def checked_name(name: str) -> str:

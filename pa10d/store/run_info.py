@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
@@ -87,12 +88,14 @@ class RunInfo:
         return replace(self, **changes)
 
 
-def new_info(name: str, profile: str, channels: Channels, **more: Any) -> RunInfo:
-    """A run that begins now."""
+def new_info(
+    name: str, profile: str, channels: Channels, *, others: Iterable[str] = (), **more: Any
+) -> RunInfo:
+    """A run that begins now, after the others (their ids)."""
     now = datetime.now(UTC)
     created = now.isoformat(timespec="milliseconds")
     have = channels.listed()
-    return RunInfo(new_id(now), name, created, profile, channels.joints, channels=have, **more)
+    return RunInfo(new_id(others), name, created, profile, channels.joints, channels=have, **more)
 
 
 def load_info(folder: Path) -> RunInfo:

@@ -101,6 +101,7 @@ class RunStore:
             checked_name(name),
             profile.name if profile else "",
             channels,
+            others=os.listdir(self.folder),
             kind=kind,
             tags=tags,
         )
@@ -147,7 +148,8 @@ class RunStore:
             self._refuse_taken(checked_name(name))
         info = new_info(
             checked_name(name or stem), profile.name if profile else "", channels,
-            source=source, warnings=warnings, findings=findings, unit_given=unit_given, tags=tags,
+            others=os.listdir(self.folder), source=source, warnings=warnings, findings=findings,
+            unit_given=unit_given, tags=tags,
         )  # fmt: skip
         info = info.but(excluded=excluded) if excluded else info
         new = self._new_folder(info)

@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import model_examples as examples
 import pytest
+from wrong_clock import HOUR, clock
 
 from pa10d.common.errors import UserError
 from pa10d.store.models import ModelStore
+
+__all__ = ["clock"]
 
 
 @pytest.fixture
@@ -31,6 +34,14 @@ def test_replace_gives_the_name_away_and_keeps_the_old_file(store):
     assert store.load(first.id).cutoff == 9.5
     assert store.path(first).read_bytes() == before
     assert {info.id: info.replaced for info in store.all()} == {first.id: True, second.id: False}
+
+
+def test_a_replaced_name_means_the_new_model_whatever_the_clock_says(store, clock):
+    store.save(examples.textbook())
+    clock.shift = -HOUR
+    new = store.save(examples.textbook(), replace=True)
+    assert store.find("m0").id == new.id
+    assert [one.replaced for one in store.all()] == [True, False]
 
 
 def test_name_id_and_unique_start(store):

@@ -144,7 +144,7 @@ class Jobs:
         """Begin at once; the job is seen from now on. Crowded where there are too many."""
         if len(self.running()) >= MOST:
             raise Crowded(f"{MOST} jobs are queued or running; wait for one to end, or cancel it")
-        job = Job(new_id(), kind, request, _now())
+        job = Job(new_id(self._jobs), kind, request, _now())
         self._jobs[job.id] = job
         job.task = asyncio.get_running_loop().create_task(self._carry_out(job, work))
         self._events.publish("job", job.brief())

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import re
-import time
 from collections.abc import Sequence
 from pathlib import Path
-from threading import Thread
+from threading import Lock, Thread
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.record import SCALARS, VECTORS
 from pa10d.control.ring import Ring
+from pa10d.store.names import stamp_after
 
 SECONDS = 5.0
 KEPT = 100
+_ONE_AT_A_TIME = Lock()  # a fault and the one that it brings come within a moment
 
 log = logging.getLogger("pa10d.faults")
 
@@ -32,24 +34,24 @@ def keep_fault(data: Path, fault: Fault, ring: Ring, joints: Sequence[str]) -> T
     rows, _ = ring.read(max(0, stop - round(SECONDS / ring.period)), stop)
     fields = {name: ring.layout.get(rows, name).copy() for name in (*SCALARS, *VECTORS)}
     about = json.dumps({"fault": fault.document(), "joints": list(joints)})
-    stamp = time.strftime("%Y%m%d-%H%M%S", time.gmtime())
-    path = data / "faults" / f"{stamp}-{_plain(fault.kind)}.npz"
-    thread = Thread(target=_write, args=(path, about, fields), daemon=True)
+    thread = Thread(target=_write, args=(data / "faults", fault.kind, about, fields), daemon=True)
     try:
         thread.start()
     except RuntimeError as error:
-        log.warning("%s: %s; the fault's records were not kept", path, error)
+        log.warning("%s; the fault's records were not kept", error)
     return thread
 
 
-def _write(path: Path, about: str, fields: JsonObject) -> None:
+def _write(folder: Path, kind: str, about: str, fields: JsonObject) -> None:
     try:
-        path.parent.mkdir(exist_ok=True)
-        np.savez(path, about=np.array(about), **fields)
-        for old in sorted(path.parent.glob("*.npz"))[:-KEPT]:
+        with _ONE_AT_A_TIME:
+            folder.mkdir(exist_ok=True)
+            path = folder / f"{stamp_after(os.listdir(folder))}-{_plain(kind)}.npz"
+            np.savez(path, about=np.array(about), **fields)
+        for old in sorted(folder.glob("*.npz"))[:-KEPT]:
             old.unlink(missing_ok=True)
     except OSError as error:
-        log.warning("%s: %s; the fault's records were not kept", path, error.strerror)
+        log.warning("%s: %s; the fault's records were not kept", folder, error.strerror)
 
 
 def _plain(kind: str) -> str:

@@ -5,6 +5,7 @@ Command line, API and page call these; the arm is moved by the daemon between th
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
@@ -51,7 +52,8 @@ def begin(
     request = read_request({"kind": "known_weight", "parameters": parameters})
     plan = request.build(Surroundings.of(robot))
     state = Weighing(
-        id=new_id(), name=named, created=_now(), profile=str(found.path), robot=found.name,
+        id=new_id(os.listdir(archive.folder)), name=named, created=_now(),
+        profile=str(found.path), robot=found.name,
         scale=drive_gains(found),
         motion=request.request(), seconds=plan.duration, notes=list(plan.notes),
         weights=[body.text for body in bodies],
