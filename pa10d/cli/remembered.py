@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pa10d.cli.answer import note
 from pa10d.cli.commands import DEFAULT_PROFILE
+from pa10d.common.disk import disk_words
 from pa10d.common.errors import UserError
 
 FILE = "profile.json"
@@ -52,9 +53,12 @@ def remember(options: argparse.Namespace, given: str | None) -> None:
         return
     document = {"profile": given if shipped else str(found), "data": str(folder)}
     if _recalled(folder) != document["profile"]:
-        fresh = folder / f".{FILE}.{os.getpid()}"
-        fresh.write_text(json.dumps(document) + "\n", encoding="utf-8")
-        fresh.replace(folder / FILE)
+        from pa10d.store.folders import write_json
+
+        try:
+            write_json(folder / FILE, document)
+        except OSError as error:  # what was asked for went well
+            note(f"--profile is needed each time: {disk_words(error)}")
 
 
 def _folder(options: argparse.Namespace) -> Path:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from pa10d.common.disk import writing
 from pa10d.common.errors import UserError
 from pa10d.common.yamlfile import YamlFile, read_yaml
 from pa10d.dynamics import Robot
@@ -66,7 +67,7 @@ def beside(path: Path, text: str) -> Iterator[Path]:
     to itself is found from there, too."""
     draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new.yaml")
     try:
-        with draft.open("xb") as file:
+        with writing(path), draft.open("xb") as file:
             file.write(text.encode())
             file.flush()
             os.fsync(file.fileno())

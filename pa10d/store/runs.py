@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-from pa10d.common.errors import Taken, UserError
+from pa10d.common.disk import of_the_disk, remedy
+from pa10d.common.errors import NoRoom, Taken, UserError
 from pa10d.measurement.recording import Recording
 from pa10d.profile import Profile
 from pa10d.store.channels import Channels
@@ -171,7 +172,9 @@ class RunStore:
                 if old is not None:
                     discard(self.path(old))
         except OSError as error:
-            raise UserError(f"{self.folder}: {error.strerror}; the run was not stored") from error
+            kind = NoRoom if of_the_disk(error) else UserError
+            said = [f"{self.folder}: {error.strerror}", "the run was not stored", remedy(error)]
+            raise kind("; ".join(filter(None, said))) from error
         finally:
             if new.exists():
                 discard(new)

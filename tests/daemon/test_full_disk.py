@@ -18,8 +18,11 @@ from fastapi import FastAPI
 
 from pa10d import cli
 from pa10d.api import problems
+from pa10d.cli import remembered
 from pa10d.common import disk
 from pa10d.common.errors import NoRoom, NotNow, UserError
+from pa10d.control.faults import Fault
+from pa10d.control.ring import Ring
 from pa10d.daemon import presence
 from pa10d.daemon.events import Events
 from pa10d.daemon.jobs.jobs import Jobs
@@ -29,9 +32,11 @@ from pa10d.daemon.night import FILE, Drawn, Night, Secret
 from pa10d.daemon.presence import Presence, announced, present
 from pa10d.daemon.processes import worker
 from pa10d.daemon.processes.workers import TaskEnd
+from pa10d.daemon.robot import fault_files
 from pa10d.daemon.robot import robot as robots
 from pa10d.experiments.checks import Check
 from pa10d.profile import load_profile
+from pa10d.services import profile_file
 from pa10d.store import folders
 
 HERE = Presence("http://127.0.0.1:1", os.getpid(), "pa10-sim")
@@ -210,3 +215,35 @@ def test_a_lack_of_room_is_no_lack_of_the_motion(monkeypatch, subjects, kind):
     with pytest.raises(UserError) as refused:
         asyncio.run(one._prepare())
     assert type(refused.value) is kind
+
+
+def test_a_command_that_went_well_has_not_failed_because_nothing_is_remembered(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(folders.os, "fsync", no_room)
+    remembered.remember(SimpleNamespace(remembers=True, data=tmp_path), "ur5e")
+    assert "--profile is needed each time: " in capsys.readouterr().err
+    assert not list(tmp_path.glob("*profile.json*"))
+
+
+def test_a_profile_that_cannot_be_written_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(profile_file.os, "fsync", no_room)
+    with (
+        pytest.raises(OSError, match="No space left") as error,
+        profile_file.beside(tmp_path / "arm.yaml", "urdf: a.urdf"),
+    ):
+        pass
+    assert error.value.filename == str(tmp_path / "arm.yaml")
+    assert not list(tmp_path.iterdir())
+
+
+def test_records_of_a_fault_are_whole_or_not_there(tmp_path, monkeypatch, caplog):
+    def half(path, **_fields):
+        path.write_bytes(b"PK")
+        no_room()
+
+    monkeypatch.setattr(fault_files.np, "savez", half)
+    ring = Ring.create(2, 16, 0.002, tmp_path / "ring")
+    fault_files.keep_fault(tmp_path, Fault("stale", "joint 1"), ring, ["j1", "j2"]).join()
+    assert "the fault's records were not kept" in caplog.text
+    assert not list((tmp_path / "faults").iterdir())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import replace
+from importlib import import_module
 from itertools import count
 
 import numpy as np
@@ -35,7 +36,7 @@ from pa10d.services.weighing.work import (
     status,
     weighed,
 )
-from pa10d.store import Channels, RunStore, Samples
+from pa10d.store import Channels, RunStore, Samples, folders
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.poses import Surroundings
 
@@ -151,6 +152,29 @@ def test_recordings_in_another_scale_are_refused(recorded):
     drives = [*profile.drives[:-1], profile.drives[-1].model_copy(update={"torque_gain": 1.1})]
     with pytest.raises(UserError, match=r"w: began with torque gains 1, .* 1, 1\.1 now"):
         refuse_other_gains(state, profile.model_copy(update={"drives": drives}))
+
+
+def test_gains_are_in_the_profile_and_in_the_weighing_or_in_neither(
+    recorded, mine, tmp_path, monkeypatch
+):
+    data = shutil.copytree(recorded, tmp_path / "data")
+    state = Weighings(data).find("w")
+    state.profile = str(mine)
+    Weighings(data).save(state)
+    before = mine.read_bytes()
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    edits = import_module("pa10d.services.tuning.versions")  # a function has that name, too
+    for where, what in ((folders.os, "fsync"), (edits, "put_profile")):
+        with monkeypatch.context() as disk:
+            disk.setattr(where, what, full)
+            with pytest.raises(OSError, match="No space left"):
+                apply_gains(str(data), "w", [2])
+        assert mine.read_bytes() == before
+        assert Weighings(data).find("w").applied is None
+    assert apply_gains(str(data), "w", [2]).applied.gains.keys() == {"2"}
 
 
 def test_gains_go_into_the_profile_and_out_again(recorded, mine, tmp_path):

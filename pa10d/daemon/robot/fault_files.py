@@ -12,6 +12,7 @@ from threading import Lock, Thread
 
 import numpy as np
 
+from pa10d.common.disk import writing
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
 from pa10d.control.record import SCALARS, VECTORS
@@ -47,11 +48,21 @@ def _write(folder: Path, kind: str, about: str, fields: JsonObject) -> None:
         with _ONE_AT_A_TIME:
             folder.mkdir(exist_ok=True)
             path = folder / f"{stamp_after(os.listdir(folder))}-{_plain(kind)}.npz"
-            np.savez(path, about=np.array(about), **fields)
+            _save(path, about, fields)
         for old in sorted(folder.glob("*.npz"))[:-KEPT]:
             old.unlink(missing_ok=True)
     except OSError as error:
         log.warning("%s: %s; the fault's records were not kept", folder, error.strerror)
+
+
+def _save(path: Path, about: str, fields: JsonObject) -> None:
+    """The whole of it, or nothing."""
+    try:
+        with writing(path):
+            np.savez(path, about=np.array(about), **fields)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
 
 
 def _plain(kind: str) -> str:

@@ -16,6 +16,7 @@ from pa10d.profile import load_profile
 from pa10d.services.profile_file import rewritten
 from pa10d.services.tuning.edit import editable
 from pa10d.services.tuning.versions import (
+    coming,
     digest,
     folder_of,
     own_profile,
@@ -60,13 +61,18 @@ def apply_gains(data: str, weighing: str, joints: Sequence[int] = ()) -> Changed
         changed = {**file.data, "drives": drives}
         said = [f"torque gain of joint {j}: {gain:g} ({state.name})" for j, gain in wanted.items()]
         text = rewritten(file, changed)
-        version = write_version(folder, said, file.path, file.text, text, changed)
-    state.applied = Applied(
-        profile=str(file.path), version=version.number,
-        gains={str(j): gain for j, gain in wanted.items()},
-        when=datetime.now(UTC).isoformat(timespec="milliseconds"),
-    )  # fmt: skip
-    archive.save(state)
+        state.applied = Applied(
+            profile=str(file.path), version=coming(folder) - 1,
+            gains={str(j): gain for j, gain in wanted.items()},
+            when=datetime.now(UTC).isoformat(timespec="milliseconds"),
+        )  # fmt: skip
+        archive.save(state)  # before the profile: a full disk then refuses all of it
+        try:
+            version = write_version(folder, said, file.path, file.text, text, changed)
+        except BaseException:
+            state.applied = None
+            archive.save(state)
+            raise
     return _told(state, file.path, version.made)
 
 
