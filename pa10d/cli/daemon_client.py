@@ -75,7 +75,10 @@ def read_plan(kind: str | None, file: Path | None, settings: Sequence[str]) -> J
         key, equals, value = setting.partition("=")
         if not equals:
             raise WrongUsage(f"--set {setting}: expected KEY=VALUE")
-        given[key] = read_value(value, f"--set {key}")
+        try:
+            given[key] = read_value(value, f"--set {key}")
+        except UserError as error:
+            raise WrongUsage(str(error)) from error
     if file is None:
         return {"kind": kind, "parameters": given}
     plan = read_yaml(file).data

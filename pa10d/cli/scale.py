@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from pa10d.cli.answer import Answer, table
 from pa10d.cli.commands import Subcommands, WrongUsage, profile_option
+from pa10d.cli.weights import body_of
 
 if TYPE_CHECKING:
     from pa10d.services.torque_scale import JointScale, WeightProspect
@@ -44,7 +45,6 @@ def add_commands(commands: Subcommands) -> None:
 
 def scale(options: argparse.Namespace) -> Answer:
     """``scale``."""
-    from pa10d.identify.scale import Body
     from pa10d.services.robots import load_robot
     from pa10d.services.scale import torque_scale
     from pa10d.store import RunStore
@@ -55,11 +55,11 @@ def scale(options: argparse.Namespace) -> Answer:
             "scale: expected --empty RUN, recorded without the weight, or --alone where the weight "
             "is all that the joints carry"
         )
-    loads = [(Body.of(body), runs) for body, *runs in options.payload]
+    loads = [(body_of(body, "--payload"), runs) for body, *runs in options.payload]
     for body, *runs in options.payload:
         if not runs:
             raise WrongUsage(f"--payload {body}: no run, expected BODY and the runs with it")
-    at_hand = [Body.of(text) for text in options.at_hand]
+    at_hand = [body_of(text, "--at-hand") for text in options.at_hand]
     found = torque_scale(robot, RunStore(options.data), options.empty, loads, at_hand)
     return Answer(found, in_words(found.joints, found.prospects, found.advice))
 

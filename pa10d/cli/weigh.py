@@ -10,6 +10,7 @@ from pa10d.cli.answer import Answer, note, table
 from pa10d.cli.commands import Subcommands, WrongUsage, current
 from pa10d.cli.daemon_client import daemon_for, progress_line, robot_options
 from pa10d.cli.scale import in_words as scale_in_words
+from pa10d.cli.weights import body_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed
 
@@ -98,6 +99,8 @@ def _weights(parser: argparse.ArgumentParser) -> None:
 def _require_weights(options: argparse.Namespace) -> None:
     if not options.weight:
         raise WrongUsage("--weight: found none, expected MASS,X,Y,Z of at least one at hand")
+    for text in options.weight:
+        body_of(text, "--weight")
 
 
 def begin(options: argparse.Namespace) -> Answer:

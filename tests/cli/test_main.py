@@ -91,7 +91,7 @@ def test_no_minutes_are_status_2(capsys, minutes):
 
 
 def test_a_value_may_begin_with_a_minus(tmp_path, capsys):
-    assert main(["weigh", "begin", "--weight", "-1,0,0,0", "--data", str(tmp_path)]) == 1
+    assert main(["weigh", "begin", "--weight", "-1,0,0,0", "--data", str(tmp_path)]) == 2
     assert "-1,0,0,0" in capsys.readouterr().err
 
 

@@ -318,7 +318,6 @@ def test_the_weight_that_a_virtual_arm_hangs_is_as_far_off_as_its_errors_say():
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["begin", "--weight", "3"], "expected MASS,X,Y,Z"),
         (["show", "nobody"], "nobody"),
         (["record", "w", "--with", "9"], "weight 9: expected 0"),
         (["apply", "w", "--joints", "9"], "joint 9: its gain is not determined"),
