@@ -19,6 +19,7 @@ from backends.canopen_cia402.configure import DriveReport, Wish
 from backends.canopen_cia402.exchange import Counters, Exchange
 from backends.canopen_cia402.lifeline import not_accepted
 from backends.canopen_cia402.network import PortNetwork
+from backends.canopen_cia402.other_masters import NMT
 from backends.canopen_cia402.poll import Poll, every
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
@@ -26,11 +27,13 @@ from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
 from backends.error_history import DriveErrors
 from backends.faults import fault, refusal
+from backends.frames import frame
 from backends.ports import Port, drain, open_port
 from backends.protocol import Array, BackendFault, Feedback
 from pa10d.common.errors import UserError
 from pa10d.profile import Profile
 
+STOP_NODE = 2  # NMT
 TRIAL_CYCLES = 3  # at the end of open
 LISTEN, LISTEN_TO_SIMULATION = 0.25, 0.05  # s, before the first frame of our own
 
@@ -188,6 +191,10 @@ class CanopenBackend:
         """Whether the axis has not been heard for too long to be commanded."""
         age = self._exchange.cycle - self._exchange.axes[axis].cycle
         return age >= self.profile.safety.stale_cycles
+
+    def stop_node(self, axis: int) -> None:
+        """NMT: its drive takes no more commands, and ends its torque by its own reaction."""
+        self._connected().send(frame(NMT, bytes([STOP_NODE, self.drives[axis].node])))
 
     def latched(self) -> list[BackendFault]:
         """Every fault since the last reset, the first one first."""

@@ -15,6 +15,7 @@ from backends.protocol import Array, Feedback
 
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
 OFF = (DriveState.DISABLED, DriveState.FAULT)
+HEEDS_WITHIN = 1.0  # s for a drive to brake, close its brake and leave *operation enabled*
 PATIENCE = 5.0  # s, on the backend's clock, for any step of these sequences
 
 # faults after which the drive still has our configuration; after all others it is set up anew
@@ -42,6 +43,9 @@ class Axes(Protocol):
     def silent(self, axis: int) -> bool:
         """Whether the axis has not been heard for too long to be commanded."""
         ...
+
+    def stop_node(self, axis: int) -> None:
+        """NMT: its drive takes no more commands, and ends its torque by its own reaction."""
 
 
 class Sequence(ABC):
@@ -111,7 +115,9 @@ class Enable(Sequence):
 class Disable(Sequence):
     """Brakes on while the drives still hold, then power off; silent axes are left aside.
 
-    An axis in its quick stop is left to finish it: power off would drop it into its brake.
+    An axis in its quick stop is left to finish it: power off would drop it into its brake. One
+    that stays enabled does not hear us, and would hold its last torque as long as we are alive:
+    its node is stopped, as its drive takes the loss of its master (0x6007).
     """
 
     complaint = "does not switch off"
@@ -119,6 +125,8 @@ class Disable(Sequence):
     def __init__(self, arm: Axes) -> None:
         super().__init__(arm)
         self._standing = Standing(arm.n)
+        self._told_at: float | None = None  # s, when the axes were told for the first time
+        self._stopped: set[int] = set()
 
     def reached(self, states: States) -> list[bool]:
         return [s in OFF or self.arm.silent(k) for k, s in enumerate(states)]
@@ -126,7 +134,13 @@ class Disable(Sequence):
     def words(self, feedback: Feedback, states: States) -> list[Control]:
         stands = self._standing.after(feedback.q)
         words = [TOWARDS_DISABLED.get(s) if s else None for s in states]
+        if self._told_at is None:
+            self._told_at = feedback.time
+        deaf = feedback.time - self._told_at > HEEDS_WITHIN
         for axis, state in enumerate(states):
+            if deaf and state is DriveState.ENABLED and axis not in self._stopped:
+                self._stopped.add(axis)
+                self.arm.stop_node(axis)
             if state is DriveState.QUICK_STOP and not stands[axis]:
                 words[axis] = Control.QUICK_STOP
         return [Control.DISABLE_VOLTAGE if w is None else w for w in words]

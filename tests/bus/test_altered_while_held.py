@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from bus_helpers import HERE, make_profile, running, virtual_arm
+from bus_helpers import HERE, make_profile, running, second_master, virtual_arm
 
 from backends import by_hand
 from backends.bus_budget import worst_case_bits
@@ -14,6 +15,8 @@ from backends.canopen_cia402.poll import QUESTION, Poll, every
 from backends.frames import frame
 from backends.protocol import BackendFault
 from pa10d.profile import Profile
+
+ENABLED = 0x27
 
 
 @pytest.fixture
@@ -62,6 +65,41 @@ def test_what_is_written_over_this_bus_is_noticed_at_once(
             return
         with pytest.raises(BackendFault, match=r"joint 2: node 11: Polarity .* expected 0"):
             by_hand.reset(arm)
+
+
+def test_a_drive_that_hears_its_commands_no_more_does_not_keep_its_torque(profile: Profile) -> None:
+    """Its RPDO is off: neither a quick stop nor power off reach it, and we are alive."""
+    with running(profile) as (arm, driver, other):
+        node = profile.drives[1].node
+        written(other, 1, 0x1400, 0x80000000 | (0x200 + node), 4, 1)
+        assert next_fault(driver, 0.2).kind == "altered"
+        arm.quick_stop()
+        driver.run_on(0.5)
+        assert arm.statuses()[1] & 0x6F == ENABLED
+        arm.begin_disable()
+        for _ in range(50):
+            driver.run_on(0.1)
+            if not arm.switching:
+                break
+        assert arm.silent(1)
+        arm._poll.question = lambda now: b""  # one client of a drive's SDO server at a time
+        driver.run_on(0.1)
+        with second_master(profile, 1) as drive:
+            drive.nmt.state = "PRE-OPERATIONAL"
+            driver.run_on(0.2)
+            assert status_of(drive, driver) & 0x6F != ENABLED
+        by_hand.reset(arm)
+        by_hand.enable(arm, driver.hold)
+        driver.run(0.3)
+
+
+def status_of(drive, driver) -> int:
+    """The statusword, asked for while cycles go on."""
+    with ThreadPoolExecutor(1) as pool:
+        asked = pool.submit(lambda: drive.sdo[0x6041].raw)
+        while not asked.done():
+            driver.run_on(0.05)
+        return int(asked.result())
 
 
 def test_what_is_changed_out_of_sight_is_noticed_within_a_round(profile: Profile) -> None:
