@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import httpx
 import pytest
@@ -25,11 +26,15 @@ from pa10d.api.crowded_listener import CrowdedListener
 from pa10d.common.shortage import Short, ready_pool
 from pa10d.control.faults import Fault
 from pa10d.control.ring import Ring
+from pa10d.daemon.events import Events
+from pa10d.daemon.jobs.jobs import Jobs
 from pa10d.daemon.jobs.shelf import Shelf
+from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.processes.child import Child
 from pa10d.daemon.processes.simulator import Simulator
 from pa10d.daemon.processes.workers import Worker
 from pa10d.daemon.robot.fault_files import keep_fault
+from pa10d.experiments.request import MotionRequest
 from pa10d.profile import load_profile
 
 NO_FILES = OSError(errno.EMFILE, os.strerror(errno.EMFILE))
@@ -184,3 +189,34 @@ def test_a_daemon_whose_files_are_used_up_lives_and_says_so_once(tmp_path):
     text = Path(said).read_text()
     assert text.count("no more connections can be taken on") == 1
     assert "Traceback" not in text
+
+
+@pytest.mark.parametrize("error", [NO_FILES, MemoryError(), RuntimeError("can't start new thread")])
+def test_a_job_that_the_machine_has_too_little_for_fails_in_a_line(error, tmp_path, caplog):
+    async def work(_report):
+        raise error
+
+    async def main():
+        jobs = Jobs(tmp_path / "jobs", Events())
+        job = jobs.start("look", {}, work)
+        await job.task
+        return job.error
+
+    assert "this machine gives no more" in asyncio.run(main())
+    assert [one.exc_info for one in caplog.records] == [None]
+
+
+def test_how_an_experiment_ended_is_not_what_its_folder_could_not_be_cleared_by(
+    tmp_path, monkeypatch
+):
+    async def at_rest(_self, _power_off):
+        return None
+
+    def none_left(*_):
+        raise NO_FILES
+
+    daemon = SimpleNamespace(robot=None, runtime=tmp_path)
+    experiment = Experiment(daemon, MotionRequest("tracking"), lambda *_: None)
+    monkeypatch.setattr(Experiment, "_come_to_rest", at_rest)
+    monkeypatch.setattr(Path, "glob", none_left)
+    asyncio.run(experiment._leave(True))

@@ -19,6 +19,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pa10d.common.disk import disk_words, of_the_disk
 from pa10d.common.errors import Stopped, UserError
 from pa10d.common.jsonable import JsonObject, plain
+from pa10d.common.shortage import shortage
 from pa10d.daemon.events import Events
 from pa10d.daemon.processes.crowded import Crowded
 from pa10d.store.entries import Id, read_entry
@@ -183,18 +184,27 @@ class Jobs:
             job.status, job.message, job.error = "cancelled", "stopped", str(error)
         except (UserError, Crowded) as error:
             job.status, job.error = "failed", str(error)
-        except OSError as error:
-            job.status, job.error = "failed", disk_words(error)
-            if not of_the_disk(error):
-                log.exception("job %s (%s)", job.id, job.kind)
         except Exception as error:
-            log.exception("job %s (%s)", job.id, job.kind)
-            job.status, job.error = "failed", f"{type(error).__name__}: {error}"
+            self._failed(job, error)
         job.finished = _now()
         self.tell(job, at_once=True)
         await asyncio.wait([job.begun])  # the end is written after it
         await self._keep(job)
         job.task = job.begun = None
+
+    def _failed(self, job: Job, error: Exception) -> None:
+        """By what is no fault of the request; a line where it is the disk's, or the machine's."""
+        job.status = "failed"
+        if (said := shortage(error)) is not None:
+            job.error = said
+            log.error("job %s (%s): %s", job.id, job.kind, said)
+        elif isinstance(error, OSError) and of_the_disk(error):
+            job.error = disk_words(error)
+        else:
+            job.error = f"{type(error).__name__}: {error}"
+            if isinstance(error, OSError):
+                job.error = disk_words(error)
+            log.error("job %s (%s)", job.id, job.kind, exc_info=error)
 
     def _cancelled(self, job: Job) -> None:
         if self._ending:

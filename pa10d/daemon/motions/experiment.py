@@ -318,9 +318,9 @@ class Experiment:
     async def _leave(self, was_unpowered: bool) -> None:
         """At rest, and unpowered where it was so before; also when cancelled."""
         await asyncio.shield(self._come_to_rest(was_unpowered))
-        for file in self._folder.glob("*"):
-            file.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # how it ended is told, whatever is left lying there
+            for file in self._folder.glob("*"):
+                file.unlink(missing_ok=True)
             self._folder.rmdir()
 
     async def _come_to_rest(self, power_off: bool) -> None:
