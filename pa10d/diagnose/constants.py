@@ -77,6 +77,8 @@ AT_HOME = 0.05  # standard errors of the noise: what a round moves less is there
 SPRINGS_FOLLOWED = 2  # joints whose springs are sought together with the bodies, of all guesses
 SPRING_STEPS = (3, 20)  # of Gauss and Newton's, from each start and from the best of them
 SPRING_STEP = 1.0  # of a logarithm of stiffness or damping, at most
+ROTOR_STEP = 0.3  # of the link's inertia, at most, that goes over to its rotor in such a step: at
+#   0.7 one start of three ends where all of the inertia is rotor
 SPRING_WORTH = 1e-3  # drop of the errors' logarithms, summed over the joints, of a step
 SPRING_HOLDS = 2.0  # times as stiff, where a link would run away
 PASSED_SAMPLES = 400  # of a run, that say where a spring may be
@@ -85,6 +87,10 @@ PASSED_MODES = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # of a link, over the 
 #   frequency, from which springs are sought
 SWUNG_MODES = (1.4, 2.0, 2.8, 4.0, 5.6, 8.0)  # the same of a link that swings by itself, below
 #   the cut-off
+FIRM_MODES = (0.6, 1.2)  # of the cut-off: of links that nothing but reversals and the beginning
+#   sets swinging; from half to twice a mode is near enough
+FIRM_ZETA = 0.2  # from which those are sought: a wide peak is found from farther away
+FIRM_ROTOR = 0.5  # of the inertia of rotor and link, likewise
 STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3

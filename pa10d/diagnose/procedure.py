@@ -91,6 +91,9 @@ def diagnose(
         asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
+    more = steps is None or len(search.steps) < steps
+    if not frozen and more and search.swinging(_keeps(given_error, search)):
+        search.run(steps)
     if frozen and only is None:
         search.suspects = [*asked, *_new_kinds(model, given_error, search)]
         if len(search.suspects) > len(asked):
@@ -274,6 +277,12 @@ def _new_kinds(model: TorqueModel, given: Judgement, search: Search) -> Suspects
     ]
 
 
+def _keeps(given: Judgement, search: Search) -> list[int]:
+    """Joints that keep materially more than their noise, those that keep most of it first."""
+    ratio = rms(search.state.held_residual()) / given.floor.values
+    return [int(j) for j in np.argsort(-ratio) if ratio[j] > MATERIAL_REST]
+
+
 def _always_lacked(
     kind: Effect, joints: Sequence[int], model: TorqueModel, given: Judgement
 ) -> bool:
@@ -324,15 +333,23 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
 
 
 def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
-    """What is named on a joint whose error follows something unnamed, too, may be part of that."""
+    """What is named on a joint whose error follows something unnamed, too, may be part of that; so
+    may a law that moves another torque than its own shape says."""
     j = helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
-    if not (lines[j].significant and lines[j].ratio > STANDS_IN):
+    told = lines[j].significant or not _whole(finding.term)
+    if not (told and lines[j].ratio > STANDS_IN):
         return finding
     text = (
         f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
         "for what is missing there."
     )
     return replace(finding, sentence=finding.sentence + text)
+
+
+def _whole(term: Term) -> bool:
+    """Are coefficients that a shape alone should settle what they can be?"""
+    kinds = zip(term.effect.coefficients, term.coefficients, strict=True)
+    return all(k.lower <= c <= k.upper for k, c in kinds if k.whole_at_one)
 
 
 def sized(model: TorqueModel, index: int) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +42,8 @@ class Context:
     apart            the samples are of no one motion: nothing that came before any of them is
                      known, and t means nothing
     quieting         takes from a measured acceleration what is noise; None: none is known
+    wound            joint -> N·m by which more is wound up in its spring than its link weighs, when
+                     the motion begins, and N·m/s by which that grows; absent: the link hangs still
     """
 
     robot: Robot
@@ -58,6 +61,7 @@ class Context:
     desired: bool = False
     apart: bool = False
     quieting: Quieting | None = None
+    wound: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
     def sign(self, velocity: Array, v0: float) -> Array:
         """(N,) sign of a velocity smoothed over ±v0; along a motion its mean over each interval."""
@@ -128,6 +132,12 @@ class Context:
     def with_levels(self, levels: Array | None) -> Context:
         """The same with other levels of friction."""
         return self._with(replace(self, levels=levels))
+
+    def with_wound(self, wound: Mapping[int, tuple[float, float]]) -> Context:
+        """The same with links that swing otherwise as the motion begins."""
+        other = self._with(replace(self, wound=wound))
+        other.__dict__.pop("drawn", None)
+        return other
 
     def _with(self, other: Context) -> Context:
         """What follows from motion and bodies alone is not computed again."""

@@ -57,8 +57,10 @@ class Swing:
             mass = np.maximum(seen - rotor, max(LIGHTEST * float(np.abs(seen).max()), 1e-6))
             push = load + soft * lag[0] + drag * lag[1] + mass * lag[2]
             equation = mass, drag + damping, np.maximum(soft + stiffness, SOFTEST * stiffness)
-            rest = still_load(behind, joint) + soft[0] * lag[0, 0]
-            lag = driven_lag(push[:, None], rest, *equation, context.dt)[:, :, 0]
+            more, rate = context.wound.get(joint, (0.0, 0.0))
+            rest = still_load(behind, joint) + soft[0] * lag[0, 0] + more
+            rates = np.array([rate])
+            lag = driven_lag(push[:, None], rest, rates, *equation, context.dt)[:, :, 0]
             if not np.all(np.abs(lag[0]) < FURTHEST):
                 return None
         there = _behind(context, joint, lag)
@@ -81,13 +83,13 @@ def _behind(context: Context, joint: int, lag: Array) -> Context:
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})
-def driven_lag(load, rest, mass, drag, stiff, dt):
-    """δ, δ̇, δ̈ (3, N, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, S), from rest under the loads rest
-    (S,); all others (N,). Implicit midpoint rule, as ``mean_lag``: a measured acceleration is too
-    noisy to say where a soft spring begins."""
+def driven_lag(load, rest, rates, mass, drag, stiff, dt):
+    """δ, δ̇, δ̈ (3, N, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, S), from where the loads rest (S,)
+    wind it and from what rates (S,) they grow by; all others (N,). Implicit midpoint rule, as
+    ``mean_lag``: a measured acceleration is too noisy to say where a soft spring begins."""
     n, lanes = load.shape
     out = np.zeros((3, n, lanes))
-    x, v = rest / stiff[0], np.zeros(lanes)
+    x, v = rest / stiff[0], rates / stiff[0]
     for k in range(n):
         b = max(k - 1, 0)
         steps = max(1, int(np.ceil(np.sqrt(stiff[k] / mass[k]) * dt * SUBSTEPS)))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
 from pa10d.effects.rotor import link_inertia, link_load, typical_link
-from pa10d.effects.swing import SOFTEST, SUBSTEPS, Swing
+from pa10d.effects.swing import SOFTEST, SUBSTEPS, Swing, still_load
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,12 @@ def twisted_torque(
     inertia = link_inertia(context, joint, rotor)
     damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
     soft, drag = (np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))
-    twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, context.dt)
+    begins = load[0] / stiffness + np.where(load[0] >= 0.0, 1.0, -1.0) * wide, 0.0
+    if joint in context.wound and not wide.any():
+        more, rate = context.wound[joint]
+        grip = max(stiffness + soft[0], SOFTEST * stiffness)
+        begins = (still_load(context, joint)[0] + more) / grip + wide, rate / grip
+    twist = mean_lag(load, soft, drag, inertia, stiffness, damping, wide, *begins, context.dt)
     # far from the model's validity the integration may run away: no torque is better than inf
     twist[:, :, ~(np.abs(twist[:, 0]) <= 1.0).all(axis=0)] = 0.0
     torque = _torque(by_q[:, reach], by_dq[:, reach], by_ddq[:, reach], twist)
@@ -97,16 +102,15 @@ def _torque(by_q, by_dq, by_ddq, twist):
 # Without Python's check for division by zero, and allowed to fuse products, the loop over gaps
 # becomes vector instructions: three to four times as fast.
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})
-def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, dt):
-    """δ, δ̇, δ̈ (N, 3, S) of the driven oscillator, from its static equilibrium at the first
-    sample, the mean over each case's gaps (S, E).
+def mean_lag(load, by_q, by_dq, inertia, stiffness, damping, gaps, begins, rate, dt):
+    """δ, δ̇, δ̈ (N, 3, S) of the driven oscillator, the mean over each case's gaps (S, E).
 
-    load N·m, by_q N·m/rad, by_dq N·m·s/rad, inertia kg·m², (N,): the link's equation
+    load N·m, by_q N·m/rad, by_dq N·m·s/rad, inertia kg·m², (N,): the link's equation; begins
+    (S, E) rad and rate rad/s: δ and δ̇ at the first sample
     """
     n, (cases, each) = len(load), gaps.shape
     gap, lanes = gaps.ravel(), cases * each
-    side = 1.0 if load[0] >= 0 else -1.0
-    x, v, a = load[0] / stiffness + side * gap, np.zeros(lanes), np.zeros(lanes)
+    x, v, a = begins.copy().ravel(), np.full(lanes, rate), np.zeros(lanes)
     out = np.zeros((n, 3, cases))
     for k in range(n):
         steps = max(1, int(np.ceil(np.sqrt(stiffness / inertia[k]) * dt * SUBSTEPS)))

@@ -15,6 +15,7 @@ from pa10d.measurement.signals import through_channel
 from pa10d.model import TorqueModel
 from pa10d.regression.equation import RunEquation, prepare
 from pa10d.regression.rests import FEWEST_MOVING
+from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -86,7 +87,7 @@ def run_residual(model: TorqueModel, recording: Recording) -> RunResidual:
 
 def residual_of(model: TorqueModel, equation: RunEquation) -> RunResidual:
     """The same of a run whose torque was filtered already."""
-    seen = model.contextualise(equation.context)
+    seen = seen_by(model, equation)
     predicted, low = model.sensed(seen), equation.lowpass
     counts, clear, rested = _judged(equation)
     return RunResidual(

@@ -111,3 +111,15 @@ def test_what_is_named_beside_much_that_is_not_may_stand_in_for_it(ratio, signif
     doubted = significant and ratio > 2.0
     assert said.endswith("for what is missing there.") == doubted
     assert ("10 times its noise floor" in said) == doubted
+
+
+def test_a_spring_whose_torque_is_not_its_own_may_stand_in_for_another():
+    """Springs in two joints, one found: its share was 1.084, its K four standard errors off."""
+    values = np.array([4.7]), np.array([1.9])
+    line = Remaining(0, 1.9, 0.8, "high frequencies", False, False, None, (), "")
+    for share, doubted in ((1.0, False), (1.084, True)):
+        term = Term("joint_elasticity", (0,), np.array([share]), {"K": 5e4, "zeta": 0.015})
+        size = Value(5.5, 0.1, "N·m")
+        finding = Finding(term, {}, *values, 1e-9, 1.0, size, (), None, "Joint 1 gives.")
+        said = _beside_more(finding, [line]).sentence
+        assert said.endswith("for what is missing there.") == doubted

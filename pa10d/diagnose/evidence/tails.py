@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pa10d.diagnose.constants import SEEN_SHARE
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
+from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ def _tail(model: TorqueModel, term: Term, seen: Array, left_out: Array) -> str |
 def _peaks(model: TorqueModel, terms: Sequence[Term], run: RunEquation) -> Array:
     """(terms, 2, n) N·m: each term's largest torque in samples that are fitted, and in those that
     are not because the joint turns round or rests."""
-    seen = model.contextualise(run.context)
+    seen = seen_by(model, run)
     masks = np.stack([run.keep, run.inside[:, None] & ~run.keep])
     masks = np.repeat(masks, run.lowpass.factor, axis=1)[:, : len(run.context.t)]
     torques = np.stack([np.abs(term.torque(seen)) for term in terms])

@@ -14,6 +14,7 @@ from pa10d.effects.together import columns_once
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import Mask, PerJoint, gathered
+from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ class Side:
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""
-        return replace(self, contexts=tuple(model.contextualise(run.context) for run in self.runs))
+        return replace(self, contexts=tuple(seen_by(model, run) for run in self.runs))
 
     def rigid(self, kept: NDArray[np.int64]) -> PerJoint:
         """Filtered regressor columns."""

@@ -17,6 +17,7 @@ from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
 from pa10d.regression.per_joint import PerJoint, assembled, predict, rms
 from pa10d.regression.problem import Knowledge, LinearProblem
+from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
 
@@ -191,10 +192,10 @@ class SearchState:
             model = self.model
         self._look_through(model)
 
-    def look_through(self, bodies: Array) -> None:
-        """Columns are made anew with the loads of these base parameters; the caller refits."""
-        self.loads = bodies
-        self._look_through(replace(self.with_coefficients(self.fit.beta), h=bodies, loads=None))
+    def look_through(self, beta: Array) -> None:
+        """Columns are made anew with the loads of these coefficients; the caller refits."""
+        self.loads = self.unknowns.rigid(beta)
+        self._look_through(replace(self.with_coefficients(beta), loads=None))
 
     def _look_through(self, model: TorqueModel) -> None:
         self.train, self.held = self.train.through(model), self.held.through(model)
@@ -231,7 +232,7 @@ class SearchState:
         them: what a fit has not looked at must not become worse either."""
         squares, counts = np.zeros(self.held.n), np.zeros(self.held.n)
         for run in self.held.runs:
-            error = run.driven - run.filtered(self.model.predict(run.context))
+            error = run.driven - run.filtered(self.model.sensed(seen_by(self.model, run)))
             near = run.moving
             squares += np.sum(np.where(near, error, 0.0) ** 2, axis=0)
             counts += near.sum(axis=0)

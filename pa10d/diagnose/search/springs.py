@@ -8,7 +8,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import MATERIAL_GAIN, SPRING_HOLDS, SPRING_STEPS, SPRINGS_FOLLOWED
+from pa10d.diagnose.constants import (
+    FIRM_MODES,
+    FIRM_ROTOR,
+    FIRM_ZETA,
+    MATERIAL_GAIN,
+    SPRING_HOLDS,
+    SPRING_STEPS,
+    SPRINGS_FOLLOWED,
+)
 from pa10d.diagnose.regression.flexible import Flexible, JointSpring, SpringFit, zeta_of
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
@@ -37,6 +45,34 @@ def with_springs(state: SearchState, suspects: Sequence[Place], least: float) ->
     return [s for _, s in sorted(found, key=lambda pair: pair[0])]
 
 
+def with_firm_spring(
+    state: SearchState, suspects: Sequence[Place], joint: int
+) -> list[SearchState]:
+    """The state with a spring more in this joint, if there can be one: of a mode beyond those that
+    the motion drives, to which no measured torque can be wound, so that nothing is guessed."""
+    kinds = [kind for kind, at in suspects if kind.series_spring and at == (joint,)]
+    there = any(t.effect.series_spring and t.joints == (joint,) for t in state.terms)
+    if not kinds or there or state.frozen:
+        return []
+    fitted = _followed(Flexible(state, joint), _firm_starts(state, joint))
+    return [] if fitted is None else [_with_spring(state, kinds[0], fitted)]
+
+
+def _firm_starts(state: SearchState, joint: int) -> list[tuple[Array, JointSpring]]:
+    """The model's own bodies, which have nothing to bend to, behind springs of some modes."""
+    context = state.train.contexts[0]
+    inertia = float(context.typical_inertia[joint])
+    rotor = FIRM_ROTOR * inertia if joint in context.rotor_in_load else 0.0
+    cutoff = min(run.lowpass.cutoff for run in state.train.runs)
+    starts = []
+    for mode in FIRM_MODES:
+        omega = 2.0 * np.pi * mode * cutoff
+        stiffness = (inertia - rotor) * omega**2
+        spring = JointSpring(joint, stiffness, 2.0 * FIRM_ZETA * stiffness / omega, rotor)
+        starts.append((state.fit.beta, spring))
+    return starts
+
+
 def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchState | None:
     """The state with the spring terms[index] and all else fitted at once, from any of these base
     parameters; None where none of them leads anywhere."""
@@ -56,7 +92,7 @@ def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchSta
         return None
     out = state.copy()
     out.problem = out.problem.with_term(index, _term(state, term.effect, fitted))
-    out.look_through(fitted.beta[: len(state.model.h)])
+    out.look_through(fitted.beta)
     out.refit()
     return out
 
@@ -87,7 +123,7 @@ def _with_spring(state: SearchState, kind: Effect, fitted: SpringFit) -> SearchS
     out = state.copy()
     out.push(_term(state, kind, fitted))
     out.refit()
-    out.look_through(fitted.beta[: len(state.model.h)])
+    out.look_through(np.append(fitted.beta, 1.0))
     out.refit()
     return out
 

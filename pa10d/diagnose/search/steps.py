@@ -17,6 +17,7 @@ from pa10d.diagnose.constants import (
     MATERIAL_GAIN,
     OUTDONE,
     SEARCH_LEVEL,
+    SPRINGS_FOLLOWED,
     STEPS_PER_JOINT,
 )
 from pa10d.diagnose.evidence.errors_of import term_covariance
@@ -27,7 +28,7 @@ from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspe
 from pa10d.diagnose.search.looking import look, prefer
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
-from pa10d.diagnose.search.springs import with_springs
+from pa10d.diagnose.search.springs import with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.unknown.structure import Structure, all_maps, without
 from pa10d.effects import Effect, effect
@@ -216,8 +217,28 @@ class Search:
         """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
         beside bodies that have bent to it; the other joint's where the data cannot tell."""
         most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
+        return self._best_of(with_springs(self.state, self.suspects, most), most)
+
+    def swinging(self, joints: Sequence[int]) -> bool:
+        """Add the spring of the first of these joints whose link swings by itself, at its own mode
+        and above all that the motion asks for, where nothing else of the library has helped."""
+        before = rms(self.state.held_residual())
+        for joint in joints[:SPRINGS_FOLLOWED]:
+            spring = self._best_of(with_firm_spring(self.state, self.suspects, joint), LEAST_GAIN)
+            if spring is not None:
+                self.prune()
+                self.reconsider()
+                self.steps.append(Addition(*spring, before, rms(self.state.held_residual())))
+                return True
+        return False
+
+    def _best_of(
+        self, states: Sequence[SearchState], most: float
+    ) -> tuple[JudgedCandidate, list[JudgedCandidate]] | None:
+        """Go on with the first of these states, each with one term more, that holds and takes more
+        than ``most``; what else does as well."""
         told = []
-        for state in with_springs(self.state, self.suspects, most):
+        for state in states:
             judged = Judging(state, self.suspects, self.fixed).term(len(state.terms) - 1)
             taken = taken_by(self.state, state)
             if judged.acceptable and taken > most and not harmful(self.state, state):
