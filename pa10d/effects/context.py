@@ -44,6 +44,8 @@ class Context:
     quieting         takes from a measured acceleration what is noise; None: none is known
     wound            joint -> N·m by which more is wound up in its spring than its link weighs, when
                      the motion begins, and N·m/s by which that grows; absent: the link hangs still
+    springs          of the model's gears that give, whose links swing together: joint, K N·m/rad,
+                     damping ratio, rotor kg·m²
     """
 
     robot: Robot
@@ -62,6 +64,7 @@ class Context:
     apart: bool = False
     quieting: Quieting | None = None
     wound: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    springs: tuple[tuple[int, float, float, float], ...] = ()
 
     def sign(self, velocity: Array, v0: float) -> Array:
         """(N,) sign of a velocity smoothed over ±v0; along a motion its mean over each interval."""

@@ -6,6 +6,7 @@ found (Newton's method on the whole motion): the first pass is first order about
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numba
@@ -21,13 +22,26 @@ Three = tuple[Array, Array, Array]
 SOFTEST = 0.02  # of a spring that gravity helps to bend: beyond, the link would fall over
 SUBSTEPS = 6.0  # per radian of the spring's own oscillation
 PASSES = 2  # what is left is the square of the square of a lag
+MOST_STEPS = 1000  # of a sample: bodies that no arm has may have any mode
+RUNS_AWAY = 1e100
 FURTHEST = 1.0  # rad: no gear twists further
 
 
 @dataclass(frozen=True)
+class Spring:
+    """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side."""
+
+    joint: int
+    stiffness: float
+    damping: float
+    rotor: float
+
+
+@dataclass(frozen=True)
 class Swing:
-    """lag (3, N): δ, δ̇, δ̈; motion: q, q̇, q̈ with the link's in the motor's place, (N, n) each;
-    slopes: of all joints' torque by these, (N, n) each; equation: mass, drag, stiffness (N,)."""
+    """What links behind E springs do together. lag (3, N, E): δ, δ̇, δ̈; motion: q, q̇, q̈ with the
+    links' in the motors' place, (N, n) each; slopes: of all joints' torque by these, (E, N, n)
+    each; equation: mass, drag, stiffness (N, E, E)."""
 
     lag: Array
     motion: Three
@@ -35,36 +49,38 @@ class Swing:
     equation: Three
 
     @classmethod
-    def of(
-        cls,
-        context: Context,
-        joint: int,
-        stiffness: float,
-        damping: float,
-        rotor: float,
-    ) -> Swing | None:
-        """None: farther than any gear twists.
-
-        The context's rigid bodies; N·m/rad, N·m·s/rad and kg·m² on the motor's side.
-        """
-        behind, lag = context, np.zeros((3, len(context.q)))
+    def of(cls, context: Context, springs: Sequence[Spring]) -> Swing | None:
+        """With the context's rigid bodies. None: farther than any gear twists."""
+        joints = [s.joint for s in springs]
+        held, damped, rotors = np.array([(s.stiffness, s.damping, s.rotor) for s in springs]).T
+        own = np.arange(len(joints))
+        started = np.array([context.wound.get(j, (0.0, 0.0)) for j in joints])
+        behind, lag = context, np.zeros((3, len(context.q), len(joints)))
         for done in range(PASSES):
             if done:
-                behind = _behind(context, joint, lag)
-            load = link_load(behind, joint, rotor)
-            by_q, by_dq, by_ddq = behind.sensitivity(joint)
-            soft, drag, seen = (np.ascontiguousarray(by[:, joint]) for by in (by_q, by_dq, by_ddq))
-            mass = np.maximum(seen - rotor, max(LIGHTEST * float(np.abs(seen).max()), 1e-6))
-            push = load + soft * lag[0] + drag * lag[1] + mass * lag[2]
-            equation = mass, drag + damping, np.maximum(soft + stiffness, SOFTEST * stiffness)
-            more, rate = context.wound.get(joint, (0.0, 0.0))
-            rest = still_load(behind, joint) + soft[0] * lag[0, 0] + more
-            rates = np.array([rate])
-            lag = driven_lag(push[:, None], rest, rates, *equation, context.dt)[:, :, 0]
+                behind = _behind(context, joints, lag)
+            load = np.column_stack([link_load(behind, s.joint, s.rotor) for s in springs])
+            by = [behind.sensitivity(j) for j in joints]
+            slopes = tuple(np.stack([one[order] for one in by]) for order in range(3))
+            soft, drag, mass = (x[:, :, joints].transpose(1, 2, 0).copy() for x in slopes)
+            seen = mass[:, own, own]
+            lightest = np.maximum(LIGHTEST * np.abs(seen).max(axis=0), 1e-6)
+            mass[:, own, own] = np.maximum(seen - rotors, lightest)
+            push = load + sum(
+                np.einsum("tke,te->tk", x, y) for x, y in zip((soft, drag, mass), lag, strict=True)
+            )
+            more = soft[0] @ lag[0, 0] + started[:, 0]
+            rest = np.array([still_load(behind, j)[0] for j in joints]) + more
+            stiff = soft
+            stiff[:, own, own] = np.maximum(soft[:, own, own] + held, SOFTEST * held)
+            drag[:, own, own] += damped
+            equation = mass, drag, stiff
+            lag = driven(push[:, :, None], rest[:, None], started[:, 1:], equation, context.dt)
+            lag = lag[:, :, :, 0]
             if not np.all(np.abs(lag[0]) < FURTHEST):
                 return None
-        there = _behind(context, joint, lag)
-        return cls(lag, (there.q, there.dq, there.ddq), (by_q, by_dq, by_ddq), equation)
+        there = _behind(context, joints, lag)
+        return cls(lag, (there.q, there.dq, there.ddq), (slopes[0], slopes[1], slopes[2]), equation)
 
 
 def still_load(context: Context, joint: int) -> Array:
@@ -73,13 +89,55 @@ def still_load(context: Context, joint: int) -> Array:
     return np.asarray(context.rigid_torque(context.q[:1], rest, rest)[:, joint])
 
 
-def _behind(context: Context, joint: int, lag: Array) -> Context:
-    """The same with the link's motion in the motor's place."""
+def _behind(context: Context, joints: Sequence[int], lag: Array) -> Context:
+    """The same with the links' motion in the motors' place."""
     moved = context.q.copy(), context.dq.copy(), context.ddq.copy()
     for x, behind in zip(moved, lag, strict=True):
-        x[:, joint] -= behind
+        x[:, joints] -= behind
     q, dq, ddq = moved
     return replace(context, q=q, dq=dq, ddq=ddq)
+
+
+def driven(load: Array, rest: Array, rates: Array, equation: Three, dt: float) -> Array:
+    """δ, δ̇, δ̈ (3, N, E, S) of mass·δ̈ + drag·δ̇ + stiff·δ = load (N, E, S), from where the loads rest
+    (E, S) wind it and from what rates (E, S) they grow by; equation (N, E, E) each."""
+    if load.shape[1] > 1:
+        return np.asarray(driven_lags(load, rest, rates, *equation, dt))
+    alone = (np.ascontiguousarray(x[:, 0, 0]) for x in equation)
+    load = np.ascontiguousarray(load[:, 0])
+    return np.asarray(driven_lag(load, rest[0], rates[0], *alone, dt)[:, :, None])
+
+
+@numba.njit(cache=True, nogil=True)
+def driven_lags(load, rest, rates, mass, drag, stiff, dt):
+    """``driven`` of several springs, by the rule of ``driven_lag``."""
+    n, springs, lanes = load.shape
+    out = np.zeros((3, n, springs, lanes))
+    first = np.ascontiguousarray(stiff[0])
+    x, v = np.linalg.solve(first, rest), np.linalg.solve(first, rates)
+    for k in range(n):
+        b = max(k - 1, 0)
+        if not np.all(np.abs(x) + np.abs(v) < RUNS_AWAY):
+            out[:] = np.inf
+            return out
+        heaviest = np.ascontiguousarray(mass[k])
+        highest = np.trace(np.linalg.solve(heaviest, np.ascontiguousarray(stiff[k])))
+        steps = max(1, int(np.ceil(np.sqrt(max(highest, 0.0)) * dt * SUBSTEPS)))
+        steps = min(steps, MOST_STEPS)
+        h = dt / steps if k else 0.0
+        for s in range(steps if k else 0):
+            w = (s + 0.5) / steps
+            m, c = mass[b] + (mass[k] - mass[b]) * w, drag[b] + (drag[k] - drag[b]) * w
+            slope = stiff[b] + (stiff[k] - stiff[b]) * w
+            heavy = m + 0.5 * h * c + 0.25 * h * h * slope
+            push = load[b] + (load[k] - load[b]) * w
+            a = np.linalg.solve(heavy, push - slope @ x - (c + 0.5 * h * slope) @ v)
+            x = x + h * v + 0.5 * h * h * a
+            v = v + h * a
+        out[0, k], out[1, k] = x, v
+        left = load[k] - np.ascontiguousarray(stiff[k]) @ x - np.ascontiguousarray(drag[k]) @ v
+        out[2, k] = np.linalg.solve(heaviest, left)
+    return out
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nsz", "contract", "arcp"})

@@ -74,6 +74,11 @@ def contextualised(
         total=np.zeros_like(context.q),
         rubbing=rubbing,
         rotor_in_load=tuple(sorted(set(range(context.robot.n)) - set(own_rotor))),
+        springs=tuple(
+            (t.joints[0], t.shape["K"], t.shape["zeta"], t.shape.get("rotor", 0.0))
+            for t in terms
+            if t.effect.series_spring
+        ),
     )
     loaded = loaded.with_levels(_levels(loaded, terms))
     own = loaded if loads is None else replace(context, rigid=rigid)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects.context import Context
 from pa10d.effects.rotor import link_inertia, link_load, typical_link
-from pa10d.effects.swing import SOFTEST, SUBSTEPS, Swing, still_load
+from pa10d.effects.swing import SOFTEST, SUBSTEPS, Spring, Swing, still_load
 
 Array = NDArray[np.float64]
 
@@ -52,8 +52,13 @@ def twisted_torque(
         still = static_lag(load, by_q[:, joint], stiffness, wide)
         torque = -by_q[:, reach, None] * still[:, None, :]
         return torque[:, 0] if own else torque
+    damping = _damping(context, joint, stiffness, zeta, rotor)
+    others = [Spring(j, k, _damping(context, j, k, z, r), r) for j, k, z, r in context.springs]
+    if len(others) > 1 and not wide.any() and any(s.joint == joint for s in others):
+        alone = Spring(joint, stiffness, damping, rotor)
+        torque = _among(context, (alone, *(s for s in others if s.joint != joint)))[:, reach]
+        return torque[:, 0] if own else torque
     inertia = link_inertia(context, joint, rotor)
-    damping = 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
     soft, drag = (np.ascontiguousarray(a[:, joint]) for a in (by_q, by_dq))
     begins = load[0] / stiffness + np.where(load[0] >= 0.0, 1.0, -1.0) * wide, 0.0
     if joint in context.wound and not wide.any():
@@ -67,12 +72,34 @@ def twisted_torque(
     torque[:, 0 if own else joint] += rotor * twist[:, 2]
     if closely and not wide.any() and np.abs(twist[:, 0]).max() > SMALL:
         far = np.maximum.accumulate(np.abs(twist[:, 0, 0])) > SMALL
-        swing = Swing.of(context, joint, stiffness, damping, rotor)
+        swing = Swing.of(context, (Spring(joint, stiffness, damping, rotor),))
         if swing is not None:  # what comes later must not change what was
             whole = context.rigid_torque(*swing.motion) - context.load
-            whole[:, joint] += rotor * swing.lag[2]
+            whole[:, joint] += rotor * swing.lag[2][:, 0]
             torque[far, :, 0] = whole[far][:, reach]
     return torque[:, 0] if own else torque
+
+
+def _damping(context: Context, joint: int, stiffness: float, zeta: float, rotor: float) -> float:
+    """N·m·s/rad."""
+    return 2.0 * zeta * float(np.sqrt(stiffness * typical_link(context, joint, rotor)))
+
+
+def _among(context: Context, springs: Sequence[Spring]) -> Array:
+    """(N, n, 1) N·m of the first of several springs whose links swing together: what its own lag
+    adds to first order, and its share of what all of them add beyond that."""
+    swing = Swing.of(context, springs)
+    if swing is None:
+        return np.zeros((*context.q.shape, 1))
+    parts = [
+        -sum(by[e] * lag[:, e, None] for by, lag in zip(swing.slopes, swing.lag, strict=True))
+        for e in range(len(springs))
+    ]
+    whole = context.rigid_torque(*swing.motion) - context.load
+    beyond = (whole - sum(parts)) / len(springs)
+    torque = parts[0] + beyond
+    torque[:, springs[0].joint] += springs[0].rotor * swing.lag[2][:, 0]
+    return np.asarray(torque[:, :, None])
 
 
 def static_lag(load: Array, by_q: Array, stiffness: float, gaps: Array) -> Array:

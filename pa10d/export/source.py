@@ -31,6 +31,7 @@ FLAGS = (
     "is_rotor",
     "feels_own_heat",
     "uses_model",
+    "series_spring",
     "carried",
     "builds_up_over",
 )

@@ -59,7 +59,7 @@ def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Arra
         j = term.joints[0]
         omega = np.sqrt(term.shape["K"] / typical_link(seen, j, term.shape.get("rotor", 0.0)))
         sizes += [winds(run, j), winds(run, j) * float(omega)]
-        columns += [_freely(term, seen, run, one, sizes[-2:][one]) for one in (0, 1)]
+        columns += [_freely(springs, j, seen, run, one, sizes[-2:][one]) for one in (0, 1)]
     keep = run.keep
     sigma = np.sqrt(np.sum(np.where(keep, error, 0.0) ** 2, axis=0) / np.maximum(keep.sum(0), 1))
     weight = np.where(keep & (sigma > 0.0), 1.0 / np.maximum(sigma, 1e-300), 0.0)
@@ -70,10 +70,14 @@ def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Arra
     return np.asarray((found * sizes).reshape(-1, 2))
 
 
-def _freely(term: Term, seen: Context, run: RunEquation, which: int, size: float) -> Array:
-    """(M, n) N·m that a link which begins by ``size`` farther (0) or faster (1) adds."""
-    j = term.joints[0]
-    other = list(seen.wound[j])
-    other[which] += size
-    moved = term.torque(seen.with_wound({**seen.wound, j: (other[0], other[1])}))
-    return np.asarray(run.filtered(moved - term.torque(seen)))
+def _freely(
+    springs: Sequence[Term], joint: int, seen: Context, run: RunEquation, which: int, size: float
+) -> Array:
+    """(M, n) N·m that this joint's link adds when it begins by ``size`` farther (0) or faster
+    (1)."""
+    begun = list(seen.wound[joint])
+    begun[which] += size
+    other = seen.with_wound({**seen.wound, joint: (begun[0], begun[1])})
+    return np.asarray(
+        run.filtered(np.sum([t.torque(other) - t.torque(seen) for t in springs], axis=0))
+    )

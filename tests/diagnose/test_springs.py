@@ -47,8 +47,8 @@ def test_bodies_and_spring_are_fitted_at_once(state):
     """From a spring that is off by a third and bodies that are off by a fifth."""
     beta, true = state.fit.beta.copy(), state.model.base.of(robot().parameters)
     beta[: len(true)] = true * np.where(np.arange(len(true)) % 2, 1.2, 0.8)
-    found = Flexible(state, 1).fit(beta, JointSpring(1, 1.3 * STIFFNESS, 0.05, 0.0), 20)
-    assert found.spring.stiffness == pytest.approx(STIFFNESS, rel=0.1)
+    found = Flexible(state, [1]).fit(beta, (JointSpring(1, 1.3 * STIFFNESS, 0.05, 0.0),), 20)
+    assert found.springs[0].stiffness == pytest.approx(STIFFNESS, rel=0.1)
     assert found.left < np.log(0.6 * state.fit.rms()).sum()
 
 

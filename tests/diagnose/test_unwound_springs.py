@@ -60,8 +60,8 @@ def test_a_spring_is_fitted_whatever_it_is_wound_to_at_first(state):
     stiffness, damping = spring_of(MODE, ZETA)
     beta, bodies = state.fit.beta.copy(), true(state).h
     beta[: len(bodies)] = bodies
-    found = Flexible(state, 1).fit(beta, JointSpring(1, 1.05 * stiffness, damping, 0.0), 8)
-    assert found.spring.stiffness == pytest.approx(stiffness, rel=0.02)
+    found = Flexible(state, [1]).fit(beta, (JointSpring(1, 1.05 * stiffness, damping, 0.0),), 8)
+    assert found.springs[0].stiffness == pytest.approx(stiffness, rel=0.02)
     assert found.left < 2.0 * np.log(1.1 * FLOOR)
 
 

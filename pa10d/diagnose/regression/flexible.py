@@ -1,4 +1,4 @@
-"""The whole model beside one spring in a gear, fitted by Gauss and Newton's steps.
+"""The whole model beside springs in gears, fitted by Gauss and Newton's steps.
 
 Where a spring lets its link swing within the band of the motion, a rigid model's bodies are those
 of no arm: they have bent themselves to the swing, and links thrown about by their loads lead
@@ -10,6 +10,7 @@ swings, by the same equation driven by the regressor's columns instead of the lo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +29,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.dynamics import Robot, inverse_dynamics, regressor, typical_inertia
 from pa10d.effects import Context
 from pa10d.effects.rotor import LIGHTEST
-from pa10d.effects.swing import Swing, driven_lag
+from pa10d.effects.swing import Spring, Swing, driven
 from pa10d.measurement.signals import Lowpass
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint, assembled, rms
@@ -40,17 +41,10 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class JointSpring:
-    """K N·m/rad, C N·m·s/rad and the inertia in kg·m² that stays on the motor's side.
+class JointSpring(Spring):
+    """wound: (2·runs,) of each run in turn, N·m by which more is wound up than the link weighs when
+    it begins, and N·m/s by which that grows; empty: every link begins at rest."""
 
-    wound: (2·runs,) of each run in turn, N·m by which more is wound up than the link weighs when it
-    begins, and N·m/s by which that grows; empty: every link begins at rest
-    """
-
-    joint: int
-    stiffness: float
-    damping: float
-    rotor: float
     wound: tuple[float, ...] = ()
 
     def begun(self, run: int) -> tuple[float, float]:
@@ -58,13 +52,17 @@ class JointSpring:
         return (self.wound[2 * run], self.wound[2 * run + 1]) if self.wound else (0.0, 0.0)
 
 
+Springs = tuple[JointSpring, ...]
+
+
 @dataclass(frozen=True)
 class SpringFit:
-    """Coefficients (p,) of the bodies and of all other terms, beside the spring; left: the sum over
-    the joints of the logarithm of what is left over, N·m, and what unlikely beginnings cost."""
+    """Coefficients (p,) of the bodies and of all other terms, beside the springs; left: the sum
+    over the joints of the logarithm of what is left over, N·m, and what unlikely beginnings cost.
+    """
 
     beta: Array
-    spring: JointSpring
+    springs: Springs
     left: float
 
 
@@ -74,7 +72,7 @@ class _Run:
     lowpass: Lowpass
     going: Array
     left: Array
-    winds: float
+    winds: tuple[float, ...]
 
     def filtered(self, raw: Array) -> Array:
         """(N, n, …) torque of all joints, as the equations have it."""
@@ -82,41 +80,42 @@ class _Run:
 
 
 class Flexible:
-    """One side of a model with a spring at a joint; the spring's own term, if it has one, is out.
+    """One side of a model with springs at some joints; the springs' own terms, where it has any,
+    are out.
 
-    but: index of that term
+    but: indices of those terms
     """
 
-    def __init__(self, state: SearchState, joint: int, but: int | None = None) -> None:
-        self.joint, self.side = joint, state.train
+    def __init__(self, state: SearchState, joints: Sequence[int], but: Sequence[int] = ()) -> None:
+        self.joints, self.side = tuple(joints), state.train
         self.robot: Robot = state.model.robot
         self.kept = state.model.base.kept
         self.bodies = len(self.kept)
-        self.rotor_in_load = joint in self.side.contexts[0].rotor_in_load
+        self.rotor_in_load = [j in self.side.contexts[0].rotor_in_load for j in joints]
         self.runs = [
-            _coarse(r, c, joint) for r, c in zip(self.side.runs, self.side.contexts, strict=True)
+            _coarse(r, c, joints) for r, c in zip(self.side.runs, self.side.contexts, strict=True)
         ]
         self.rows = sum(len(tau) for tau in self.side.tau) / self.side.n
         places = state.unknowns.places
-        chosen = [i for i in range(len(state.terms)) if i != but]
+        chosen = [i for i in range(len(state.terms)) if i not in but]
         self.others = [(places[i], state.blocks[i][0]) for i in chosen]
         self.size = state.unknowns.size
 
-    def fit(self, beta: Array, spring: JointSpring, rounds: int) -> SpringFit | None:
-        """The best that so many steps reach from there; None where the link would run away."""
-        if not spring.wound:
-            spring = replace(spring, wound=(0.0,) * (2 * len(self.runs)))
-        found = self._torque(beta, spring)
+    def fit(self, beta: Array, springs: Springs, rounds: int) -> SpringFit | None:
+        """The best that so many steps reach from there; None where a link would run away."""
+        still = (0.0,) * (2 * len(self.runs))
+        springs = tuple(replace(s, wound=s.wound or still) for s in springs)
+        found = self._torque(beta, springs)
         if found is None:
             return None
-        inertia = float(typical_inertia(self.robot, self._rigid(beta))[self.joint])
-        sizes = self._sizes(inertia, spring)
-        left = self._left(found, spring, sizes)
+        inertia = typical_inertia(self.robot, self._rigid(beta))[list(self.joints)]
+        sizes = self._sizes(inertia, springs)
+        left = self._left(found, springs, sizes)
         for _ in range(rounds):
-            step = self._step(beta, spring, found, sizes)
+            step = self._step(beta, springs, found, sizes)
             better = None
             for share in STEP_SHARES:
-                moved = self._moved(spring, share, step, inertia)
+                moved = self._moved(springs, share, step, inertia)
                 trial = beta + share * step[: self.size], moved
                 torque = self._torque(*trial)
                 if torque is not None and self._left(torque, trial[1], sizes) < left:
@@ -124,32 +123,36 @@ class Flexible:
                     break
             if better is None:
                 break
-            beta, spring, found = better
-            before, left = left, self._left(found, spring, sizes)
+            beta, springs, found = better
+            before, left = left, self._left(found, springs, sizes)
             if before - left < SPRING_WORTH:
                 break
-        return SpringFit(beta, spring, left)
+        return SpringFit(beta, springs, left)
 
-    def _sizes(self, inertia: float, spring: JointSpring) -> Array:
-        """(2·runs,) N·m and N·m/s that may be wound up when a run begins; inertia: kg·m² of rotor
-        and link."""
-        omega = float(np.sqrt(spring.stiffness / _link(inertia, spring.rotor)))
-        return np.array([run.winds * by for run in self.runs for by in (1.0, omega)])
+    def _sizes(self, inertia: Array, springs: Springs) -> Array:
+        """(springs·2·runs,) N·m and N·m/s that may be wound up when a run begins; inertia: kg·m² of
+        rotor and link (springs,)."""
+        modes = [
+            np.sqrt(s.stiffness / _link(i, s.rotor)) for s, i in zip(springs, inertia, strict=True)
+        ]
+        return np.array(
+            [run.winds[e] * by for e, m in enumerate(modes) for run in self.runs for by in (1.0, m)]
+        )
 
-    def _left(self, torque: PerJoint, spring: JointSpring, sizes: Array) -> float:
-        unlikely = float(np.sum((np.array(spring.wound) / sizes) ** 2))
+    def _left(self, torque: PerJoint, springs: Springs, sizes: Array) -> float:
+        unlikely = float(np.sum((_wound(springs) / sizes) ** 2))
         return _left(self.side, torque) + 0.5 * unlikely / self.rows
 
-    def _step(self, beta: Array, spring: JointSpring, torque: PerJoint, sizes: Array) -> Array:
+    def _step(self, beta: Array, springs: Springs, torque: PerJoint, sizes: Array) -> Array:
         """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
-        slopes = self._slopes(beta, spring)
+        slopes = self._slopes(beta, springs)
         sigma = {j: max(rms(self.side.tau[j] - torque[j]), 1e-12) for j in torque}
         rows = np.concatenate([slopes[j] / sigma[j] for j in torque])
         target = np.concatenate([(self.side.tau[j] - torque[j]) / sigma[j] for j in torque])
         likely = np.zeros((len(sizes), rows.shape[1]))
         likely[:, -len(sizes) :] = np.diag(1.0 / sizes)
         rows = np.concatenate([rows, likely])
-        target = np.concatenate([target, -np.array(spring.wound) / sizes])
+        target = np.concatenate([target, -_wound(springs) / sizes])
         scale = np.linalg.norm(rows, axis=0)
         scale[scale == 0] = 1.0
         both = np.column_stack([rows / scale, target])
@@ -160,33 +163,40 @@ class Flexible:
         seen = left[:, kept].T @ triangle[:width, width]
         return np.asarray(right[kept].T @ (seen / values[kept]) / scale)
 
-    def _moved(self, spring: JointSpring, share: float, step: Array, inertia: float) -> JointSpring:
+    def _moved(self, springs: Springs, share: float, step: Array, inertia: Array) -> Springs:
         """No farther than the equations are nearly linear: a rotor that takes the whole inertia in
         one step leaves a link without a mode, and no way back."""
-        stiffer, damped, rotor, *wound = step[self.size :]
-        farthest = ROTOR_STEP * _link(inertia, spring.rotor)
-        rotor = float(np.clip(rotor, -farthest, farthest))
-        longest = max(abs(stiffer), abs(damped), SPRING_STEP)
-        stiffer, damped = (share * SPRING_STEP / longest * x for x in (stiffer, damped))
-        return replace(
-            spring,
-            stiffness=spring.stiffness * float(np.exp(stiffer)),
-            damping=spring.damping * float(np.exp(damped)),
-            rotor=max(0.0, spring.rotor + share * rotor),
-            wound=tuple(
-                was + share * float(more) for was, more in zip(spring.wound, wound, strict=True)
-            ),
-        )
+        shapes = step[self.size : self.size + 3 * len(springs)].reshape(-1, 3)
+        wound = step[self.size + 3 * len(springs) :].reshape(len(springs), -1)
+        out = []
+        for spring, own, more, whole in zip(springs, shapes, wound, inertia, strict=True):
+            longest = max(abs(own[0]), abs(own[1]), SPRING_STEP)
+            stiffer, damped = (share * SPRING_STEP / longest * float(x) for x in own[:2])
+            farthest = ROTOR_STEP * _link(float(whole), spring.rotor)
+            rotor = float(np.clip(own[2], -farthest, farthest))
+            out.append(
+                replace(
+                    spring,
+                    stiffness=spring.stiffness * float(np.exp(stiffer)),
+                    damping=spring.damping * float(np.exp(damped)),
+                    rotor=max(0.0, spring.rotor + share * rotor),
+                    wound=tuple(
+                        w + share * float(m) for w, m in zip(spring.wound, more, strict=True)
+                    ),
+                )
+            )
+        return tuple(out)
 
-    def _torque(self, beta: Array, spring: JointSpring) -> PerJoint | None:
+    def _torque(self, beta: Array, springs: Springs) -> PerJoint | None:
         """joint -> (m_j,) filtered torque on the samples that count."""
         rigid, whole = self._rigid(beta), []
         for number, run in enumerate(self.runs):
-            swing = _swing(run.context, rigid, spring, number)
+            swing = _swing(run.context, rigid, springs, number)
             if swing is None:
                 return None
             torque = inverse_dynamics(self.robot, rigid, *swing.motion)
-            torque[:, self.joint] += spring.rotor * swing.lag[2]
+            for e, spring in enumerate(springs):
+                torque[:, spring.joint] += spring.rotor * swing.lag[2][:, e]
             whole.append(run.filtered(torque))
         out = {j: self.side.gathered([x[:, j] for x in whole], j) for j in range(self.side.n)}
         for place, block in self.others:
@@ -194,19 +204,22 @@ class Flexible:
                 out[j] = out[j] + columns @ beta[place]
         return out
 
-    def _slopes(self, beta: Array, spring: JointSpring) -> PerJoint:
-        """joint -> (m_j, p + 3 + 2·runs): by coefficients, ln K, ln C, rotor and beginnings."""
+    def _slopes(self, beta: Array, springs: Springs) -> PerJoint:
+        """joint -> (m_j, p + 3·springs + 2·springs·runs): by coefficients, each spring's ln K, ln C
+        and rotor, and each one's beginnings."""
         rigid, whole = self._rigid(beta), []
+        known, runs = self.bodies + 3 * len(springs), len(self.runs)
         for number, run in enumerate(self.runs):
-            swing = _swing(run.context, rigid, spring, number)
+            swing = _swing(run.context, rigid, springs, number)
             assert swing is not None  # it was followed to get here
             columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
             regressor(self.robot, *swing.motion, self.kept, out=columns)
-            moving = run.filtered(self._moving(columns, swing, spring, number))
-            wide = np.zeros((*moving.shape[:2], self.bodies + 3 + 2 * len(self.runs)))
-            wide[:, :, : self.bodies + 3] = moving[:, :, :-2]
-            place = self.bodies + 3 + 2 * number
-            wide[:, :, place : place + 2] = moving[:, :, -2:]
+            moving = run.filtered(self._moving(columns, swing, springs, number))
+            wide = np.zeros((*moving.shape[:2], known + 2 * runs * len(springs)))
+            wide[:, :, :known] = moving[:, :, :known]
+            for e in range(len(springs)):
+                place, begins = known + 2 * (e * runs + number), known + 2 * e
+                wide[:, :, place : place + 2] = moving[:, :, begins : begins + 2]
             whole.append(wide)
         rows = [self.side.gathered([x[:, j] for x in whole], j) for j in range(self.side.n)]
         width = self.size + rows[0].shape[1] - self.bodies
@@ -215,35 +228,37 @@ class Flexible:
         parts = [(slice(self.bodies), bodies), (slice(self.size, width), shapes), *self.others]
         return assembled(parts, width, [len(r) for r in rows])
 
-    def _moving(self, columns: Array, swing: Swing, spring: JointSpring, number: int) -> Array:
-        """(N, n, b + 5) raw: the regressor's columns at the link, and what the link's
-        own change of motion adds to each; the last two: where and how fast it begins."""
-        j, b = self.joint, self.bodies
+    def _moving(self, columns: Array, swing: Swing, springs: Springs, number: int) -> Array:
+        """(N, n, b + 5·springs) raw: the regressor's columns at the links, and what the links'
+        own change of motion adds to each; the last two of each: where and how fast it begins."""
+        b, count = self.bodies, len(springs)
         samples, n, _ = columns.shape
         lag = swing.lag
-        drives = np.zeros((samples, b + 5))
-        drives[:, :b] = columns[:, j]
-        drives[:, b] = -spring.stiffness * lag[0]
-        drives[:, b + 1] = -spring.damping * lag[1]
-        drives[:, b + 2] = -swing.motion[2][:, j] if self.rotor_in_load else 0.0
+        drives = np.zeros((samples, count, b + 5 * count))
         rest = np.zeros((1, n, b))
         still = np.zeros((1, n))
         regressor(self.robot, swing.motion[0][:1], still, still, self.kept, out=rest)
-        rests = drives[0].copy()
-        rests[:b] = rest[0, j]
-        rests[b + 1 :] = 0.0
-        rests[b + 3] = 1.0
-        rates = np.zeros_like(rests)
-        rates[b] = -spring.begun(number)[1]
-        rates[b + 4] = 1.0
-        moved = driven_lag(drives, rests, rates, *swing.equation, self.runs[number].context.dt)
-        out = np.zeros((samples, n, drives.shape[1]))
+        rests, rates = np.zeros((2, count, drives.shape[2]))
+        for e, spring in enumerate(springs):
+            j, own, begins = spring.joint, b + 3 * e, b + 3 * count + 2 * e
+            drives[:, e, :b] = columns[:, j]
+            drives[:, e, own] = -spring.stiffness * lag[0][:, e]
+            drives[:, e, own + 1] = -spring.damping * lag[1][:, e]
+            if self.rotor_in_load[e]:
+                drives[:, e, own + 2] = -swing.motion[2][:, j]
+            rests[e, :b] = rest[0, j]
+            rests[e, own] = drives[0, e, own]
+            rates[e, own] = -spring.begun(number)[1]
+            rests[e, begins] = rates[e, begins + 1] = 1.0
+        moved = driven(drives, rests, rates, swing.equation, self.runs[number].context.dt)
+        out = np.zeros((samples, n, drives.shape[2]))
         out[:, :, :b] = columns
-        for by, change in zip(swing.slopes, moved, strict=True):
-            out -= by[:, :, None] * change[:, None, :]
-        out[:, j] += spring.rotor * moved[2]
-        if self.rotor_in_load:
-            out[:, j, b + 2] += lag[2]
+        for e, spring in enumerate(springs):
+            for by, change in zip(swing.slopes, moved, strict=True):
+                out -= by[e][:, :, None] * change[:, e][:, None, :]
+            out[:, spring.joint] += spring.rotor * moved[2][:, e]
+            if self.rotor_in_load[e]:
+                out[:, spring.joint, b + 3 * e + 2] += lag[2][:, e]
         return out
 
     def _rigid(self, beta: Array) -> Array:
@@ -257,13 +272,17 @@ def _link(inertia: float, rotor: float) -> float:
     return max(inertia - rotor, LIGHTEST * inertia)
 
 
-def _swing(context: Context, rigid: Array, spring: JointSpring, run: int) -> Swing | None:
-    wound = {**context.wound, spring.joint: spring.begun(run)}
-    seen = replace(context, rigid=rigid, wound=wound)
-    return Swing.of(seen, spring.joint, spring.stiffness, spring.damping, spring.rotor)
+def _wound(springs: Springs) -> Array:
+    """(springs·2·runs,) how the links begin, one spring's after another's."""
+    return np.array([x for spring in springs for x in spring.wound])
 
 
-def zeta_of(state: SearchState, h: Array, spring: JointSpring) -> float:
+def _swing(context: Context, rigid: Array, springs: Springs, run: int) -> Swing | None:
+    wound = {spring.joint: spring.begun(run) for spring in springs}
+    return Swing.of(replace(context, rigid=rigid, wound=wound), springs)
+
+
+def zeta_of(state: SearchState, h: Array, spring: Spring) -> float:
     """Damping ratio at the link's typical inertia, with these base parameters."""
     rigid = np.zeros(10 * state.model.robot.n)
     rigid[state.model.base.kept] = h
@@ -272,7 +291,7 @@ def zeta_of(state: SearchState, h: Array, spring: JointSpring) -> float:
     return float(spring.damping / (2.0 * np.sqrt(spring.stiffness * link)))
 
 
-def _coarse(run: RunEquation, context: Context, joint: int) -> _Run:
+def _coarse(run: RunEquation, context: Context, joints: Sequence[int]) -> _Run:
     """The motion on fewer samples, as many as its swing needs, with a filter that ends on the same
     samples of the equation."""
     fine = run.lowpass
@@ -298,7 +317,7 @@ def _coarse(run: RunEquation, context: Context, joint: int) -> _Run:
         fine.channel,
     )
     going = np.ones_like(thin.q) if run.going is None else run.going[::step]
-    return _Run(thin, lowpass, going, run.left, winds(run, joint))
+    return _Run(thin, lowpass, going, run.left, tuple(winds(run, j) for j in joints))
 
 
 def _left(side: Side, torque: PerJoint) -> float:

@@ -51,15 +51,10 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
 
 def _with_springs_followed(best: SearchState, least: float, begun: Array | None) -> SearchState:
     """The same with bodies and springs fitted at once, where that leaves less."""
-    for index, term in enumerate(best.terms):
-        if not term.effect.series_spring or best.frozen:
-            continue
-        bodies = [h for h in (begun, best.loads) if h is not None]
-        found = follow(best, index, bodies)
-        left = np.inf if found is None else what_is_left(found)
-        if found is not None and left < least:
-            best, least = found, left
-    return best
+    if best.frozen or not any(term.effect.series_spring for term in best.terms):
+        return best
+    found = follow(best, [h for h in (begun, best.loads) if h is not None])
+    return best if found is None or what_is_left(found) >= least else found
 
 
 def _come_home(state: SearchState, fixed: int) -> None:

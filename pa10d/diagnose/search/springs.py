@@ -17,7 +17,13 @@ from pa10d.diagnose.constants import (
     SPRING_STEPS,
     SPRINGS_FOLLOWED,
 )
-from pa10d.diagnose.regression.flexible import Flexible, JointSpring, SpringFit, zeta_of
+from pa10d.diagnose.regression.flexible import (
+    Flexible,
+    JointSpring,
+    SpringFit,
+    Springs,
+    zeta_of,
+)
 from pa10d.diagnose.regression.passed import Guess, guesses
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.effects import Effect
@@ -39,9 +45,8 @@ def with_springs(state: SearchState, suspects: Sequence[Place], least: float) ->
     likely = [g for g in tried if g.gain > least and g.drop > MATERIAL_GAIN]
     found = []
     for guess in likely[:SPRINGS_FOLLOWED]:
-        fitted = _followed(Flexible(state, guess.joint), _starts(state, guess))
-        if fitted is not None:
-            found.append((fitted.left, _with_spring(state, places[guess.joint], fitted)))
+        new = _with_spring(state, places[guess.joint], _starts(state, guess))
+        found += [] if new is None else [new]
     return [s for _, s in sorted(found, key=lambda pair: pair[0])]
 
 
@@ -54,8 +59,8 @@ def with_firm_spring(
     there = any(t.effect.series_spring and t.joints == (joint,) for t in state.terms)
     if not kinds or there or state.frozen:
         return []
-    fitted = _followed(Flexible(state, joint), _firm_starts(state, joint))
-    return [] if fitted is None else [_with_spring(state, kinds[0], fitted)]
+    new = _with_spring(state, kinds[0], _firm_starts(state, joint))
+    return [] if new is None else [new[1]]
 
 
 def _firm_starts(state: SearchState, joint: int) -> list[tuple[Array, JointSpring]]:
@@ -73,27 +78,28 @@ def _firm_starts(state: SearchState, joint: int) -> list[tuple[Array, JointSprin
     return starts
 
 
-def follow(state: SearchState, index: int, bodies: Sequence[Array]) -> SearchState | None:
-    """The state with the spring terms[index] and all else fitted at once, from any of these base
+def follow(state: SearchState, bodies: Sequence[Array]) -> SearchState | None:
+    """The state with all of its springs and all else fitted at once, from any of these base
     parameters; None where none of them leads anywhere."""
-    term = state.terms[index]
-    j, shape = term.joints[0], term.shape
-    rotor = shape.get("rotor", 0.0)
-    inertia = typical_link(state.train.contexts[0], j, rotor)
-    damping = 2.0 * shape["zeta"] * float(np.sqrt(shape["K"] * inertia))
-    spring = JointSpring(j, shape["K"], damping, rotor)
+    springs = _there(state)
     starts = []
     for h in bodies:
         beta = state.fit.beta.copy()
         beta[: len(h)] = h
-        starts.append((beta, spring))
-    fitted = _followed(Flexible(state, j, but=index), starts)
-    if fitted is None:
-        return None
-    out = state.copy()
-    out.problem = out.problem.with_term(index, _term(state, term.effect, fitted))
-    out.look_through(fitted.beta)
-    out.refit()
+        starts.append((beta, tuple(springs.values())))
+    fitted = _followed(state, starts)
+    return None if fitted is None else _through(state, fitted)
+
+
+def _there(state: SearchState) -> dict[int, JointSpring]:
+    """By the index of its term, each spring that the model has."""
+    out = {}
+    for index, term in enumerate(state.terms):
+        if term.effect.series_spring:
+            j, shape, rotor = term.joints[0], term.shape, term.shape.get("rotor", 0.0)
+            inertia = typical_link(state.train.contexts[0], j, rotor)
+            damping = 2.0 * shape["zeta"] * float(np.sqrt(shape["K"] * inertia))
+            out[index] = JointSpring(j, shape["K"], damping, rotor)
     return out
 
 
@@ -105,32 +111,55 @@ def _starts(state: SearchState, guess: Guess) -> list[tuple[Array, JointSpring]]
     return [(beta, spring) for beta in (guess.beta, filed, state.fit.beta)]
 
 
-def _followed(model: Flexible, starts: Sequence[tuple[Array, JointSpring]]) -> SpringFit | None:
-    """The best end of some steps from each start, and of more from the best."""
+def _followed(state: SearchState, starts: Sequence[tuple[Array, Springs]]) -> SpringFit | None:
+    """The best end of some steps from each start, and of more from the best. Springs of a start:
+    those that the model has, after one more."""
     few, many = SPRING_STEPS
+    model = Flexible(state, [s.joint for s in starts[0][1]], list(_there(state)))
     ends = []
-    for beta, spring in starts:  # where the link would run away, a stiffer gear may hold it
-        stiffer = replace(spring, stiffness=SPRING_HOLDS * spring.stiffness)
-        ends.append(model.fit(beta, spring, few) or model.fit(beta, stiffer, few))
+    for beta, springs in starts:  # where the link would run away, a stiffer gear may hold it
+        first = replace(springs[0], stiffness=SPRING_HOLDS * springs[0].stiffness)
+        ends.append(model.fit(beta, springs, few) or model.fit(beta, (first, *springs[1:]), few))
     reached = [e for e in ends if e is not None]
     if not reached:
         return None
     best = min(reached, key=lambda e: e.left)
-    return model.fit(best.beta, best.spring, many)
+    return model.fit(best.beta, best.springs, many)
 
 
-def _with_spring(state: SearchState, kind: Effect, fitted: SpringFit) -> SearchState:
+def _with_spring(
+    state: SearchState, kind: Effect, starts: Sequence[tuple[Array, JointSpring]]
+) -> tuple[float, SearchState] | None:
+    """What is left of the fit side, and the state with one more spring beside those it has."""
+    there = tuple(_there(state).values())
+    fitted = _followed(state, [(beta, (spring, *there)) for beta, spring in starts])
+    if fitted is None:
+        return None
     out = state.copy()
-    out.push(_term(state, kind, fitted))
+    out.push(_term(state, kind, fitted.beta, fitted.springs[0]))
     out.refit()
-    out.look_through(np.append(fitted.beta, 1.0))
+    rest = replace(
+        fitted,
+        beta=np.append(fitted.beta, 1.0),
+        springs=(*fitted.springs[1:], fitted.springs[0]),
+    )
+    return fitted.left, _through(out, rest)
+
+
+def _through(state: SearchState, fitted: SpringFit) -> SearchState:
+    """The state with its springs as they were fitted, seen through all that was fitted beside."""
+    out, beta = state.copy(), fitted.beta.copy()
+    for index, spring in zip(_there(state), fitted.springs, strict=True):
+        term = _term(state, state.terms[index].effect, fitted.beta, spring)
+        out.problem = out.problem.with_term(index, term)
+        beta[out.place(index)] = 1.0
+    out.look_through(beta)
     out.refit()
     return out
 
 
-def _term(state: SearchState, kind: Effect, fitted: SpringFit) -> Term:
-    spring = fitted.spring
-    zeta = zeta_of(state, fitted.beta[: len(state.model.h)], spring)
+def _term(state: SearchState, kind: Effect, beta: Array, spring: JointSpring) -> Term:
+    zeta = zeta_of(state, beta[: len(state.model.h)], spring)
     values = {"K": spring.stiffness, "zeta": zeta}
     if spring.joint in state.train.contexts[0].rotor_in_load:
         values["rotor"] = spring.rotor
