@@ -162,6 +162,10 @@ SMOOTH_TAILS = 1e-3  # share of samples at either end that do not widen a map's 
 #   0.5 % of its held-out error)
 SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged (c: at half and at twice the
 #   LWR4's ripple on joint 7 goes, which is marginal, and joint 6 gets another map)
+FEWEST_ORDINATES = 8  # of a periodogram that tells whether noise rises towards zero
+DRIFT_ORDINATES = 32  # of it over which noise that does not drift is taken for white
+DRIFT_MEMORIES = (1.0, 0.5, 0.25, 0.125)  # times the length of the run
+DRIFT_POWERS = tuple(10.0 ** (0.25 * k) for k in range(-4, 21))  # at the first ordinate, over white
 HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for (a)
 HIGHEST_OF_SLIDES = 3200.0  # rad/m likewise: a screw of 2 mm pitch
 LEAST_TURNS = 2.0  # of a screw within the way of a slide: fewer look like a spring

@@ -18,6 +18,7 @@ from pa10d.measurement.motion import Quieting
 Array = NDArray[np.float64]
 
 KEPT = ("load", "quiet_ddq", "drowned", "quiet_load", "typical_inertia", "drawn", "_kept")
+TURNS, SLIDES = 0.01, 0.001  # rad/s, m/s
 SHARPEST = 5e-4  # rad/s: of a sign without noise, for which a reversal still takes some samples
 
 
@@ -81,6 +82,11 @@ class Context:
     def stretched(self, joint: int) -> Array:
         """(N,) how many times farther than their own way a joint's bristles bend."""
         return np.ones(len(self.q)) if self.levels is None else self.levels[:, joint]
+
+    def corner(self, joint: int) -> float:
+        """rad/s (m/s) over which friction of an unknown corner turns round: a slide is slower by as
+        much as metres are larger than the radians of a joint."""
+        return SLIDES if self.robot.prismatic[joint] else TURNS
 
     def softness(self, v0: float) -> float:
         """rad/s over which a sign that is usually smoothed over v0 is to be smoothed here."""

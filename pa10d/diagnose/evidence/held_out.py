@@ -23,6 +23,7 @@ from pa10d.diagnose.constants import (
     SHARE_OF_GAIN,
     SMOOTHING_HZ,
 )
+from pa10d.diagnose.evidence.drift import rise
 from pa10d.diagnose.regression.side import Side
 from pa10d.regression.per_joint import PerJoint, rms
 
@@ -83,10 +84,13 @@ def judge(
     change: PerJoint,
     doubt: ModelUncertainty | None = None,
     ground: Mapping[int, NDArray[np.bool_]] | None = None,
+    of_itself: bool = False,
 ) -> Evidence:
     """r0, change: joint -> (m_j,) N·m on the held-out side; doubt: of the model that left r0;
     ground: joint -> (m_j,) the samples of which the change has something to say (all). What is
-    missing from the model is no noise only because the change does not speak there.
+    missing from the model is no noise only because the change does not speak there. of_itself: the
+    change was made of other stretches of this residual; slow noise foretells its neighbours, and
+    what that explains of it is noise still.
 
     Joints are weighted with their held-out error as it is, not with what the fit left: a joint
     that the fit flatters would otherwise outvote all others.
@@ -116,7 +120,7 @@ def judge(
         for k, run in enumerate(side.runs):
             keep = heard[k][:, j] > 0
             pr, rr = p_runs[k][:, j], r0_runs[k][:, j]
-            noise = np.where(keep, rr - pr, 0.0)
+            noise = np.where(keep, rr if of_itself else rr - pr, 0.0)
             one, scattered = variance_of_sum(pr, noise, keep, run.rate)
             variance += weight**2 * one
             unsure += weight**4 * scattered
@@ -207,14 +211,15 @@ def variance_of_sum(
     signal: Array, noise: Array, keep: NDArray[np.bool_], rate: float
 ) -> tuple[float, float]:
     """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum S of
-    the given residual, and the variance of that estimate (slow noise has few ordinates in its
-    periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not silent."""
+    the given residual, as slow as it may be, and the variance of that estimate (slow noise has few
+    ordinates in its periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not silent."""
     share = float(np.mean(keep))
     if share <= 0:
         return 0.0, 0.0
     length = scipy.fft.next_fast_len(2 * len(signal), real=True)
     periodogram = np.abs(scipy.fft.rfft(noise, length)) ** 2 / (len(noise) * share)
-    power = np.abs(scipy.fft.rfft(signal, length)) ** 2
+    slower = rise(periodogram, len(signal))
+    power = slower * np.abs(scipy.fft.rfft(signal, length)) ** 2
     power[1 : (length + 1) // 2] *= 2.0
     # smoothing the signal's power instead of the periodogram gives the same sum
     half = max(3, round(SMOOTHING_HZ * length / rate) | 1) // 2
@@ -222,6 +227,6 @@ def variance_of_sum(
     folded = smooth[half:-half]
     folded[1 : half + 1] += smooth[:half][::-1]
     folded[-half - 1 : -1] += smooth[-half:][::-1]
-    parts = folded * periodogram / length
+    parts = folded * periodogram / slower / length
     oversampled = length / len(signal)
     return float(np.sum(parts)), float(0.5 * oversampled * np.sum(parts**2))

@@ -15,6 +15,7 @@ from pa10d.diagnose.regression.shapes import refine as refined
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.model import Term
+from pa10d.regression.layout import has_sign
 
 Array = NDArray[np.float64]
 
@@ -49,9 +50,25 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
         shape = approach(term.effect, term.shape, gain, move)
     if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
         return  # how sharp a corner is shows only on what passes it slowly: no guessing
+    plain = _turning_as_dry_friction(state, term, shape)
+    if plain is not None and gain(shape) < gain(plain) + LEAST_GAIN:
+        shape = plain
     if shape != term.shape:
         state.replace_term(index, replace(term, shape=shape))
         state.refit()
+
+
+def _turning_as_dry_friction(
+    state: SearchState, term: Term, shape: dict[str, float]
+) -> dict[str, float] | None:
+    """All that rubs in a joint turns round with it: over the speed over which its Coulomb friction
+    does, unless the data show another. None: there is none, or the shape has no such corner."""
+    dry = [t for t in state.terms if len(term.joints) == 1 and has_sign(t, term.joints[0])]
+    corners = [s for s in free_shapes(term.effect, shape) if s.smoothing]
+    if not dry or term in dry or not corners:
+        return None
+    v0 = dry[0].shape["v0"]
+    return shape | {s.name: max(s.lower, v0) for s in corners}
 
 
 def _closer(state: SearchState, index: int, rest: LeastSquares, falls: bool) -> dict[str, float]:

@@ -174,7 +174,7 @@ def _of_fit_side(state: SearchState, motion: Motion, joint: int) -> Foretold | N
     for t in strongest:
         values = t.across(state, motion)
         residual = {j: r * state.fit.sigma[j] for j, r in state.fit.residual.items()}
-        found = judge(state.train, residual, {joint: values})
+        found = judge(state.train, residual, {joint: values}, of_itself=True)
         share = 1.0 - float((found.after[joint] / found.before[joint]) ** 2)
         p = min(1.0, found.p_value * state.train.n * len(sets) * len(FORETOLD_RIDGES))
         if p < FORETOLD_LEVEL and holds(found, share):

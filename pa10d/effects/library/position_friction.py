@@ -3,7 +3,9 @@
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
+from pa10d.effects.context import Context
 
+NARROWEST, NARROW = 1e-3, 0.02  # rad, m: a spot that a search begins with, where the way is not short
 WAVES_PER_TURN = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
 PHASES = (0.0, np.pi / 3, 2 * np.pi / 3)  # half a wave further is the same with A below zero
 
@@ -20,7 +22,7 @@ class PositionFriction(Effect):
     coefficients = (Coefficient("A", "N·m"),)
     shapes = (
         ShapeParameter("qc", "rad", -10.0, 10.0, "linear", step=lambda s: 0.6 * s["w"]),
-        ShapeParameter("w", "rad", 0.02, 1.5, "log", step=lambda s: 0.2 if s["wave"] else 0.7),
+        ShapeParameter("w", "rad", NARROWEST, 1.5, "log", step=lambda s: 0.2 if s["wave"] else 0.7),
         ShapeParameter("wave", "1", 0.0, 1.0, "choice"),
     )
     uses_model = True
@@ -46,7 +48,7 @@ class PositionFriction(Effect):
 
     def columns(self, context, joints, shape):
         where = self.level(context, joints, shape)
-        return context.friction(joints[0], where, context.softness(0.01))[:, None]
+        return context.friction(joints[0], where, context.softness(context.corner(joints[0])))[:, None]
 
     def level(self, context, joints, shape):
         away = (context.q[:, joints[0]] - shape["qc"]) / shape["w"]
@@ -55,14 +57,21 @@ class PositionFriction(Effect):
     def starts(self, context, joints):
         low, high = np.quantile(context.q[:, joints[0]], [0.03, 0.97])
         span, middle = max(high - low, 1e-3), 0.5 * (low + high)
+        narrow = max(NARROWEST, min(NARROW, 0.05 * span))
         spots = [
-            {"qc": float(low + span * place), "w": float(np.clip(span * width, 0.02, 1.5))}
+            {"qc": float(low + span * place), "w": float(np.clip(span * width, narrow, 1.5))}
             for width, places in ((0.05, np.linspace(0, 1, 12)), (0.15, np.linspace(0, 1, 6)))
             for place in places
         ]
         waves = [
-            {"qc": float(middle + phase / per_turn), "w": 1.0 / per_turn}
-            for per_turn in WAVES_PER_TURN
+            {"qc": float(middle + phase * wide), "w": float(wide)}
+            for wide in _waves(context, joints[0], span)
             for phase in PHASES
         ]
         return [{**s, "wave": 0.0} for s in spots] + [{**s, "wave": 1.0} for s in waves]
+
+
+def _waves(context: Context, joint: int, span: float) -> list[float]:
+    """w of the waves that a search begins with: of a shaft by its turns, of a slide by its way."""
+    unit = span / (2.0 * np.pi) if context.robot.prismatic[joint] else 1.0
+    return [unit / number for number in WAVES_PER_TURN]

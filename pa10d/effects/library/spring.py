@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from pa10d.effects.base import Coefficient, Effect, Example, Value
+from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value
 
 
 class Spring(Effect):
     """Something pulls the joint back to the angle q0: hoses and cables along the arm (the dress
-    pack), or a counterbalance."""
+    pack), or a counterbalance. On a slide that carries its weight the constant part of the pull is
+    the weight's, too (constant 0): q0 is left open.
+    """
 
     id = "spring"
     title = "Spring"
@@ -15,6 +17,7 @@ class Spring(Effect):
     equation = "τ = k·(q - q0)"
     follows_angle = True
     coefficients = (Coefficient("k", "N·m/rad"), Coefficient("kq0", "N·m"))
+    shapes = (ShapeParameter("constant", "1", 0.0, 1.0, "choice", optional=True),)
     also_changes = True
     signature = (
         "Against the joint's angle the error is a straight line, at any speed and whatever the "
@@ -33,9 +36,19 @@ class Spring(Effect):
 
     def columns(self, context, joints, shape):
         q = context.q[:, joints[0]]
-        return np.column_stack([q, -np.ones_like(q)])
+        return np.column_stack([q, np.full_like(q, -shape.get("constant", 1.0))])
+
+    def starts(self, context, joints):
+        slides = context.robot.prismatic[joints[0]]
+        return [{}, {"constant": 0.0}] if slides else [{}]
 
     def values(self, coefficients, covariance, shape, shape_errors):
+        if not shape.get("constant", 1.0):
+            error = float(np.sqrt(max(covariance[0, 0], 0.0)))
+            return {
+                "k": Value(float(coefficients[0]), error, "N·m/rad"),
+                "q0": Value(0.0, 0.0, "rad", determined=False),
+            }
         k, kq0 = (float(c) for c in coefficients)
         safe = k if abs(k) > 1e-9 else 1e-9
         gradient = np.array([-kq0 / safe**2, 1.0 / safe])

@@ -61,7 +61,7 @@ class ThermalFriction(Effect):
             warm = own_warmth(context, j, shape["T"])
         elif warm is None:
             warm = 1.0 - np.exp(-context.t / shape["T"])
-        dry = context.friction(j, warm, context.softness(0.01))
+        dry = context.friction(j, warm, context.softness(context.corner(j)))
         return -np.column_stack([warm * context.dq[:, j], dry])
 
     def starts(self, context, joints):
