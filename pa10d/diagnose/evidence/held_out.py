@@ -212,7 +212,8 @@ def variance_of_sum(
 ) -> tuple[float, float]:
     """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum S of
     the given residual, as slow as it may be, and the variance of that estimate (slow noise has few
-    ordinates in its periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not silent."""
+    ordinates in its periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not
+    silent."""
     share = float(np.mean(keep))
     if share <= 0:
         return 0.0, 0.0

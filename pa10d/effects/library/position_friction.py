@@ -5,7 +5,7 @@ import numpy as np
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, View
 from pa10d.effects.context import Context
 
-NARROWEST, NARROW = 1e-3, 0.02  # rad, m: a spot that a search begins with, where the way is not short
+NARROWEST, NARROW = 1e-3, 0.02  # rad, m: of spots that a search begins with
 WAVES_PER_TURN = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
 PHASES = (0.0, np.pi / 3, 2 * np.pi / 3)  # half a wave further is the same with A below zero
 
@@ -48,7 +48,8 @@ class PositionFriction(Effect):
 
     def columns(self, context, joints, shape):
         where = self.level(context, joints, shape)
-        return context.friction(joints[0], where, context.softness(context.corner(joints[0])))[:, None]
+        v0 = context.softness(context.corner(joints[0]))
+        return context.friction(joints[0], where, v0)[:, None]
 
     def level(self, context, joints, shape):
         away = (context.q[:, joints[0]] - shape["qc"]) / shape["w"]
