@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy
@@ -101,7 +101,7 @@ class Judging:
         fit, partial = self.state.fit, candidate.partial
         columns = held_columns(self.state, candidate)
         change = self.state.change(fit, columns, partial.seen, partial.theta)
-        found = judge(self.state.held, self.state.held_residual(), change, doubt)
+        found = self._evidence(candidate, self.state.held_residual(), change, doubt)
         p = self._corrected(fit, seen, candidate, found, among)
         return JudgedCandidate(
             candidate,
@@ -111,6 +111,22 @@ class Judging:
             self._usual(),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(columns, partial.theta, change),
+        )
+
+    def _evidence(
+        self, candidate: Candidate, residual: PerJoint, change: PerJoint, doubt: ModelUncertainty
+    ) -> Evidence:
+        """Of the joints whose error speaks for or against it. What it shifts elsewhere, by way of
+        parameters that joints share, may do harm there, but says nothing of it: of a joint at rest
+        on the fit side those are so unsure that they would drown what its own joint says."""
+        side = self.state.held
+        whole = judge(side, residual, change, doubt)
+        told = {*np.arange(side.n)[candidate.effect.speaks_on(candidate.joints)]}
+        if told >= change.keys():
+            return whole
+        own = judge(side, residual, {j: p for j, p in change.items() if j in told}, doubt)
+        return replace(
+            whole, slope=own.slope, z=own.z, p_value=own.p_value, cluster_t=own.cluster_t
         )
 
     def _corrected(
@@ -144,8 +160,8 @@ class Judging:
         partial = partials(rest, train, kind, len(kind.coefficients), falls=falls)[0]
         change = self.state.change(rest, held, partial.seen, partial.theta)
         doubt = doubt_of(self.state, rest, self.state.fit.residual)
-        found = judge(self.state.held, self.state.held_residual(rest), change, doubt)
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
+        found = self._evidence(candidate, self.state.held_residual(rest), change, doubt)
         seen = seen_change(rest, train, candidate)
         p = self._corrected(rest, seen, candidate, found, SHORTLIST)
         return JudgedCandidate(
