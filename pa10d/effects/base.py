@@ -331,6 +331,10 @@ class Effect(ABC):
         """The shape parameters that this case of the effect has."""
         return [s for s in self.shapes if not s.optional or s.name in shape]
 
+    def bent(self, shape: Shape) -> bool:
+        """Is a shape at the end of its range, where the effect has turned into another one?"""
+        return any(s.at_edge(shape[s.name]) for s in self.shapes_in(shape))
+
     def values(
         self, coefficients: Array, covariance: Array, shape: Shape, shape_errors: Shape
     ) -> dict[str, Value]:

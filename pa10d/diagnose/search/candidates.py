@@ -102,6 +102,12 @@ def sharpened(state: SearchState, candidates: Sequence[Candidate]) -> list[Candi
     return sorted(found, key=lambda c: -c.gain)
 
 
+def started(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list[Candidate]:
+    """Every shape that the search of one effect begins with, as far as the fit side can tell it."""
+    found = _tried(state, effect, joints, _starts(state, effect, joints), own=False)
+    return [Candidate(effect, joints, *one) for one in found]
+
+
 def _prepare(state: SearchState, effects: Iterable[Effect]) -> None:
     """What many suspects look at, before two processes would compute it each for themselves."""
     if any(e.uses_model and e.reaches_other_joints for e in effects):

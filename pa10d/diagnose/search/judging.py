@@ -65,17 +65,25 @@ class JudgedCandidate:
 
     @property
     def acceptable(self) -> bool:
+        """It holds, as the effect that it is called."""
+        return self._holds and not self.candidate.effect.bent(self.candidate.shape)
+
+    @property
+    def bent(self) -> bool:
+        """It holds, but for a shape at the end of its range, where it is another effect."""
+        return self._holds and self.candidate.effect.bent(self.candidate.shape)
+
+    @property
+    def _holds(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint; of a model
         that is kept as it was, more than it lacked before."""
-        e, kind, shape = self.evidence, self.candidate.effect, self.candidate.shape
+        e = self.evidence
         own = self.speaks_on
         drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
         if self.usual is not None and np.all(e.before[own] <= self.usual[own]):
             return False
-        degenerate = any(s.at_edge(shape[s.name]) for s in kind.shapes_in(shape))
         return bool(
-            not degenerate
-            and self.is_itself
+            self.is_itself
             and self.p_corrected < SEARCH_LEVEL
             and e.p_value < HELD_OUT_LEVEL
             and SLOPES[0] < e.slope < SLOPES[1]

@@ -7,7 +7,7 @@ whoever finds none good asks for the next ones.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import ModelUncertainties
 from pa10d.diagnose.evidence.held_out import rivalry
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
+from pa10d.diagnose.search.candidates import Candidate, scan, sharpened, started
 from pa10d.diagnose.search.judging import (
     JudgedCandidate,
     Judging,
@@ -57,8 +57,12 @@ def _open(judging: Judging) -> Suspects:
 
 
 def _judged(judging: Judging, found: list[Candidate], among: int) -> list[JudgedCandidate]:
+    return evidence_of(judging, sharpened(judging.state, found), among)
+
+
+def evidence_of(judging: Judging, sharp: Sequence[Candidate], among: int) -> list[JudgedCandidate]:
+    """Candidates as they are, on the held-out side."""
     state = judging.state
-    sharp = sharpened(state, found)
     columns = [state.train.columns(c.effect, c.joints, [c.shape]) for c in sharp]
     seen = [seen_change(state.fit, k, c) for k, c in zip(columns, sharp, strict=True)]
     own = [{j: s[j] for j in k} for k, s in zip(columns, seen, strict=True)]
@@ -67,6 +71,27 @@ def _judged(judging: Judging, found: list[Candidate], among: int) -> list[Judged
         judging.candidate(c, among, s, doubts.beside(o))
         for c, s, o in zip(sharp, seen, own, strict=True)
     ]
+
+
+def bent_rivals(
+    judging: Judging, chosen: JudgedCandidate, judged: Sequence[JudgedCandidate]
+) -> list[JudgedCandidate]:
+    """What the chosen one is known to be taken for, on the same joints, where the fit side drew
+    that to the end of its range: as it is inside of it, if it explains the held-out side as well.
+    What else the joint lacks may have drawn it there."""
+    state, kind = judging.state, chosen.candidate.effect
+    out = []
+    for one in judged:
+        other, joints, shape = one.candidate.effect, one.candidate.joints, one.candidate.shape
+        if other.id not in kind.confounders or joints != chosen.candidate.joints:
+            continue
+        if not other.bent(shape):
+            continue
+        inside = [c for c in started(state, other, joints) if not other.bent(c.shape)]
+        tried = evidence_of(judging, inside, len(judged) + len(inside)) if inside else []
+        alike = [j for j in tried if _tied(state, chosen, j)]
+        out += sorted(alike, key=lambda j: -j.gain)[:1]
+    return out
 
 
 def prefer(

@@ -25,7 +25,8 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
-from pa10d.diagnose.search.looking import look, prefer
+from pa10d.diagnose.search.looking import bent_rivals, look, prefer
+from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_firm_spring, with_springs
@@ -118,8 +119,19 @@ class Search:
                 added, put_off = added + 1, set()
                 continue
             if not good:
-                break
+                pair = pair_beside(self._judging(self.suspects), judged, refused | put_off)
+                if pair is None or added + len(pair.found) > steps:
+                    break
+                self.state = pair.state
+                refused |= self.prune() | self.reconsider()
+                after = rms(self.state.held_residual())
+                for one, rivals in zip(pair.found, ([], pair.rivals), strict=True):
+                    self.steps.append(Addition(one, rivals, before, after))
+                added, put_off = added + len(pair.found), set()
+                continue
+            judging = self._judging(self.suspects)
             chosen, tied = prefer(self.state, good, judged)
+            tied += bent_rivals(judging, chosen, judged)
             dropped = self.take(chosen)
             if dropped is None:
                 put_off.add(chosen.place)
