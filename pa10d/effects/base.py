@@ -111,6 +111,8 @@ class Value:
     std_error: all that is known of its doubt: scatter between stretches of the data, what the model
     lacks, and (random: without it) what the torque constants may be off by
     determined: False where the data leave it open
+    by_gain: how far a torque constant that is off by all of its value moves it, where its unit does
+    not say so
     """
 
     value: float
@@ -118,6 +120,7 @@ class Value:
     unit: str
     random: float | None = None
     determined: bool = True
+    by_gain: float = 0.0
 
     @property
     def std_error_random(self) -> float:
@@ -126,10 +129,11 @@ class Value:
 
     def with_gain_error(self, share: float) -> Value:
         """Beside a torque constant that is known to ``share`` of its value: whatever is measured
-        in torque or mass is as uncertain."""
-        if share <= 0.0 or not any(unit in self.unit for unit in ("N", "kg")):
+        in torque or mass is as uncertain, and what else depends on it (``by_gain``)."""
+        by_gain = self.value if any(unit in self.unit for unit in ("N", "kg")) else self.by_gain
+        if share * by_gain == 0.0:
             return self
-        whole = float(np.hypot(self.std_error, share * self.value))
+        whole = float(np.hypot(self.std_error, share * by_gain))
         return replace(self, std_error=whole, random=self.std_error)
 
     def document(self) -> dict[str, object]:

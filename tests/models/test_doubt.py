@@ -27,6 +27,19 @@ def test_a_torque_constant_makes_torques_and_masses_uncertain_and_shares_not():
     assert known["std_error_random"] == 0.1
 
 
+def test_the_share_of_a_load_is_known_no_better_than_a_torque_constant():
+    """What both directions of the power lose unlike is a gain of the joint, to the last sample."""
+    shape = {"v0": 0.01, "directional": 1.0, "uneven": 0.2}
+    told = effect("load_friction").values(
+        np.array([0.25]), np.array([[1e-8]]), shape, {"v0": 1e-3, "uneven": 1e-3}
+    )
+    mu, dmu = (told[name].with_gain_error(0.05) for name in ("mu", "dmu"))
+    assert mu.std_error == pytest.approx(0.05 * 0.25, rel=1e-3)
+    assert dmu.value == pytest.approx(0.05)
+    assert dmu.std_error == pytest.approx(0.05, rel=1e-3)
+    assert dmu.std_error_random == pytest.approx(0.25 * 1e-3, rel=0.01)
+
+
 def test_a_profile_states_how_well_its_torque_constants_are_known(tmp_path):
     (tmp_path / "robot.urdf").write_text(examples.ROBOT.urdf)
     profile = tmp_path / "robot.yaml"

@@ -1,5 +1,7 @@
 """Friction that grows with the transmitted torque."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value, View
@@ -64,9 +66,16 @@ class LoadFriction(Effect):
         return alike + [s | {"directional": 1.0, "uneven": 0.0} for s in alike]
 
     def values(self, coefficients, covariance, shape, shape_errors):
+        """A share that differs between the two directions of the power is, to the last sample, a
+        torque that reads larger by that much; and one that all gears have the bodies take in, and
+        with it as much of each mu. So both are known as well as a torque constant is."""
         out = super().values(coefficients, covariance, shape, shape_errors)
+        mu = out["mu"]
+        out["mu"] = replace(mu, by_gain=mu.value)
         if "uneven" in out:
-            mu, uneven = out["mu"], out["uneven"]
-            error = float(np.hypot(mu.value * uneven.std_error, uneven.value * mu.std_error))
-            out["dmu"] = Value(mu.value * uneven.value, error, "1", determined=uneven.determined)
+            uneven, own = out["uneven"], mu.value
+            error = float(np.hypot(own * uneven.std_error, uneven.value * mu.std_error))
+            known = uneven.determined
+            out["uneven"] = replace(uneven, by_gain=1.0 / own if own > 0.0 else 0.0)
+            out["dmu"] = Value(own * uneven.value, error, "1", determined=known, by_gain=1.0)
         return out
