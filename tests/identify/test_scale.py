@@ -198,8 +198,8 @@ def test_a_weight_is_written_as_it_is_read():
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
-        (["--alone", "--payload", "heavy", "a"], 1, "expected MASS,X,Y,Z"),
-        (["--alone", "--payload", "0,0,0,0", "a"], 1, "expected MASS,X,Y,Z"),
+        (["--alone", "--payload", "heavy", "a"], 2, "expected MASS,X,Y,Z"),
+        (["--alone", "--payload", "0,0,0,0", "a"], 2, "expected MASS,X,Y,Z"),
         (["--alone", "--payload", "2,0,0,0"], 2, "no run, expected BODY and the runs"),
         (["--payload", "2,0,0,0", "a"], 2, "expected --empty RUN"),
     ],
