@@ -134,6 +134,8 @@ WORTH_JUDGING = 0.5  # of the best variant's gain: a wave had imitated a bump on
 KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
 MOSTLY_BEYOND = 0.5  # of the error, beyond the share of time, that lies where the fit side has not
 #   been, to say so: most of it (policy; a fact of the two sides, no claim)
+BODIES_GIVE = 10.0  # times what is usual for a link of such mass and size, by which its bodies may
+#   differ from the given model's possible ones (policy: more than anybody doubts; decision 0255)
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it
 #   (policy; two arms that nobody here wrote showed 0.8 to 1.4, decision 0228)
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.dynamics.pseudo_inertia import definiteness
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
+from pa10d.regression.bodies import near, of_base
 from pa10d.regression.covariance import Uncertainty, WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout
-from pa10d.regression.problem import LinearProblem
-from pa10d.regression.solution import Indices, Solution, Streamed, estimate_weights, solve
+from pa10d.regression.problem import Knowledge, LinearProblem
+from pa10d.regression.solution import HELD, Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
+
+WIDE = 10.0  # times what is usual for a link of its mass and size: beyond, nobody doubts a file
+MINDS = 0.02  # share by which the error of a joint may rise for bodies that are known beforehand
 
 
 @dataclass(frozen=True)
@@ -51,11 +56,15 @@ def plain_fit(pieces: Pieces, layout: Layout) -> Array:
     return solve(moving, layout.of_joint, layout.size, sigma).beta
 
 
-def trust(pieces: Pieces, layout: Layout) -> Array:
+def trust(pieces: Pieces, layout: Layout, bodies: Knowledge | None) -> tuple[Array, Array]:
     """(n,) N·m by which each joint is weighted: what an even selection of the data leaves of it, at
-    rest and in motion."""
+    rest and in motion; and the same with what is known of bodies. Where joints move one by one, a
+    fit to motion alone may say anything of the poses in which they stand."""
     moving, rest = _triangles(rows_of(piece, layout) for piece in pieces.some())
-    return estimate_weights(moving, rest, layout.of_joint, layout.size)
+    alone = estimate_weights(moving, rest, layout.of_joint, layout.size)
+    if bodies is None:
+        return alone, alone
+    return alone, estimate_weights(moving, rest, layout.of_joint, layout.size, bodies)
 
 
 def weighted_fit(
@@ -120,6 +129,41 @@ def weighted_fit(
     open_ = left_open(solution.beta, sizes, peaks, torque, rms, added)
     open_[solution.open] = True
     return Fit(solution, stated, rms, torque, plain, open_)
+
+
+def wide_bodies(layout: Layout) -> Knowledge | None:
+    """Of the base parameters: that bodies are the robot's file's, give or take ``WIDE`` times what
+    is usual for a link. None where the file has none that can exist."""
+    if np.any(definiteness(layout.robot.parameters) <= 0.0):
+        return None
+    about = near(layout.robot.parameters, layout.robot, WIDE)
+    return of_base(about, layout.robot, layout.base)
+
+
+def beside_bodies(free: Fit, bodies: Knowledge, refitted: Callable[[Knowledge | None], Fit]) -> Fit:
+    """The fit, beside bodies where along some direction the data say less than is known of them:
+    noise alone would lead it there to links of tons. The data's own fit where all directions are
+    seen, and where any joint would mind. What the data leave open stays so.
+
+    refitted: with the weights that joints have beside bodies, and with these bodies or without
+    """
+    if not mostly_known(free.solution.triangle, bodies.rows):
+        return free
+    held = refitted(bodies)
+    if np.any(held.rms > (1.0 + MINDS) * refitted(None).rms):
+        return free
+    solution = replace(held.solution, lost=free.solution.lost)
+    return replace(held, solution=solution, open=held.open | free.open)
+
+
+def mostly_known(triangle: Array, rows: Array) -> bool:
+    """Is more known of some direction of the first unknowns beforehand, by rows (k, b), than the
+    data say, ‖triangle·β - y‖² with triangle (m, p), whatever the others are?"""
+    count = rows.shape[1]
+    turned = np.hstack([triangle[:, count:], triangle[:, :count]])
+    said = np.asarray(np.linalg.qr(turned, mode="r"))[-count:, -count:]
+    basis = np.asarray(np.linalg.qr(np.vstack([said, rows]))[0])
+    return bool(np.linalg.norm(basis[len(said) :], 2) > HELD)
 
 
 def rms_of(factors: Sequence[Triangle], indices: Indices, beta: Array) -> Array:

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
@@ -28,6 +27,7 @@ from pa10d.dynamics.rotors import rotors_within
 from pa10d.identify.fit import Fit
 from pa10d.identify.given import Given, placed
 from pa10d.model.notes import GivenNote, PriorNote
+from pa10d.regression.bodies import free_of, of_base
 from pa10d.regression.layout import Layout
 from pa10d.regression.problem import Knowledge
 
@@ -54,29 +54,18 @@ class Beside:
 
     def whole(self) -> Knowledge:
         """All that it says of the layout's unknowns."""
-        of_bodies = self._base()
+        of_bodies = of_base(self.bodies, self.layout.robot, self.layout.base)
         return Knowledge(
             np.concatenate([of_bodies.wide(self.layout.size), self.unknowns.rows]),
             np.concatenate([of_bodies.target, self.unknowns.target]),
             np.concatenate([of_bodies.spread, self.unknowns.spread]),
         )
 
-    def _base(self) -> Knowledge:
-        """Of the base parameters: whatever leaves them as they are is free, rotors within too."""
-        base, robot, rows = self.layout.base, self.layout.robot, self.bodies.rows
-        size = np.concatenate([scales(link) for link in robot.parameters])
-        kept = rows[:, base.kept]
-        hidden = (rows[:, base.dropped] - kept @ base.relations) * size[base.dropped]
-        out = np.column_stack([hidden, kept @ rotors_within(robot, base).share])
-        rest = _free_of(out, np.column_stack([kept, self.bodies.target]))
-        rest[:, :-1][np.abs(rest[:, :-1]) * size[base.kept] < 1e-9] = 0.0  # rounding
-        return Knowledge(rest[:, :-1], rest[:, -1], self.bodies.spread)
-
     def of_bodies(self) -> Knowledge:
         """The bodies' rows; a rotor that is one with its link may be any."""
         base, rows = self.layout.base, self.bodies.rows
         rotors = rows[:, base.kept] @ rotors_within(self.layout.robot, base).share
-        rest = _free_of(rotors, np.column_stack([rows, self.bodies.target]))
+        rest = free_of(rotors, np.column_stack([rows, self.bodies.target]))
         return Knowledge(rest[:, :-1], rest[:, -1], self.bodies.spread)
 
 
@@ -190,11 +179,3 @@ class Prior:
                     f"alone say {value:.4g} ± {error:.2g}: they contradict each other ({far:.1f} "
                     "standard errors of both); check the figure and its unit, or leave it out"
                 )
-
-
-def _free_of(directions: Array, rows: Array) -> Array:
-    """The rows (r, m) without what ``directions`` (r, k) can take up."""
-    if not directions.size:
-        return rows
-    taken = scipy.linalg.orth(directions, rcond=1e-12)
-    return np.asarray(rows - taken @ (taken.T @ rows))

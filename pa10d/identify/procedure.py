@@ -19,7 +19,7 @@ from pa10d.identify.cutoff import Cutoff
 from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.first_look import cut_off, sharpened
-from pa10d.identify.fit import trust, weighted_fit
+from pa10d.identify.fit import beside_bodies, trust, weighted_fit, wide_bodies
 from pa10d.identify.loads import look_through_all, look_through_textbook
 from pa10d.identify.options import FitOptions
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
@@ -106,9 +106,17 @@ def identify(
     say(0.6, "least squares")
     layout = look_through_all(pieces, layout)
     fitted = robust_fit if options.robust else weighted_fit
-    problem = LinearProblem(layout, sigma=trust(pieces, layout))
+    bodies = wide_bodies(layout) if known is None else None
+    sigma, beside_them = trust(pieces, layout, bodies)
+    problem = LinearProblem(layout, sigma=sigma)
     pieces.without_stands()
     fit = fitted(pieces, problem, smoothing)
+    rank = fit.solution.rank
+    if bodies is not None:
+        again = replace(problem, sigma=beside_them)
+        fit = beside_bodies(
+            fit, bodies, lambda b: fitted(pieces, replace(again, bodies=b), smoothing)
+        )
     beside, contradicted = None, []
     if known is not None:
         say(0.75, "least squares with what is known")
@@ -125,7 +133,7 @@ def identify(
         feasible=feasible_note(layout.names()[len(layout.base) :], feasible),
         weights=tuple(map(float, fit.solution.sigma)),
         correlation_s=tuple(map(float, fit.uncertainty.correlation)),
-        rank=int(fit.solution.rank),
+        rank=int(fit.solution.rank if known else rank),
         open=tuple(names_of(layout.names(), fit.open)),
         robust=options.robust,
         faster_than=None if speeds is None else tuple(map(float, speeds)),

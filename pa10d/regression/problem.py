@@ -44,6 +44,14 @@ class Knowledge:
         out[:, : self.rows.shape[1]] = self.rows
         return out
 
+    def beside(self, other: Knowledge, size: int) -> Knowledge:
+        """This and another, of ``size`` unknowns."""
+        return Knowledge(
+            np.concatenate([self.wide(size), other.wide(size)]),
+            np.concatenate([self.target, other.target]),
+            np.concatenate([self.spread, other.spread]),
+        )
+
     def scatter(self, size: int) -> Array:
         """(size, size) covariance of what it brings to the normal equations of all unknowns."""
         wide = self.wide(size) * self.spread[:, None]
@@ -53,13 +61,15 @@ class Knowledge:
 @dataclass(frozen=True)
 class LinearProblem(Generic[U]):
     """unknowns   which there are, and where each stands
-    prior      what is known of them beforehand (None: nothing but how smooth maps are)
+    prior      what is known of them beforehand (None: nothing but bodies, and how smooth maps are)
     sigma      (n,) N·m: joints are weighted by 1/σ² (None: by what the fit leaves of each)
+    bodies     of the base parameters, where they are to stay as far as the data do not say
     """
 
     unknowns: U
     prior: Knowledge | None = None
     sigma: Array | None = None
+    bodies: Knowledge | None = None
 
     @property
     def terms(self) -> tuple[Term, ...]:
@@ -69,7 +79,12 @@ class LinearProblem(Generic[U]):
     @property
     def known(self) -> Knowledge | None:
         """All that is known besides the data."""
-        return self.prior or smoothness(self.unknowns)
+        if self.prior is not None:
+            return self.prior
+        maps = smoothness(self.unknowns)
+        if self.bodies is None or maps is None:
+            return self.bodies or maps
+        return self.bodies.beside(maps, self.unknowns.size)
 
     def with_terms(self, terms: Sequence[Term]) -> LinearProblem[U]:
         """The same with other effects, or other shapes of them."""

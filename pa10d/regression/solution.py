@@ -95,10 +95,14 @@ def asked_for(values: Array, along: Array, held: Array | float = 0.0) -> NDArray
 
 
 def estimate_weights(
-    moving: Sequence[Triangle], rest: Sequence[Triangle], indices: Indices, size: int
+    moving: Sequence[Triangle],
+    rest: Sequence[Triangle],
+    indices: Indices,
+    size: int,
+    known: Knowledge | None = None,
 ) -> Array:
     """σ_j (n,) N·m of every joint: the spread of its residual about its mean over moving and
-    resting samples alike, two rounds from an unweighted fit.
+    resting samples alike, two rounds from an unweighted fit with what is known beforehand.
 
     Further rounds would let a joint that happens to fit well dictate what all others share. An
     offset that the model lacks is not noise, hence the spread about the mean; what friction does
@@ -106,7 +110,7 @@ def estimate_weights(
     """
     sigma = np.ones(len(moving))
     for _ in range(ROUNDS):
-        sigma = spread(moving, rest, indices, solve(moving, indices, size, sigma).beta)
+        sigma = spread(moving, rest, indices, solve(moving, indices, size, sigma, known).beta)
     return sigma
 
 

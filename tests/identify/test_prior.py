@@ -53,7 +53,7 @@ def test_what_the_motion_shows_is_left_as_it_is():
 
 def test_what_the_motion_leaves_open_is_the_urdfs_give_or_take(poor):
     free, told = fitted(poor), fitted(poor, prior=30.0)
-    assert error_elsewhere(free) > 1.0
+    assert error_elsewhere(free) < 0.05, "anybody has the file"
     assert error_elsewhere(told) < 0.05
     flagged = [{one.name: one.flags for one in parameter_list(model)} for model in (free, told)]
     for flag, entries in zip(("not determined", "from the prior"), flagged, strict=True):
