@@ -131,6 +131,7 @@ def diagnose(
         {**search.rival_gains, **over.gains},
         stand_out,
         held.silent,
+        over.undetermined,
     )
     say(1.0, "done")
     return Diagnosis(

@@ -10,12 +10,17 @@ from pathlib import Path
 import numpy as np
 import two_links
 
+from pa10d.diagnose.constants import CARRIED_FARTHER
+from pa10d.diagnose.evidence.errors_of import carried_farther, honest_covariance
+from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
+from pa10d.dynamics import robot_from_urdf
+from pa10d.identify.procedure import identify
 
 sys.path.append(str(Path(__file__).parents[1] / "identify"))
-from test_joint_by_joint import sweeps
+from test_joint_by_joint import HEAVIER, sweeps
 
 
 @cache
@@ -45,3 +50,19 @@ def test_what_the_runs_show_does_not_move():
 
 def test_a_frozen_model_has_its_own_uncertainty_instead():
     assert two_links.state_of(runs(), frozen=True).problem.bodies is None
+
+
+def test_motion_that_asks_for_what_was_not_seen_carries_doubt_farther():
+    poor, rich = refitted(), two_links.state_of(runs())
+    assert np.all(carried_farther(poor, honest_covariance(poor)) > CARRIED_FARTHER)
+    assert np.all(carried_farther(rich, honest_covariance(rich)) < CARRIED_FARTHER)
+
+
+def test_what_the_fitted_runs_leave_open_is_not_called_missing():
+    """A file whose bodies are off is all that anybody knows there."""
+    model = identify([sweeps()], robot_from_urdf(HEAVIER), name="m0", cutoff=two_links.CUTOFF)
+    found = diagnose(model, [sweeps()], [runs()["valid_a"]])
+    assert found.verdict == "none"
+    told = [line.sentence for line in found.remaining if line.material]
+    assert told
+    assert all("do not determine the arm for this motion" in sentence for sentence in told)

@@ -20,8 +20,9 @@ def hummed(name, seed, size, hertz):
     return Recording(name, t, q, tau)
 
 
-def told(size, hertz, other):
-    runs = [hummed("a", 1, size, hertz), hummed("b", 2, size, hertz), hummed("c", 3, size, other)]
+def told(size, hertz, other, there=None):
+    held = size if there is None else there
+    runs = [hummed("a", 1, size, hertz), hummed("b", 2, size, hertz), hummed("c", 3, held, other)]
     model = identify(runs[:2], robot(), name="m0", cutoff=CUTOFF)
     return diagnose(model, runs[:2], runs[2:])
 
@@ -38,4 +39,9 @@ def test_a_line_in_time_is_told_with_its_frequency():
 
 def test_a_line_of_one_side_alone_is_none():
     found = told(0.12, 3.1, 4.7)
+    assert not [one for one in found.unexplained if getattr(one, "witness", "") == "hum"]
+
+
+def test_a_line_that_is_another_size_on_either_side_does_not_run_on():
+    found = told(0.04, 3.1, 3.1, there=0.12)
     assert not [one for one in found.unexplained if getattr(one, "witness", "") == "hum"]

@@ -109,17 +109,32 @@ def doubt_of(
     return ModelUncertainty(state.held_matrix, full_covariance(state, fit, noise))
 
 
-def moved_by_doubt(state: SearchState, level: float) -> Array:
+def moved_by_doubt(state: SearchState, level: float, covariance: Array | None = None) -> Array:
     """(n,) N·m RMS that the uncertainty of the model's own coefficients leaves on the held-out side
     of each joint, exceeded by chance in a share ``level`` of cases only: a sum of squares of
-    normal numbers with the variances of the prediction, taken for a χ² (Satterthwaite 1946)."""
-    covariance, out = full_covariance(state), np.zeros(state.held.n)
+    normal numbers with the variances of the prediction, taken for a χ² (Satterthwaite 1946).
+
+    covariance: (p, p) of the coefficients, if not that of noise alone
+    """
+    covariance = full_covariance(state) if covariance is None else covariance
+    out = np.zeros(state.held.n)
     for j, x in state.held_matrix.items():
         spread = covariance @ (x.T @ x) / max(len(x), 1)
         mean, square = float(np.trace(spread)), float(np.sum(spread * spread.T))
         if mean > 0.0 and square > 0.0:
             out[j] = np.sqrt(square / mean * scipy.stats.chi2.isf(level, mean**2 / square))
     return out
+
+
+def carried_farther(state: SearchState, covariance: Array) -> Array:
+    """(n,) how many times more RMS the uncertainty (p, p) of the coefficients makes in each joint's
+    torque on the held-out side than on the fit side: about one where the motion is alike."""
+    sides = [state.matrix(0), state.held_matrix]
+    mean = np.zeros((2, state.held.n))
+    for side, columns in enumerate(sides):
+        for j, x in columns.items():
+            mean[side, j] = np.sum((x @ covariance) * x) / max(len(x), 1)
+    return np.sqrt(np.maximum(mean[1], 0.0) / np.maximum(mean[0], 1e-300))
 
 
 def _covariance(state: SearchState, fit: LeastSquares, noises: Noises) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import (
     FORETOLD_LEVEL,
+    HUM_ALIKE,
     HUM_AROUND,
     HUM_FINENESS,
     HUM_LEAST_TURNS,
@@ -58,7 +59,8 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
     if lowest >= cutoff:
         return None
     hertz = np.arange(lowest, cutoff, fine)
-    line = int(np.argmax(_power(parts[0], hertz)))
+    fitted = _power(parts[0], hertz)
+    line = int(np.argmax(fitted))
     # the line is known to the resolution of the fit side
     reach = int(np.ceil(1.0 / (longest[0] * fine)))
     around = np.arange(
@@ -72,7 +74,11 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
     p = float(min(1.0, tried * np.exp(-most / max(level, 1e-300))))
     whole = float(sum(np.sum(x**2) for _, x in parts[1]))
     share = min(most / max(whole, 1e-300), 1.0)
-    if p > FORETOLD_LEVEL or share < HUM_SHARE:
+    size = [
+        np.sqrt(m / sum(len(t) for t, _ in q))
+        for m, q in zip((fitted[line], most), parts, strict=True)
+    ]
+    if p > FORETOLD_LEVEL or share < HUM_SHARE or size[0] < HUM_ALIKE * size[1]:
         return None
     rms = float(np.sqrt(share * np.mean(held[j] ** 2)))
     return Hum(j, float(hertz[around][own][int(np.argmax(power[own]))]), share, rms, p)

@@ -12,8 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import COMES_AGAIN_LEVEL, MATERIAL_REST
-from pa10d.diagnose.evidence.errors_of import moved_by_doubt
+from pa10d.diagnose.constants import CARRIED_FARTHER, COMES_AGAIN_LEVEL, MATERIAL_REST
+from pa10d.diagnose.evidence.errors_of import (
+    carried_farther,
+    honest_covariance,
+    moved_by_doubt,
+)
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.humming import hums
@@ -41,12 +45,14 @@ Array = NDArray[np.float64]
 class LeftOver:
     """unexplained: what is claimed; slight: maps that are too little for a claim; gains: by joint,
     such as sway and would explain more than what is claimed there; doubt (n,) N·m: what the
-    uncertainty of the model's own coefficients may leave."""
+    uncertainty of the model's own coefficients may leave; undetermined: joints of which the fitted
+    runs leave open as much as they keep, for the held-out side's motion."""
 
     unexplained: tuple[Unexplained, ...]
     slight: tuple[Structure, ...]
     gains: dict[int, Structure]
     doubt: Array
+    undetermined: tuple[int, ...]
 
 
 def left_over(
@@ -64,16 +70,32 @@ def left_over(
     maps = [m for m in maps if m.joint not in read]
     open_ = [j for j in open_ if j not in read]
     moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
+    level = COMES_AGAIN_LEVEL / state.held.n
+    doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
+    far = _farther(state, left, level)
+    doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
     foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in humming])]
     told: list[Unexplained] = [*maps, *read.values()]
     named = [*told, *humming.values(), *foreseen]
-    doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, COMES_AGAIN_LEVEL / state.held.n))
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
     )
     gains = swaying_gains(state, {one.joint: one.share for one in told})
-    return LeftOver((*named, *rest), tuple(slight), gains, doubt)
+    undetermined = tuple(int(j) for j in np.flatnonzero(far))
+    return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined)
+
+
+def _farther(state: SearchState, left: Judgement, level: float) -> Array:
+    """(n,) N·m: what all that is known of the coefficients' doubt may leave of joints that the
+    held-out side asks for what the fitted runs do not determine, where that is as much as they
+    keep; zero of all others."""
+    if state.frozen:
+        return np.zeros(state.held.n)
+    covariance = honest_covariance(state)
+    doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level, covariance))
+    far = carried_farther(state, covariance) > CARRIED_FARTHER
+    return np.where(far & (doubt > left.rms), doubt, 0.0)
 
 
 def unsaid(left: Judgement, said: Sequence[Unexplained]) -> list[int]:

@@ -195,6 +195,7 @@ def remaining(
     gains: Mapping[int, Structure] | None = None,
     stand_out: Sequence[Place] = (),
     silent: Mapping[int, str] | None = None,
+    undetermined: Collection[int] = (),
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -203,7 +204,8 @@ def remaining(
     that is kept as it was may leave though nothing changed; searched: more than one suspicion was
     looked for; gains: by joint, such as sway and explain more than its map or findings do;
     stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
-    slow as gravity may be, too; silent: joints of which no sample counts, and why."""
+    slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
+    joints of which the fitted runs leave open as much as they keep, for the motion held out."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -238,7 +240,9 @@ def remaining(
         )
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
-        if left is None and line.material is not False and not line.repeatable:
+        if left is None and line.material is not False and j in undetermined:
+            line = replace(line, sentence=f"{_size(line, units[j])}{NOT_DETERMINED}")
+        elif left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
             line = _with_trace(line, traces[j])
@@ -255,6 +259,10 @@ def _not_judged(joint: int, rms: float, why: str) -> Remaining:
     return Remaining(joint, rms, float("nan"), None, False, None, None, (), text)
 
 
+NOT_DETERMINED = (
+    ": the fitted runs do not determine the arm for this motion, and what they leave open of it "
+    "may be as much. Fit to motion like this one."
+)
 NOT_NEW = (
     " The model lacked about as much on the data that it was identified from: ask what is missing, "
     "not what changed."
