@@ -72,6 +72,15 @@ def test_no_file_is_overwritten_unasked(folder, capsys):
     assert sorted(p.name for p in place.iterdir()) == ["arm.yaml", "robot.urdf"]
 
 
+@pytest.mark.parametrize("rate", [50, 125, 500])
+def test_a_simulated_arm_of_any_rate_is_one_at_once(folder, rate):
+    """100 cycles without news are more than a profile may allow below 200 Hz."""
+    place = folder(robot(("a", "revolute", FULL)))
+    assert main(["profile", "new", "robot.urdf", "--yes", "--rate", str(rate)]) == 0
+    profile, _ = load_robot(place / "arm.yaml")
+    assert profile.safety.stale_cycles == 0.2 * rate
+
+
 def test_options_are_the_answers(folder):
     place = folder(robot(("a", "revolute", FULL), ("b", "continuous", "")))
     words = ["--name", "two", "--mounting", "ceiling", "--velocity", "1,2", "--torque", "50"]

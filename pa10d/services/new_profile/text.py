@@ -14,7 +14,7 @@ from pa10d.services.new_profile.facts import ArmFacts
 COUNTS = 2**20  # of a virtual encoder, per revolution
 STEP = 1e-6  # m, of a virtual encoder along a rail
 RATIO = 100.0
-STALE_CYCLES = 100
+SILENCE = 0.2  # s without news that a simulated arm goes on
 
 
 def profile_text(facts: ArmFacts, answers: Answers, urdf: str) -> str:
@@ -72,7 +72,8 @@ def _lines(facts: ArmFacts, a: Answers, urdf: str) -> Iterator[str]:
     if simulated:
         yield ""
         yield "safety:"
-        yield f"  stale_cycles: {STALE_CYCLES}  # a simulated drive is a process among others"
+        cycles = max(round(SILENCE * a.rate), 1)
+        yield f"  stale_cycles: {cycles}  # a simulated drive is a process among others"
         yield ""
         yield "simulation:  # behind virtual drives; without it the profile is of a real arm"
         yield "  plant: backends.virtual.plant:build"
