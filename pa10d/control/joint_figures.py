@@ -114,9 +114,12 @@ class JointFigures:
     def after(self, before: JointFigures) -> JointFigures:
         """With the swings seen before these were measured; where a spring was found since, the
         rotor in front of it is what swung, and no free joint as light as that. What fell behind
-        stays as heavy as that showed it to be."""
+        stays as heavy as that showed it to be, until its inertia is measured: the factor is one of
+        what was presumed."""
         swung = np.where(np.isfinite(self.stiffness), self.swung, before.swung)
-        lighter = np.minimum(self.doubt, before.lighter) if len(before.lighter) else self.lighter
+        presumed = (self.rotor == before.rotor) & (self.link == before.link)
+        fallen = before.least if len(before.lighter) else self.doubt
+        lighter = np.where(presumed, np.minimum(self.doubt, fallen), self.doubt)
         return self.but(swung=swung, lighter=lighter)
 
 

@@ -147,6 +147,25 @@ def test_a_spring_found_later_explains_the_swing_before_it():
     assert "100 Hz (by what was measured); raise control.rate" in said
 
 
+def test_what_fell_behind_is_no_lighter_until_it_is_measured(tmp_path):
+    """Six times as heavy as the URDF has it made joint 7 fall behind no more, friction and gravity
+    in truth; then 2.6 times were measured, and six times that had gains that swing it up."""
+    arm = foreign(2007, tmp_path)
+    presumed = presumed_figures(arm.robot)
+    lighter = np.where(np.arange(7) == 6, 0.1875, presumed.doubt)
+    fell = presumed.but(lighter=lighter)
+    still = presumed.but(doubt=np.full(7, 2.0)).after(fell)
+    np.testing.assert_array_equal(still.least, [2.0] * 6 + [0.1875])
+    link, doubt = np.where(np.arange(7) == 6, 2.6, 1.0), np.full(7, 1.25)
+    found = presumed.but(link=link, doubt=doubt).after(fell)
+    assert found.least[6] == 1.25
+    firm, fit = (
+        learnt(arm.profile, arm.robot, figures).gains.kd[6]
+        for figures in (found.but(lighter=lighter), found)
+    )
+    assert firm > 1.2 * fit
+
+
 def test_what_swings_too_lightly_for_any_gains_is_a_rotor_before_a_spring(tmp_path):
     """Joint 3: 0.00067 kg·m² behind 54.7 N·m/rad, at 100 Hz. A free joint as light no gains hold;
     but gravity pulls at the link, and up to the spring's own swing the rotor goes with that."""
