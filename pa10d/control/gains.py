@@ -26,6 +26,7 @@ from pa10d.control.joint_figures import (
     inertias,
     poses_of,
     presumed_figures,
+    whole_masses,
 )
 from pa10d.control.servo_design import (
     SENSITIVITY,
@@ -38,6 +39,7 @@ from pa10d.control.servo_design import (
     sensitivity,
     swinging_inertia,
 )
+from pa10d.control.swaying import Coupled, settled
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.profile import Control
 
@@ -52,6 +54,7 @@ WORN = 0.5  # of the measured viscous friction that is there in any case
 AGAIN = 0.6  # of the inertia that explained a swing, where it was not enough
 LONE = 0.5  # of the usual inertia: what is lighter swings without its link
 SMALL = 1e-3  # rad
+TOGETHER = 64  # poses in which an arm is looked at as a whole
 BUS_DELAY = 1.5  # periods from a measurement to the middle of the torque that answers it
 
 
@@ -130,7 +133,22 @@ def fitted_gains(
     for j in range(robot.n):
         asked = asked_gains(float(span.usual[j]), float(figures.viscous[j]), float(bandwidth[j]))
         made.append(_held(asked, span, figures, float(pull[j]), _timing(control, figures, j), j))
-    return FittedGains(_together(made), np.array([one.sensitivity for one in made]))
+    gains = _together(made)
+    gains = replace(gains, ki=settled(_coupled(robot, control, figures, gains), gains.ki))
+    return FittedGains(gains, np.array([one.sensitivity for one in made]))
+
+
+def _coupled(robot: Robot, control: Control, figures: JointFigures, gains: PidGains) -> Coupled:
+    """The arm held by these gains, about poses that it may come to; friction may have worn off."""
+    poses = poses_of(robot, figures)[:TOGETHER]
+    late = np.array([_timing(control, figures, j).delay for j in range(robot.n)])
+    return Coupled(
+        mass=whole_masses(robot, figures, poses),
+        slope=_slopes(robot, _felt(robot, figures), poses),
+        stiff=gains.kp,
+        damps=gains.kd + WORN * figures.viscous,
+        late=np.maximum(late, 0.0),
+    )
 
 
 def _held(
@@ -191,12 +209,17 @@ def _needed(robot: Robot, span: Inertias, bound: Array, figures: JointFigures) -
 def gravity_slope(robot: Robot, bodies: Array, poses: Array) -> Array:
     """(P, n) N·m/rad by which gravity pulls each joint further away in poses (P, n), rad; negative
     where it hangs. bodies: (n, 10) standard parameters."""
-    here, slope = _gravity(robot, bodies, poses), np.zeros_like(poses)
+    return np.diagonal(_slopes(robot, bodies, poses), axis1=1, axis2=2).copy()
+
+
+def _slopes(robot: Robot, bodies: Array, poses: Array) -> Array:
+    """(P, n, n) N·m/rad by which gravity pulls joint i further away where joint j leans."""
+    here, slopes = _gravity(robot, bodies, poses), np.zeros((*poses.shape, robot.n))
     for j in range(robot.n):
         moved = poses.copy()
         moved[:, j] += SMALL
-        slope[:, j] = (here - _gravity(robot, bodies, moved))[:, j] / SMALL
-    return slope
+        slopes[:, :, j] = (here - _gravity(robot, bodies, moved)) / SMALL
+    return 0.5 * (slopes + slopes.transpose(0, 2, 1))  # of a potential: what differs is rounding
 
 
 def pulls(robot: Robot, figures: JointFigures) -> Array:

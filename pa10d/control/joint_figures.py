@@ -156,12 +156,10 @@ def inertias(robot: Robot, figures: JointFigures) -> Inertias:
     the PA10 the third joint of a stretched arm moves a quarter of its median, and swings up at
     47 Hz if its gains are made for that.
     """
-    scale = np.sqrt(figures.link)
     poses = drawn_poses(robot)
     if len(figures.about):
         poses = np.concatenate([figures.about, poses])
-    bodies = mass_matrices(robot, poses)
-    mass = bodies * scale[:, None] * scale + np.diag(figures.rotor)
+    mass = whole_masses(robot, figures, poses)
     own = np.diagonal(mass, axis1=1, axis2=2)
     light = np.min(1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2), axis=0)
     usual = np.minimum(np.median(own, axis=0), ABOVE_LIGHTEST * light)
@@ -170,6 +168,13 @@ def inertias(robot: Robot, figures: JointFigures) -> Inertias:
         near = own[: len(figures.about)].max(axis=0)
         heavy = np.maximum(near, np.minimum(heavy, ROUGH * usual))
     return Inertias(light, usual, heavy)
+
+
+def whole_masses(robot: Robot, figures: JointFigures, poses: Array) -> Array:
+    """(P, n, n) kg·m² of links and rotors as they are known, in poses (P, n) rad."""
+    scale = np.sqrt(figures.link)
+    bodies = mass_matrices(robot, poses)
+    return np.asarray(bodies * scale[:, None] * scale + np.diag(figures.rotor))
 
 
 def poses_of(robot: Robot, figures: JointFigures) -> Array:

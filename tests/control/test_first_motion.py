@@ -191,6 +191,17 @@ def test_a_joint_that_stands_upright_is_held_though_its_urdf_knows_half(tmp_path
     assert arm.known.gains.kp[1] > 20.0
 
 
+def test_joints_that_lean_together_are_held_in_every_pose(tmp_path):
+    """Three joints at 100 Hz, joint 2 upright on joint 1: both swayed at 0.5 Hz until one fell."""
+    arm = foreign(819, tmp_path)
+    assert arm.first_motion() is None
+    for entry in STARTING_SET[3:]:
+        request = read_request({"kind": entry.kind, "parameters": entry.parameters})
+        rows, fault = arm.run_on(request.build(arm.around))
+        assert fault is None, fault.sentence
+        assert (arm.error(rows) < 0.6 * arm.limits.following_error).all()
+
+
 def test_gains_are_made_for_where_the_first_motion_goes(tmp_path):
     """Stretched out this arm turns about its first joint with thirty times the inertia."""
     arm = foreign(2, tmp_path)
