@@ -150,7 +150,7 @@ def test_the_same_effect_elsewhere_is_a_rival_with_its_place():
     one = Confusion("torque_gain", (1,), "alike")
     term, before = Term("torque_gain", (0,), np.array([0.1])), np.array([0.2, 0.1])
     text = sentence(term, before, before / 2, Value(0.4, 0.01, "N·m"), [one], False)
-    assert text.endswith("This data cannot yet tell it from the same on joint 2.")
+    assert text.endswith("This data cannot yet tell it from one of another size on joint 2.")
 
 
 @pytest.mark.parametrize("kind", sorted(all_effects()))

@@ -72,7 +72,7 @@ def _other(term: Term, rival: Confusion) -> str:
     if rival.effect != term.effect_id:
         return effect(rival.effect).named
     joints = listed([str(j + 1) for j in rival.joints])
-    return f"the same on joint{'s' if len(rival.joints) > 1 else ''} {joints}"
+    return f"one of another size on joint{'s' if len(rival.joints) > 1 else ''} {joints}"
 
 
 def nothing(
