@@ -75,6 +75,8 @@ class Swing:
             stiff[:, own, own] = np.maximum(soft[:, own, own] + held, SOFTEST * held)
             drag[:, own, own] += damped
             equation = mass, drag, stiff
+            if not all(np.isfinite(x).all() for x in (push, rest, *equation)):
+                return None
             lag = driven(push[:, :, None], rest[:, None], started[:, 1:], equation, context.dt)
             lag = lag[:, :, :, 0]
             if not np.all(np.abs(lag[0]) < FURTHEST):
@@ -117,9 +119,6 @@ def driven_lags(load, rest, rates, mass, drag, stiff, dt):
     x, v = np.linalg.solve(first, rest), np.linalg.solve(first, rates)
     for k in range(n):
         b = max(k - 1, 0)
-        if not np.all(np.abs(x) + np.abs(v) < RUNS_AWAY):
-            out[:] = np.inf
-            return out
         heaviest = np.ascontiguousarray(mass[k])
         highest = np.trace(np.linalg.solve(heaviest, np.ascontiguousarray(stiff[k])))
         steps = max(1, int(np.ceil(np.sqrt(max(highest, 0.0)) * dt * SUBSTEPS)))
@@ -134,6 +133,9 @@ def driven_lags(load, rest, rates, mass, drag, stiff, dt):
             a = np.linalg.solve(heavy, push - slope @ x - (c + 0.5 * h * slope) @ v)
             x = x + h * v + 0.5 * h * h * a
             v = v + h * a
+            if not np.all(np.abs(x) + np.abs(v) < RUNS_AWAY):
+                out[:] = np.inf
+                return out
         out[0, k], out[1, k] = x, v
         left = load[k] - np.ascontiguousarray(stiff[k]) @ x - np.ascontiguousarray(drag[k]) @ v
         out[2, k] = np.linalg.solve(heaviest, left)
