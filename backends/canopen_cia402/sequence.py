@@ -15,7 +15,7 @@ from backends.protocol import Array, Feedback
 
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
 OFF = (DriveState.DISABLED, DriveState.FAULT)
-HEEDS_WITHIN = 1.0  # s for a drive to brake, close its brake and leave *operation enabled*
+HEEDS_WITHIN = 3.0  # s for a drive to brake, close its brake and leave *operation enabled*
 PATIENCE = 5.0  # s, on the backend's clock, for any step of these sequences
 
 # faults after which the drive still has our configuration; after all others it is set up anew

@@ -240,7 +240,8 @@ def play(profile: Profile, alive: int, held: Held) -> None:
 
     def watch() -> None:
         os.read(alive, 1)
-        held.leave()
+        with contextlib.suppress(OSError):  # it has ended by itself meanwhile
+            held.leave()
         gone.wait(LINGER)
         gone.set()
 
