@@ -153,6 +153,10 @@ BLIND = 10.0  # times the variance: too few samples lie far from reversals to te
 # (a) no answer and no error changed; (b) other names for what is unexplained, no finding;
 # (c) a finding came or went; (d) the same as (a), on arms of two links alone.
 
+RING_STEP = 1.04  # between frequencies that are tried: as wide as a damping of 2 % resolves
+RING_DAMPING = (0.01, 0.03, 0.1)  # of the critical one: what swings on
+RING_NONE = 0.7  # what does not
+RING_LEAST_TURNS = 8.0  # within the longest stretch
 HUM_FINENESS = 4  # looks at a line in time within the resolution of the longest stretch
 HUM_AROUND = 40  # resolutions to either side whose level a line has to stand above
 HUM_LEAST_TURNS = 8.0  # of a line within the shorter of the longest stretches: fewer are slow noise

@@ -1,6 +1,6 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
-A map of the motion; of a torque as it is read; a line in time; what motion foretells though nobody
+A map of the motion; of a torque as it is read; a line in time; what swings on; what motion foretells though nobody
 can say by which quantity; and last that it comes again, follows reversals, or is simply too large.
 """
 
@@ -29,6 +29,7 @@ from pa10d.diagnose.unknown.remaining import (
     material,
     unnamed,
 )
+from pa10d.diagnose.unknown.ringing import rings
 from pa10d.diagnose.unknown.structure import (
     Structure,
     find_readings,
@@ -75,9 +76,11 @@ def left_over(
     far = _farther(state, left, level)
     doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
-    foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in humming])]
+    open_ = [j for j in open_ if j not in humming]
+    ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
+    foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
     told: list[Unexplained] = [*maps, *read.values()]
-    named = [*told, *humming.values(), *foreseen]
+    named = [*told, *humming.values(), *ringing.values(), *foreseen]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
     )

@@ -24,6 +24,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.humming import Hum
+from pa10d.diagnose.unknown.ringing import Ring
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
@@ -38,15 +39,16 @@ class Unnamed:
     """Structure of which nobody can say what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
-    joint, that is beyond any noise the data show, that depends on torque as it is read, or that is
-    one line in time at so many hertz; RMS N·m of that share."""
+    joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
+    line in time at so many hertz, or that motion sets swinging at so many; RMS N·m of that
+    share."""
 
     joint: int
     share: float
     rms: float
     p_value: float
     witness: Literal[
-        "again", "motion", "elsewhere", "turning", "reversing", "size", "reading", "hum"
+        "again", "motion", "elsewhere", "turning", "reversing", "size", "reading", "hum", "ring"
     ]
     variables: tuple[str, ...] = ()
     hertz: float = float("nan")
@@ -55,6 +57,11 @@ class Unnamed:
     def of_hum(cls, hum: Hum) -> Unnamed:
         """A line in time."""
         return cls(hum.joint, hum.share, hum.rms, hum.p_value, "hum", hertz=hum.hertz)
+
+    @classmethod
+    def of_ring(cls, ring: Ring) -> Unnamed:
+        """What motion sets swinging."""
+        return cls(ring.joint, ring.share, ring.rms, ring.p_value, "ring", hertz=ring.hertz)
 
 
 Unexplained = Structure | Unnamed
@@ -352,6 +359,13 @@ def _with_sentence(
             f"{size}; {percent(left.share)} of its squared error is one line in time, at "
             f"{left.hertz:.3g} Hz on both sides: no motion, and no slow noise, but a fan, mains, a "
             "machine beside, or a servo or a frame that rings"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "ring":
+        text = (
+            f"{size}; {percent(left.share)} of its squared error swings at about {left.hertz:.2g} "
+            "Hz when motion has set it going, and swings on by itself: a liquid or a load that is "
+            "not tight, a cable, a frame or a gear that gives. Stop quickly and record what swings "
+            "on, with the tool and without"
         )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (
