@@ -1,8 +1,8 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
-A map of the motion; of a torque as it is read; a line in time; what swings on; what motion foretells
-though nobody can say by which quantity; and last that it comes again, follows reversals, or is
-simply too large.
+A map of the motion; of a torque as it is read; a line in time; what swings on; what motion
+foretells though nobody can say by which quantity; and last that it comes again, follows reversals,
+or is simply too large.
 """
 
 from __future__ import annotations
