@@ -24,7 +24,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.humming import Hum
-from pa10d.diagnose.unknown.ringing import Ring
+from pa10d.diagnose.unknown.ringing import SwingsOn
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
@@ -59,7 +59,7 @@ class Unnamed:
         return cls(hum.joint, hum.share, hum.rms, hum.p_value, "hum", hertz=hum.hertz)
 
     @classmethod
-    def of_ring(cls, ring: Ring) -> Unnamed:
+    def of_ring(cls, ring: SwingsOn) -> Unnamed:
         """What motion sets swinging."""
         return cls(ring.joint, ring.share, ring.rms, ring.p_value, "ring", hertz=ring.hertz)
 

@@ -40,7 +40,7 @@ Motion = list[Array]
 
 
 @dataclass(frozen=True)
-class Ring:
+class SwingsOn:
     """hertz of the oscillator; share of the joint's held-out squared error that it removes; rms
     N·m of what it foretells."""
 
@@ -51,7 +51,7 @@ class Ring:
     p_value: float
 
 
-def rings(state: SearchState, joints: Sequence[int]) -> list[Ring]:
+def rings(state: SearchState, joints: Sequence[int]) -> list[SwingsOn]:
     """Of those of the joints whose held-out error such an oscillator foretells."""
     if not joints:
         return []
@@ -65,7 +65,7 @@ def rings(state: SearchState, joints: Sequence[int]) -> list[Ring]:
         claim = evidence_of(state, residual, p, state.train.n, noise, FORETOLD_LEVEL)
         if claim is not None:
             rms = float(np.sqrt(np.mean(p.values**2)))
-            out.append(Ring(p.joint, hertz, of_all(residual, p), rms, claim.p_value))
+            out.append(SwingsOn(p.joint, hertz, of_all(residual, p), rms, claim.p_value))
     return out
 
 
