@@ -230,6 +230,7 @@ def main() -> None:
             else:
                 play(profile, given.alive, held)
     except UserError as error:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it ends by itself, and in one line
         print(REFUSED + " ".join(str(error).split()), flush=True)
         sys.exit(1)
 
