@@ -243,7 +243,7 @@ def in_words(found: Diagnosis) -> str:
 def _open(finding: Finding, robot: Robot) -> list[str]:
     """What of it is not determined, and what would tell."""
     kind = finding.term.effect
-    never = kind.never_shown(robot)
+    never = kind.never_shown(robot, finding.term.joints)
     by: dict[str, list[str]] = {}
     for name in (name for name, v in finding.parameters.items() if not v.determined):
         would = f"would be by: {kind.shown_by(name)}"

@@ -134,12 +134,8 @@ WORTH_JUDGING = 0.5  # of the best variant's gain: a wave had imitated a bump on
 KNOWN_GROUND = 0.15  # of the held-out samples: a map of less is no description of the joint
 MOSTLY_BEYOND = 0.5  # of the error, beyond the share of time, that lies where the fit side has not
 #   been, to say so: most of it (policy; a fact of the two sides, no claim)
-BODIES_GIVE = 10.0  # times what is usual for a link of such mass and size, by which its bodies may
-#   differ from the given model's possible ones (policy: more than anybody doubts; decision 0255)
-CARRIED_FARTHER = (
-    1.5  # times what its coefficients leave open on the fit side: from there the held-
-)
-#   out side asks for what the fitted runs do not determine (policy; 0.8 to 1.3 on like motion)
+CARRIED_FARTHER = 1.5  # times what its coefficients leave open on the fit side: from there the
+#   held-out side asks for what fitted runs do not determine (policy; 0.8 to 1.3 on like motion)
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it
 #   (policy; two arms that nobody here wrote showed 0.8 to 1.4, decision 0228)
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's
@@ -161,9 +157,7 @@ HUM_FINENESS = 4  # looks at a line in time within the resolution of the longest
 HUM_AROUND = 40  # resolutions to either side whose level a line has to stand above
 HUM_LEAST_TURNS = 8.0  # of a line within the shorter of the longest stretches: fewer are slow noise
 HUM_SHARE = 0.3  # of a joint's squared error that a line in time has to be: slow noise has less
-HUM_ALIKE = (
-    0.5  # of its size on the held-out side that it has on the fit side: a fan runs on (policy)
-)
+HUM_ALIKE = 0.5  # of its size on the held-out side that it has on the fit side: a fan runs on
 HUM_SAMPLES = 8000  # of a stretch that are looked at: a minute or two
 CLAIMED_SHARE = 0.06  # of a joint's squared error that must come again, be predicted, or be removed
 #   by a map where it knows, to be a claim (b: half names a map more, twice one less)

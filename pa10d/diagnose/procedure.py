@@ -27,7 +27,6 @@ from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, suspects
 from pa10d.diagnose.search.candidates import places as places_of
-from pa10d.diagnose.search.corners import with_corners
 from pa10d.diagnose.search.delivery import warnings as said
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
@@ -81,7 +80,7 @@ def diagnose(
     model = in_band(model)
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
-    state = with_corners(SearchState.start(model, train, held, frozen))
+    state = SearchState.start(model, train, held, frozen)
     given = len(state.terms)
     as_given = held_out(model, state)
     given_error = judged(model.name, as_given)

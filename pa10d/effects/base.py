@@ -327,8 +327,8 @@ class Effect(ABC):
         rounds = any(s.name == parameter and s.smoothing for s in self.shapes)
         return "Slow reversals" if rounds else self.experiment.rstrip(".")
 
-    def never_shown(self, robot: Robot) -> frozenset[str]:
-        """Its parameters that no motion of this arm can show."""
+    def never_shown(self, robot: Robot, joints: Sequence[int]) -> frozenset[str]:
+        """Its parameters that no motion of this arm can show, on these joints."""
         return frozenset()
 
     def shapes_in(self, shape: Mapping[str, object]) -> list[ShapeParameter]:

@@ -13,7 +13,7 @@ from pa10d.dynamics.pseudo_inertia import definiteness
 from pa10d.identify.blocks import Pieces
 from pa10d.identify.rows import Rows, all_rows, rows_of, triangles_of
 from pa10d.identify.smoothing import Smoothing
-from pa10d.regression.bodies import near, of_base
+from pa10d.regression.bodies import widely
 from pa10d.regression.covariance import Uncertainty, WeightedStretch, uncertainty
 from pa10d.regression.lacking import Stretch
 from pa10d.regression.layout import Layout
@@ -24,7 +24,6 @@ from pa10d.regression.triangle import Triangle
 
 Array = NDArray[np.float64]
 
-WIDE = 10.0  # times what is usual for a link of its mass and size: beyond, nobody doubts a file
 MINDS = 0.02  # share by which the error of a joint may rise for bodies that are known beforehand
 
 
@@ -132,12 +131,11 @@ def weighted_fit(
 
 
 def wide_bodies(layout: Layout) -> Knowledge | None:
-    """Of the base parameters: that bodies are the robot's file's, give or take ``WIDE`` times what
-    is usual for a link. None where the file has none that can exist."""
+    """Of the base parameters: that bodies are the robot's file's, give or take more than anybody
+    doubts. None where the file has none that can exist."""
     if np.any(definiteness(layout.robot.parameters) <= 0.0):
         return None
-    about = near(layout.robot.parameters, layout.robot, WIDE)
-    return of_base(about, layout.robot, layout.base)
+    return widely(layout.robot.parameters, layout.robot, layout.base)
 
 
 def beside_bodies(free: Fit, bodies: Knowledge, refitted: Callable[[Knowledge | None], Fit]) -> Fit:

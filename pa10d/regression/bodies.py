@@ -13,6 +13,8 @@ from pa10d.regression.problem import Knowledge
 
 Array = NDArray[np.float64]
 
+WIDE = 10.0  # more than anybody doubts of a link (decision 0255)
+
 
 def of_base(bodies: Knowledge, robot: Robot, base: BaseParameters) -> Knowledge:
     """Of the base parameters (b,), where ``bodies`` is of the standard ones (10n,): whatever leaves
@@ -27,12 +29,13 @@ def of_base(bodies: Knowledge, robot: Robot, base: BaseParameters) -> Knowledge:
     return Knowledge(rest[:, :-1], rest[:, -1], bodies.spread)
 
 
-def near(standard: Array, robot: Robot, times: float) -> Knowledge:
-    """That bodies are those of ``standard`` (n, 10), each of a link's parameters give or take so
-    many times what is usual for its mass and size, there or in the robot's file: the larger."""
+def widely(standard: Array, robot: Robot, base: BaseParameters) -> Knowledge:
+    """Of the base parameters (b,): that bodies are those of ``standard`` (n, 10), each of a link's
+    parameters give or take ``WIDE`` times what is usual for its mass and size, there or in the
+    robot's file: the larger."""
     pairs = zip(standard, robot.parameters, strict=True)
-    sizes = [np.maximum(scales(a), scales(b)) for a, b in pairs]
-    return Knowledge.about(standard.reshape(-1), np.diag(1.0 / (times * np.concatenate(sizes))))
+    sizes = WIDE * np.concatenate([np.maximum(scales(a), scales(b)) for a, b in pairs])
+    return of_base(Knowledge.about(standard.reshape(-1), np.diag(1.0 / sizes)), robot, base)
 
 
 def free_of(directions: Array, rows: Array) -> Array:

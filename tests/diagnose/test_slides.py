@@ -11,6 +11,7 @@ from two_links import RATE, SECONDS
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import Robot, inverse_dynamics, robot_from_urdf
 from pa10d.effects.base import smooth_sign
+from pa10d.effects.registry import effect
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 
@@ -72,3 +73,11 @@ def test_an_effect_of_a_slide_is_named_with_its_size(extra, expected, parameters
         assert abs(told.value - truth) < 0.05 * abs(truth)
     if expected == "spring":
         assert not only.parameters["q0"].determined, "its constant part is the weight's, too"
+
+
+@pytest.mark.parametrize(("axis", "never"), [("0 0 1", {"q0"}), ("1 0 0", set())])
+def test_where_a_spring_of_a_slide_pulls_to_is_shown_by_no_motion_beside_its_weight(axis, never):
+    """A lift bears it, whatever it carries does; a slide on the level bears none."""
+    arm = robot_from_urdf(URDF.replace("0 0 1", axis))
+    assert effect("spring").never_shown(arm, (0,)) == never
+    assert not effect("spring").never_shown(arm, (1,))

@@ -114,5 +114,5 @@ def test_what_a_joint_moves_is_pinocchios_mass_matrix():
 def test_what_of_a_payload_no_motion_of_an_arm_shows(profile, never):
     """All axes of a SCARA are vertical: how high its load is changes nothing."""
     robot = robot_from_profile(load_profile(profile))
-    assert effect("payload").never_shown(robot) == never
-    assert not effect("spring").never_shown(robot)
+    assert effect("payload").never_shown(robot, ()) == never
+    assert not effect("spring").never_shown(robot, (0,))

@@ -9,13 +9,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import BODIES_GIVE, OWN_LEVEL, OWN_ROUNDS, OWN_STEP
+from pa10d.diagnose.constants import OWN_LEVEL, OWN_ROUNDS, OWN_STEP
 from pa10d.diagnose.regression.least_squares import LeastSquares, solved
 from pa10d.diagnose.regression.majority import agreed
 from pa10d.diagnose.regression.side import Side
 from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel, Unknowns, vector_of
-from pa10d.regression.bodies import near, of_base
+from pa10d.regression.bodies import widely
 from pa10d.regression.per_joint import PerJoint, assembled, predict, rms
 from pa10d.regression.problem import Knowledge, LinearProblem
 from pa10d.regression.winding import seen_by
@@ -273,8 +273,7 @@ def bodies_of(model: TorqueModel) -> Knowledge | None:
     what the data hardly show, they would run off to what no arm has. None where it has none."""
     if model.standard is None:
         return None
-    about = near(model.standard, model.robot, BODIES_GIVE)
-    return of_base(about, model.robot, model.base)
+    return widely(model.standard, model.robot, model.base)
 
 
 def own_uncertainty(model: TorqueModel) -> Knowledge:

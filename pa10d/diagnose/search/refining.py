@@ -67,8 +67,8 @@ def _turning_as_dry_friction(
     corners = [s for s in free_shapes(term.effect, shape) if s.smoothing]
     if not dry or term in dry or not corners:
         return None
-    v0 = dry[0].shape["v0"]
-    return shape | {s.name: max(s.lower, v0) for s in corners}
+    speed = dry[0].shape[dry[0].effect.smoothed_over]
+    return shape | {s.name: max(s.lower, speed) for s in corners}
 
 
 def _closer(state: SearchState, index: int, rest: LeastSquares, falls: bool) -> dict[str, float]:

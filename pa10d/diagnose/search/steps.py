@@ -23,6 +23,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import term_covariance
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
+from pa10d.diagnose.search.corners import with_corners
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
 from pa10d.diagnose.search.looking import bent_rivals, look, prefer
@@ -65,7 +66,7 @@ class Search:
         if steps is None:
             steps = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         align(self.state)
-        self._corners()
+        self.state = with_corners(self.state)
         refused: set[Place] = set()
         self._forward(steps, refused)
         if self._late_together():
@@ -76,15 +77,6 @@ class Search:
                 return self
             refused |= unsure
             self._forward(steps, refused)
-
-    def _corners(self) -> None:
-        """How sharply friction turns round, where that was open when the model was identified, as
-        the fit side has it: what is off there would be told as friction at low speed."""
-        for index, term in enumerate(self.state.terms[: self.fixed]):
-            over = term.effect.smoothed_over
-            open_ = over and not np.isfinite(term.shape_errors.get(over, np.inf))
-            if open_ and not self.state.frozen:
-                refine(self.state, self.fixed, index)
 
     def _late_together(self) -> bool:
         """Several joints "measured late" may be one offset of the whole robot, hidden as long as

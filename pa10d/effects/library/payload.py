@@ -58,7 +58,7 @@ class Payload(Effect):
             context.robot, context.q, context.dq, context.ddq, np.arange(last, last + 10)
         )
 
-    def never_shown(self, robot):
+    def never_shown(self, robot, joints):
         last = 10 * (robot.n - 1)
         moments = regressor(robot, *random_motion(robot, 30, 1), np.arange(last + 1, last + 4))
         felt = np.abs(moments).max(axis=(0, 1))

@@ -2,7 +2,12 @@
 
 import numpy as np
 
+from pa10d.dynamics import inverse_dynamics
+from pa10d.dynamics.base import random_motion
 from pa10d.effects.base import Coefficient, Effect, Example, ShapeParameter, Value
+
+ALIKE = 1e-6  # of the largest of a joint's weights: rounded axes
+NONE = 1e-9  # N: rounded, too
 
 
 class Spring(Effect):
@@ -41,6 +46,15 @@ class Spring(Effect):
     def starts(self, context, joints):
         slides = context.robot.prismatic[joints[0]]
         return [{}, {"constant": 0.0}] if slides else [{}]
+
+    def never_shown(self, robot, joints):
+        """q0 of a slide that bears a weight, the same wherever the arm stands."""
+        q = random_motion(robot, 30, 1)[0]
+        rest = np.zeros_like(q)
+        weight = inverse_dynamics(robot, robot.parameters, q, rest, rest)[:, joints[0]]
+        most = np.abs(weight).max()
+        same = most > NONE and np.ptp(weight) <= ALIKE * most
+        return frozenset({"q0"} if robot.prismatic[joints[0]] and same else ())
 
     def values(self, coefficients, covariance, shape, shape_errors):
         if not shape.get("constant", 1.0):
