@@ -157,6 +157,8 @@ def improve(options: argparse.Namespace) -> Answer:
         replace_model=options.replace, smooth=options.smooth, force=options.force,
         progress=progress_line(),
     )  # fmt: skip
+    for warning in made.elsewhere:
+        note(f"warning: {warning}")
     text = in_words(made.diagnosis)
     if made.infos:
         text += "\nstored: " + ", ".join(f"{i.name} ({i.change})" for i in made.infos)

@@ -1,6 +1,7 @@
 """How large is a model's error on runs? One answer, whoever asks: band, mask and floor named."""
 
 from pa10d.judgement.band import HIGHEST_HZ, band, common_band, in_band
+from pa10d.judgement.elsewhere import worse_elsewhere
 from pa10d.judgement.judge import (
     MASK,
     MATERIAL,
@@ -47,4 +48,5 @@ __all__ = [
     "turning",
     "with_one_floor",
     "worse",
+    "worse_elsewhere",
 ]

@@ -15,6 +15,8 @@ from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.procedure import diagnose, suspicion
+from pa10d.effects import all_effects
+from pa10d.judgement import worse_elsewhere
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
 from pa10d.services.library import Library
@@ -36,22 +38,25 @@ class Improved:
 
     doubt: the experiment that should be run first; then nothing was stored
     maps: versions with smooth maps over what the diagnosis could not explain, after its own
+    elsewhere: what is worse on the runs that the given model was fitted to, in words
     """
 
     infos: tuple[ModelInfo, ...]
     diagnosis: Diagnosis
     doubt: NextExperiment | None = None
     maps: tuple[TorqueModel, ...] = ()
+    elsewhere: tuple[str, ...] = ()
 
     @property
-    def _models(self) -> tuple[TorqueModel, ...]:
+    def models(self) -> tuple[TorqueModel, ...]:
+        """As they were stored, one for each of ``infos``."""
         return (*self.diagnosis.stored, *self.maps)
 
     def document(self) -> JsonObject:
         """As JSON: the diagnosis, and which models were stored."""
         made = [
             {"id": i.id, "name": i.name, "change": i.change, "held_out": m.held_out["held out"]}
-            for i, m in zip(self.infos, self._models, strict=False)
+            for i, m in zip(self.infos, self.models, strict=False)
         ]
         for entry in made:
             entry["held_out"] = [float(v) for v in entry["held_out"]]
@@ -62,7 +67,13 @@ class Improved:
             "versions": made,
             "doubt": self.doubt and self.doubt.document(),
             **self.diagnosis.document(),
+            "warnings": list(self.warnings),
         }
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be known of the versions."""
+        return (*self.diagnosis.warnings, *self.elsewhere)
 
 
 def diagnose_runs(
@@ -134,6 +145,8 @@ def add_effect(
     refuse_beyond_memory("diagnose", [library.runs.find(run) for run in fit])
     runs = read_runs(library, fit, loaded.robot, force=force)[1]
     made, warnings = add_asked(loaded, effect, at, runs, name=name, over=over, progress=progress)
+    if all_effects()[effect].question != "changed":  # what has changed since is not in older runs
+        warnings += _worse_elsewhere(library, loaded, made, fit)
     return library.models.save(made, replace=replace_model), made, warnings
 
 
@@ -168,11 +181,25 @@ def improve_model(
         new = next((one for one in asked if one not in tried), None)
         if new is not None:
             return Improved((), found, new)
+    given = library.models.load(library.models.find(model))  # before its name is another's
     maps = _maps_over_unexplained(library, found, fit, validate) if smooth else ()
     infos = store_versions(
         library, model, found, name=name, replace_model=replace_model, further=maps
     )
-    return Improved(infos, found, maps=maps)
+    made = Improved(infos, found, maps=maps)
+    if not made.models:
+        return made
+    told = _worse_elsewhere(library, given, made.models[-1], (*fit, *validate))
+    return replace(made, elsewhere=tuple(told))
+
+
+def _worse_elsewhere(
+    library: Library, given: TorqueModel, made: TorqueModel, asked: Sequence[str]
+) -> list[str]:
+    """What a new version does worse on the given model's own runs, where it was not fitted to
+    them."""
+    own = _own_runs(library, given, [library.runs.find(run).name for run in asked])
+    return worse_elsewhere(given, made, own) if own else []
 
 
 def _maps_over_unexplained(
