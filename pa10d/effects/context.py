@@ -144,14 +144,17 @@ class Context:
 
     def with_wound(self, wound: Mapping[int, tuple[float, float]]) -> Context:
         """The same with links that swing otherwise as the motion begins."""
-        other = self._with(replace(self, wound=wound))
-        other.__dict__.pop("drawn", None)
-        return other
+        return self.handed_to(replace(self, wound=wound))
 
-    def _with(self, other: Context) -> Context:
+    def handed_to(self, other: Context) -> Context:
+        """Another context of the same motion and the same bodies, with what follows from these
+        alone: it is not computed again."""
+        return self._with(other, but="drawn")
+
+    def _with(self, other: Context, but: str = "") -> Context:
         """What follows from motion and bodies alone is not computed again."""
         for name in KEPT:
-            if name in self.__dict__:
+            if name in self.__dict__ and name != but:
                 other.__dict__[name] = self.__dict__[name]
         return other
 

@@ -57,10 +57,15 @@ def _whose(term: AtWork) -> tuple[object, ...]:
 
 
 def contextualised(
-    context: Context, terms: Sequence[AtWork], rigid: Array, loads: Array | None
+    context: Context,
+    terms: Sequence[AtWork],
+    rigid: Array,
+    loads: Array | None,
+    before: Context | None = None,
 ) -> Context:
     """The same motion with the loads and the total torque of a model of these bodies and terms.
 
+    before: what was made of this motion with these bodies, whose loads are not computed again.
     rigid, loads: (n, 10) standard parameters, the latter those from which effects take their loads
     where these are others. Load-dependent effects see the rigid bodies, warming ones the friction
     that heats them; sensing effects see the torque of all mechanical ones.
@@ -80,6 +85,8 @@ def contextualised(
             if t.effect.series_spring
         ),
     )
+    if before is not None:
+        loaded = before.handed_to(loaded)
     loaded = loaded.with_levels(_levels(loaded, terms))
     own = loaded if loads is None else replace(context, rigid=rigid)
     total = own.load + textbook

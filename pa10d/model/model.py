@@ -180,10 +180,11 @@ class TorqueModel:
             for c, v, e in zip(term.effect.coefficients, term.coefficients, errors, strict=True)
         }
 
-    def contextualise(self, context: Context) -> Context:
-        """The same motion with this model's loads and total torque."""
+    def contextualise(self, context: Context, before: Context | None = None) -> Context:
+        """The same motion with this model's loads and total torque; before: what it made of this
+        motion when links began otherwise."""
         loads = None if self.loads is None else self.load_bodies
-        return contextualised(context, self.terms, self.rigid, loads)
+        return contextualised(context, self.terms, self.rigid, loads, before)
 
     def predict(self, context: Context) -> Array:
         """Torque (N, n) N·m at the raw rate, as the sensors would report it."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pa10d.effects import Context
 from pa10d.effects.rotor import typical_link
+from pa10d.effects.together import columns_once, torque_of
 from pa10d.model import Term, TorqueModel
 from pa10d.regression.equation import RunEquation
 
@@ -29,20 +30,20 @@ ROUNDS = 2  # a link that swings far does so beyond first order
 def seen_by(model: TorqueModel, run: RunEquation) -> Context:
     """A run's motion with the model's loads and torque; links behind its springs swing at the
     beginning as the samples that count say."""
-    seen = model.contextualise(run.context)
     springs = [term for term in model.terms if term.effect.series_spring]
     if not springs:
-        return seen
+        return model.contextualise(run.context)
     wound: Wound = {term.joints[0]: (0.0, 0.0) for term in springs}
+    seen = model.contextualise(run.context.with_wound(wound))
     for _ in range(ROUNDS):
-        seen = model.contextualise(run.context.with_wound(wound))
         error = run.driven - run.filtered(model.sensed(seen))
         steps = _steps(springs, seen, run, error)
         wound = {
             j: (more + float(step[0]), rate + float(step[1]))
             for (j, (more, rate)), step in zip(wound.items(), steps, strict=True)
         }
-    return model.contextualise(run.context.with_wound(wound))
+        seen = model.contextualise(run.context.with_wound(wound), seen)
+    return seen
 
 
 def winds(run: RunEquation, joint: int) -> float:
@@ -55,11 +56,12 @@ def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Arra
     """(springs, 2) N·m and N·m/s that take most of an error (M, n), each joint weighted by what it
     has of that, and each no larger than is likely."""
     sizes, columns = [], []
+    still = [torque_of(term, seen, columns_once(term, seen)) for term in springs]
     for term in springs:
         j = term.joints[0]
         omega = np.sqrt(term.shape["K"] / typical_link(seen, j, term.shape.get("rotor", 0.0)))
         sizes += [winds(run, j), winds(run, j) * float(omega)]
-        columns += [_freely(springs, j, seen, run, one, sizes[-2:][one]) for one in (0, 1)]
+        columns += [_freely(springs, j, seen, still, run, one, sizes[-2:][one]) for one in (0, 1)]
     keep = run.keep
     sigma = np.sqrt(np.sum(np.where(keep, error, 0.0) ** 2, axis=0) / np.maximum(keep.sum(0), 1))
     weight = np.where(keep & (sigma > 0.0), 1.0 / np.maximum(sigma, 1e-300), 0.0)
@@ -71,13 +73,21 @@ def _steps(springs: Sequence[Term], seen: Context, run: RunEquation, error: Arra
 
 
 def _freely(
-    springs: Sequence[Term], joint: int, seen: Context, run: RunEquation, which: int, size: float
+    springs: Sequence[Term],
+    joint: int,
+    seen: Context,
+    still: Sequence[Array],
+    run: RunEquation,
+    which: int,
+    size: float,
 ) -> Array:
-    """(M, n) N·m that this joint's link adds when it begins by ``size`` farther (0) or faster
-    (1)."""
+    """(M, n) N·m that this joint's link adds to what all of them do (``still``) when it begins by
+    ``size`` farther (0) or faster (1)."""
     begun = list(seen.wound[joint])
     begun[which] += size
     other = seen.with_wound({**seen.wound, joint: (begun[0], begun[1])})
     return np.asarray(
-        run.filtered(np.sum([t.torque(other) - t.torque(seen) for t in springs], axis=0))
+        run.filtered(
+            np.sum([t.torque(other) - s for t, s in zip(springs, still, strict=True)], axis=0)
+        )
     )

@@ -53,6 +53,7 @@ class JointSpring(Spring):
 
 
 Springs = tuple[JointSpring, ...]
+Swings = Sequence[Swing]
 
 
 @dataclass(frozen=True)
@@ -105,25 +106,29 @@ class Flexible:
         """The best that so many steps reach from there; None where a link would run away."""
         still = (0.0,) * (2 * len(self.runs))
         springs = tuple(replace(s, wound=s.wound or still) for s in springs)
-        found = self._torque(beta, springs)
-        if found is None:
+        swings = self._swings(beta, springs)
+        if swings is None:
             return None
+        found = self._torque(beta, springs, swings)
         inertia = typical_inertia(self.robot, self._rigid(beta))[list(self.joints)]
         sizes = self._sizes(inertia, springs)
         left = self._left(found, springs, sizes)
         for _ in range(rounds):
-            step = self._step(beta, springs, found, sizes)
+            step = self._step(beta, springs, swings, found, sizes)
             better = None
             for share in STEP_SHARES:
                 moved = self._moved(springs, share, step, inertia)
                 trial = beta + share * step[: self.size], moved
-                torque = self._torque(*trial)
-                if torque is not None and self._left(torque, trial[1], sizes) < left:
-                    better = (*trial, torque)
+                followed = self._swings(*trial)
+                if followed is None:
+                    continue
+                torque = self._torque(*trial, followed)
+                if self._left(torque, trial[1], sizes) < left:
+                    better = (*trial, followed, torque)
                     break
             if better is None:
                 break
-            beta, springs, found = better
+            beta, springs, swings, found = better
             before, left = left, self._left(found, springs, sizes)
             if before - left < SPRING_WORTH:
                 break
@@ -143,9 +148,11 @@ class Flexible:
         unlikely = float(np.sum((_wound(springs) / sizes) ** 2))
         return _left(self.side, torque) + 0.5 * unlikely / self.rows
 
-    def _step(self, beta: Array, springs: Springs, torque: PerJoint, sizes: Array) -> Array:
+    def _step(
+        self, beta: Array, springs: Springs, swings: Swings, torque: PerJoint, sizes: Array
+    ) -> Array:
         """(p + shapes,) Gauss and Newton's: coefficients, then what ``_moved`` takes."""
-        slopes = self._slopes(beta, springs)
+        slopes = self._slopes(springs, swings)
         sigma = {j: max(rms(self.side.tau[j] - torque[j]), 1e-12) for j in torque}
         rows = np.concatenate([slopes[j] / sigma[j] for j in torque])
         target = np.concatenate([(self.side.tau[j] - torque[j]) / sigma[j] for j in torque])
@@ -187,13 +194,20 @@ class Flexible:
             )
         return tuple(out)
 
-    def _torque(self, beta: Array, springs: Springs) -> PerJoint | None:
-        """joint -> (m_j,) filtered torque on the samples that count."""
-        rigid, whole = self._rigid(beta), []
+    def _swings(self, beta: Array, springs: Springs) -> Swings | None:
+        """Of each run; None where a link would run away."""
+        rigid, out = self._rigid(beta), []
         for number, run in enumerate(self.runs):
             swing = _swing(run.context, rigid, springs, number)
             if swing is None:
                 return None
+            out.append(swing)
+        return out
+
+    def _torque(self, beta: Array, springs: Springs, swings: Swings) -> PerJoint:
+        """joint -> (m_j,) filtered torque on the samples that count."""
+        rigid, whole = self._rigid(beta), []
+        for run, swing in zip(self.runs, swings, strict=True):
             torque = inverse_dynamics(self.robot, rigid, *swing.motion)
             for e, spring in enumerate(springs):
                 torque[:, spring.joint] += spring.rotor * swing.lag[2][:, e]
@@ -204,14 +218,12 @@ class Flexible:
                 out[j] = out[j] + columns @ beta[place]
         return out
 
-    def _slopes(self, beta: Array, springs: Springs) -> PerJoint:
+    def _slopes(self, springs: Springs, swings: Swings) -> PerJoint:
         """joint -> (m_j, p + 3·springs + 2·springs·runs): by coefficients, each spring's ln K, ln C
         and rotor, and each one's beginnings."""
-        rigid, whole = self._rigid(beta), []
+        whole = []
         known, runs = self.bodies + 3 * len(springs), len(self.runs)
-        for number, run in enumerate(self.runs):
-            swing = _swing(run.context, rigid, springs, number)
-            assert swing is not None  # it was followed to get here
+        for number, (run, swing) in enumerate(zip(self.runs, swings, strict=True)):
             columns = np.zeros((len(run.context.q), self.robot.n, self.bodies))
             regressor(self.robot, *swing.motion, self.kept, out=columns)
             moving = run.filtered(self._moving(columns, swing, springs, number))
