@@ -38,10 +38,16 @@ def own():
     return runs, identify(list(runs), robot(), name="m0", cutoff=CUTOFF)
 
 
+@cache
+def on_a_day():
+    """Runs of another motion, and what would be said of them without the model's own."""
+    day = [rubbing("day_a", 3), rubbing("day_b", 4)]
+    return day, diagnose(own()[1], day[:1], day[1:], frozen=True)
+
+
 def test_a_lack_that_another_motion_shows_more_is_told_as_a_lack():
     runs, model = own()
-    day = [rubbing("day_a", 3), rubbing("day_b", 4)]
-    alone = diagnose(model, day[:1], day[1:], frozen=True)
+    day, alone = on_a_day()
     assert alone.verdict != "none", "without its own runs it looks like a change"
     found = what_changed(model, day[:1], day[1:], runs)
     assert found.verdict == "none"
@@ -69,8 +75,7 @@ def test_a_change_is_named_beside_the_lack():
 def test_a_lack_that_does_not_hold_on_the_new_data_is_left_out(monkeypatch):
     """As if the lack had been found with the wrong sign: the change is told as without it."""
     runs, model = own()
-    day = [rubbing("day_a", 3), rubbing("day_b", 4)]
-    alone = diagnose(model, day[:1], day[1:], frozen=True)
+    day, alone = on_a_day()
 
     def asked(given, fit, validate=(), **options):
         found = diagnose(given, fit, validate, **options)

@@ -14,6 +14,7 @@ from pa10d.diagnose.procedure import diagnose
 
 LEVEL = 0.01  # of searches
 NOISES = ("white", "strong", "coloured")
+HARDEST = (11, "coloured")  # springs, maps and what is foretold are all asked before it is cleared
 
 
 def claims(found) -> list[str]:
@@ -28,14 +29,20 @@ def allowed(searches: int) -> int:
     return int(binom.ppf(0.99, searches, LEVEL))
 
 
-@pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("seed", "noise"),
+    [
+        pytest.param(seed, noise, marks=[] if (seed, noise) == HARDEST else pytest.mark.long)
+        for seed in (11, 12)
+        for noise in NOISES
+    ],
+)
 def test_a_clean_arm_is_cleared(seed, noise):
     """Short sets of seven joints."""
     assert claims(arm(seed, noise=noise, seconds=15.0, cutoff=12.0).diagnose()) == []
 
 
-@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(2, 24), marks=pytest.mark.long)])
+@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 24), marks=pytest.mark.long)])
 def test_a_clean_small_arm_is_cleared_under_any_noise(seeds):
     colours = {
         "white": None,

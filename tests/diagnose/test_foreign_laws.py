@@ -31,7 +31,13 @@ def _is_said(law, draw: int) -> None:
     assert joint in {one.joint for one in found.unexplained}
 
 
-@pytest.mark.parametrize(("law", "draw"), [(heat_from_next_door, 1), (grease_that_remembers, 1)])
+@pytest.mark.parametrize(
+    ("law", "draw"),
+    [
+        (heat_from_next_door, 1),
+        pytest.param(grease_that_remembers, 1, marks=pytest.mark.long),
+    ],
+)
 def test_what_is_remembered_is_no_noise(law, draw):
     """No map of one or two quantities sees these."""
     _is_said(law, draw)
@@ -57,7 +63,7 @@ def swaying(draw: int, joint: int, size: float):
     )
 
 
-@pytest.mark.parametrize(("draw", "joint"), [(0, 1), (4, 0)])
+@pytest.mark.parametrize(("draw", "joint"), [pytest.param(0, 1, marks=pytest.mark.long), (4, 0)])
 def test_a_gain_that_sways_is_not_put_together_from_the_library(draw, joint):
     """Springs, offsets, contacts and worn spots were named, ten times the noise from the truth."""
     found = swaying(draw, joint, 0.1)

@@ -62,7 +62,10 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize(
+    "kind",
+    ["stribeck", pytest.param("presliding_hysteresis", marks=pytest.mark.long), "torque_delay"],
+)
 def test_whoever_tells_of_a_parameter_tells_one_error(kind, tmp_path, capsys):
     (tmp_path / "two.urdf").write_text(URDF)
     (tmp_path / "two.yaml").write_text(PROFILE)

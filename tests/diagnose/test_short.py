@@ -34,7 +34,11 @@ def noise_in_band(run: Recording, cutoff: float) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("extra", "named"),
-    [(None, []), (spring, [("spring", (4,))]), (bump, [("stribeck", (3,))])],
+    [
+        (None, []),
+        (spring, [("spring", (4,))]),
+        pytest.param(bump, [("stribeck", (3,))], marks=pytest.mark.long),
+    ],
     ids=["nothing", "spring", "stribeck"],
 )
 def test_six_seconds_and_three_are_answered(extra: Extra | None, named):
@@ -81,7 +85,7 @@ def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     assert found.left.rms < 0.4 * found.rms
 
 
-@pytest.mark.parametrize("name", ["on.csv", "off.csv"])
+@pytest.mark.parametrize("name", ["on.csv", pytest.param("off.csv", marks=pytest.mark.long)])
 def test_a_motor_that_turns_on_and_on_is_diagnosed(name):
     robot, runs = machine("laas_motor", [name])
     model = identify(runs, robot, name="m0")

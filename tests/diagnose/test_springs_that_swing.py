@@ -99,7 +99,12 @@ def recording(
 
 
 @pytest.mark.parametrize(
-    ("joint", "size"), [pytest.param(0, 1.0, marks=pytest.mark.long), (1, 1.0), (1, 1e-3)]
+    ("joint", "size"),
+    [
+        pytest.param(0, 1.0, marks=pytest.mark.long),
+        pytest.param(1, 1.0, marks=pytest.mark.long),
+        (1, 1e-3),
+    ],
 )
 def test_a_spring_that_swings_after_reversals_is_found(tmp_path, joint, size):
     """Of an arm of 6 kg, and of one of 6 g: nothing but the unit of mass differs."""
