@@ -13,6 +13,7 @@ from pa10d.profile import load_profile
 
 RATE = 500.0
 N = 10_000
+LONG = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
@@ -212,7 +213,9 @@ def test_limits_are_said_with_joint_extent_and_share(robot):
     )
 
 
-@pytest.mark.parametrize("late", [-0.004, 0.0, 0.0013, 0.007])
+@pytest.mark.parametrize(
+    "late", [-0.004, pytest.param(0.0, marks=LONG), 0.0013, pytest.param(0.007, marks=LONG)]
+)
 def test_the_delay_is_found_within_its_interval(robot, late):
     """Below one sample as well; over several motions the stated interval holds."""
     hits, errors = 0, []

@@ -16,7 +16,16 @@ sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 bench_real = importlib.import_module("bench_real")
 
 
-@pytest.mark.parametrize("name", sorted(bench_real.ROBOTS))
+ALWAYS = "panda", "ur10"  # with --long all of them
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name in ALWAYS else pytest.mark.long)
+        for name in sorted(bench_real.ROBOTS)
+    ],
+)
 def test_validation_error_is_within_five_percent_of_plain_least_squares(shared_data, name):
     found = bench_real.fitted(bench_real.case(name))
     assert found["worst_ratio"]["rms"] <= 1.05, found["rms"]
