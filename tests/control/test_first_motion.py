@@ -241,6 +241,22 @@ def test_a_rate_that_would_do_is_named(tmp_path):
     assert re.search(r"at 20 Hz \(by the URDF\); raise control.rate to \d+ Hz", said), said
 
 
+@pytest.mark.parametrize(
+    ("seed", "says"),
+    [
+        (903, "raise control.rate to 1000 Hz, or"),
+        (7101, "raise control.rate to 200 Hz at least, which leaves no margins, or"),
+    ],
+)
+def test_a_rate_that_is_named_leaves_margins_or_is_said_not_to(tmp_path, seed, says):
+    """903 was told 125 Hz, at which its joint 5 is only just stable with its URDF: after the first
+    strokes it was refused again."""
+    arm = foreign(seed, tmp_path)
+    places = np.array([arm.plant.measure()[0], arm.around.limits.rest_pose()])
+    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, places))
+    assert says in not_held(arm.profile, arm.robot, known)
+
+
 def test_firmer_may_mean_more_damping_and_a_quicker_integral():
     """Of a joint whose stiffness is bound otherwise: kp alone would call that no change."""
     arm = ArmBench(100.0)
