@@ -12,7 +12,9 @@ from pa10d.common.jsonable import JsonObject
 
 def add_commands(commands: Subcommands) -> None:
     """The family ``drives``."""
-    drives = commands.group("drives", "the drives' own memory of errors: errors, clear")
+    drives = commands.group(
+        "drives", "errors, clear: what drives remember; confirm: where joints stand"
+    )
     looking = drives.add(
         "errors",
         errors,
@@ -29,6 +31,14 @@ def add_commands(commands: Subcommands) -> None:
         examples=("pa10d drives clear",),
     )
     robot_options(clearing)
+    confirming = drives.add(
+        "confirm",
+        confirm,
+        "somebody has looked: every joint stands where its drive says, after one read elsewhere",
+        patient=True,
+        examples=("pa10d drives confirm",),
+    )
+    robot_options(confirming)
 
 
 def errors(options: argparse.Namespace) -> Answer:
@@ -39,6 +49,18 @@ def errors(options: argparse.Namespace) -> Answer:
 def clear(options: argparse.Namespace) -> Answer:
     """``drives clear``."""
     return _asked(options, clear=True)
+
+
+def confirm(options: argparse.Namespace) -> Answer:
+    """``drives confirm``."""
+    from pa10d.cli.daemon_client import daemon_for
+
+    with daemon_for(options) as client:
+        doubted = client.wait_for_robot("inactive")["misplaced"]
+        left = client.confirm()["misplaced"] if doubted else []
+    lines = [f"{one['sentence']}: believed" for one in doubted if one not in left]
+    words = "\n".join(lines) or "every joint stands where it stood: nothing to confirm"
+    return Answer({"confirmed": doubted, "left": left}, words, status=1 if left else 0)
 
 
 def _asked(options: argparse.Namespace, clear: bool) -> Answer:

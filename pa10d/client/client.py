@@ -51,6 +51,10 @@ class Client(Connection):
         """Leave a fault."""
         return self._ask("POST", "/api/v1/robot/reset")
 
+    def confirm(self) -> JsonObject:
+        """Somebody has looked at the arm: every joint stands where it reads."""
+        return self._ask("POST", "/api/v1/robot/confirm")
+
     def connect(self) -> JsonObject:
         """Try to reach the drives now, and whenever they are away."""
         return self._ask("POST", "/api/v1/robot/connect")

@@ -27,13 +27,13 @@ from pa10d.control.outside import outside, why_not_powered
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
-from pa10d.control.states import POWERED, SWITCHING, ArmState, Refused, require
+from pa10d.control.states import POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
+from pa10d.control.whereabouts import GIVE, Whereabouts, why_not_believed
 
 Array = NDArray[np.float64]
 
-GIVE = 5e-3  # rad that a load may turn a joint in its closed brake; more, and somebody moved it
 NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
@@ -55,6 +55,7 @@ class Arm:
         self.backend, self.journal = backend, journal
         compile_motion_check(limits)
         self.path = TorquePath(limits, backend.period, make_servo)
+        self.whereabouts = Whereabouts(limits, backend.period)
         self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
         self.motion: MotionUnderWay | None = None
@@ -76,9 +77,12 @@ class Arm:
 
     # -- commands ---------------------------------------------------------------------------
 
-    def connect(self) -> None:
-        """offline → inactive, with a first look at where the arm stands."""
+    def connect(self, stood: Array | None = None) -> None:
+        """offline → inactive, with a first look at where the arm stands. stood: (n,) where it
+        stood at rest, as somebody has kept it."""
         require("connect", self.state, ArmState.OFFLINE)
+        self.whereabouts.lost()
+        self.whereabouts.recall(stood)
         try:
             asked("open", self.backend.open)
         except Exception as error:
@@ -113,6 +117,8 @@ class Arm:
         if self.state in (ArmState.ENABLING, ArmState.HOLDING):
             return
         require("enable", self.state, ArmState.INACTIVE)
+        if (why := why_not_believed(self.whereabouts.misplaced)) is not None:
+            raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         found = outside(self.path.q, self.path.limits.lower, self.path.limits.upper)
         if (why := why_not_powered(found, recover)) is not None:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
@@ -151,12 +157,21 @@ class Arm:
         """
         if self.state in (ArmState.RESETTING, ArmState.OFFLINE):
             return
+        if self.fault is not None and self.state in POWERED:
+            needed = (ArmState.FAULT, ArmState.INACTIVE)
+            raise Refused("reset", self.state, needed, REMEDIES[self.state])
         require("reset", self.state, ArmState.FAULT, ArmState.INACTIVE)
         self._switch(ArmState.RESETTING)
+        self.whereabouts.lost()
         try:
             asked("begin_reset", self.backend.begin_reset)
         except Exception as error:
             self._on_fault(error)
+
+    def confirm(self) -> None:
+        """Somebody has looked: every joint stands where it reads."""
+        require("confirm", self.state, ArmState.INACTIVE)
+        self.whereabouts.believe()
 
     def drive_errors(self, clear: bool = False) -> list[DriveErrors]:
         """What each drive remembers of its errors, or is left of it once it was emptied; no cycle
@@ -215,6 +230,7 @@ class Arm:
             return
         try:
             self.path.measure(asked("read", read, self.backend))
+            self.whereabouts.see(self.path.measured_q, self.path.dq, self.path.age)
             self._act()
         except Exception as error:
             self._on_fault(error)

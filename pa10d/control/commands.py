@@ -15,6 +15,7 @@ from pa10d.control.gains import PidGains
 from pa10d.control.messages import (
     AskErrors,
     Command,
+    Connect,
     Do,
     FollowRows,
     PowerUp,
@@ -24,6 +25,7 @@ from pa10d.control.messages import (
 )
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.reference import MotionUnderWay
+from pa10d.control.rows import rows_in
 from pa10d.control.states import POWERED, ArmState, Refused
 from pa10d.dynamics import Robot
 
@@ -70,6 +72,8 @@ class Commands:
                 return {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}
             case PowerUp():
                 self._arm.enable(recover=command.recover)
+            case Connect():
+                self._arm.connect(stood_at(command, self._arm.backend.n))
             case Do():
                 said = getattr(self._arm, command.what)()
                 return {} if said is None else {"said": said}
@@ -102,7 +106,12 @@ class Commands:
         return BY_NAME[command.name](self._robot, model, servo)
 
 
+def stood_at(command: Connect, n: int) -> np.ndarray | None:
+    """(n,) as it was kept, of an arm of as many joints."""
+    known = command.stood
+    return np.array(known) if known is not None and len(known) == n else None
+
+
 def motion_of(command: FollowRows) -> MotionUnderWay:
     """Its rows are paged in as they are followed."""
-    rows = np.load(command.rows, mmap_mode="r")
-    return MotionUnderWay(command.number, rows, command.first, command.last)
+    return MotionUnderWay(command.number, rows_in(command.rows), command.first, command.last)

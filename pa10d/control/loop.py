@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import select
 import socket
 import time
@@ -12,7 +13,7 @@ from pa10d.control.arm import Arm
 from pa10d.control.clock import Clock
 from pa10d.control.commands import Commands
 from pa10d.control.guard import asked
-from pa10d.control.mailbox import Mailbox
+from pa10d.control.mailbox import DESCRIPTORS, Mailbox
 from pa10d.control.realtime import tidy
 from pa10d.control.ring import Ring
 from pa10d.control.states import POWERED, SWITCHING, ArmState
@@ -124,6 +125,8 @@ class Loop:
                 self.end("asked to")
                 continue
             answer = self._commands.carry_out(message)
+            for descriptor in message.get(DESCRIPTORS, ()):
+                os.close(descriptor)
             self._tell_changes()  # before the answer: who asked then knows the new state
             self._mailbox.tell(answer)
             self._clock.restart()
@@ -142,7 +145,8 @@ class Loop:
 
     def _tell_changes(self) -> None:
         arm = self._arm
-        state = (arm.state, arm.fault, arm.path.controller, self._signals)
+        doubted = tuple(one.axis for one in arm.whereabouts.misplaced)
+        state = (arm.state, arm.fault, arm.path.controller, self._signals, doubted)
         if state != self._told:
             self._told = state
             self._unsettled = self._settle
@@ -160,6 +164,7 @@ def describe(arm: Arm, signals: int = 0) -> ArmTold:
         controller=arm.path.controller.name,
         model=None if model is None else model.name,
         warnings=tuple(_warnings(arm)),
+        misplaced=tuple(arm.whereabouts.misplaced),
         sequence=arm.journal.count,
         signals=signals,
     )

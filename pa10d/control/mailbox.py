@@ -11,6 +11,8 @@ from collections import deque
 from pa10d.common.jsonable import JsonObject
 
 LARGEST = 1 << 17  # bytes of one message
+DESCRIPTORS = "descriptors"  # key of those that came with a message
+MOST_DESCRIPTORS = 4
 WAITING = 256  # events kept for a daemon that does not listen; older ones are dropped
 
 
@@ -31,22 +33,27 @@ class Mailbox:
             select.select([self._socket], [], [], seconds)
 
     def take(self) -> JsonObject | None:
-        """The next command, None where there is none; ``closed`` once the daemon is gone."""
+        """The next command, None where there is none; ``closed`` once the daemon is gone. What came
+        with it (descriptors) is for who takes it to close."""
         if self.closed:
             return None
         try:
-            packet = self._socket.recv(LARGEST)
+            packet, descriptors, *_ = socket.recv_fds(
+                self._socket, LARGEST, MOST_DESCRIPTORS, socket.MSG_CMSG_CLOEXEC
+            )
         except BlockingIOError:
             return None
         except OSError:
-            packet = b""
+            packet, descriptors = b"", []
         if not packet:
             self.closed = True
             return None
         try:
-            return dict(json.loads(packet))
+            message = dict(json.loads(packet))
         except ValueError:
-            return {"do": "nothing that can be read"}
+            message = {"do": "nothing that can be read"}
+        message.pop(DESCRIPTORS, None)
+        return message | {DESCRIPTORS: descriptors} if descriptors else message
 
     def tell(self, message: JsonObject) -> None:
         """Send a reply or an event; it waits here while the pipe is full."""

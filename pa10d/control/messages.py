@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 from pa10d.control.gains import PidGains
 from pa10d.control.laws import Law
 from pa10d.control.live_model import LiveModel
+from pa10d.control.mailbox import DESCRIPTORS
 
-Switch = Literal["connect", "disconnect", "disable", "stop", "reset"]
+Switch = Literal["disconnect", "disable", "stop", "reset", "confirm"]
 
 
 @dataclass(frozen=True)
 class FollowRows:
-    """Follow rows of a file of memory. first, last: those of the plan itself."""
+    """Follow rows of sealed memory. rows: its descriptor; first, last: those of the plan itself."""
 
     number: int
-    rows: Path
+    rows: int
     first: int
     last: int
 
@@ -54,22 +54,29 @@ class PowerUp:
 
 
 @dataclass(frozen=True)
+class Connect:
+    """stood: where each joint stood at rest, as the daemon has kept it; None: not known."""
+
+    stood: tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
 class Do:
     """What needs no more than its name."""
 
     what: Switch
 
 
-Command = FollowRows | UseLaw | UseGains | AskErrors | PowerUp | Do
+Command = FollowRows | UseLaw | UseGains | AskErrors | PowerUp | Connect | Do
 
 
 def read_command(message: Mapping[str, Any]) -> Command:
     """ValueError, KeyError or TypeError where it is none."""
     match message.get("do"):
         case "run":
-            rows, *numbers = (message[key] for key in ("rows", "number", "first", "last"))
-            number, first, last = map(int, numbers)
-            return FollowRows(number, Path(rows), first, last)
+            number, first, last = (int(message[key]) for key in ("number", "first", "last"))
+            (rows,) = message[DESCRIPTORS]
+            return FollowRows(number, rows, first, last)
         case "controller":
             name: Law = message["name"]
             return UseLaw(
@@ -79,6 +86,9 @@ def read_command(message: Mapping[str, Any]) -> Command:
             return UseGains(PidGains.from_document(message["gains"]))
         case "errors":
             return AskErrors(bool(message.get("clear")))
+        case "connect":
+            stood = message.get("stood")
+            return Connect(None if stood is None else tuple(map(float, stood)))
         case "enable":
             return PowerUp(bool(message.get("recover")))
         case what if what in SWITCHES:

@@ -8,25 +8,32 @@ from typing import Any
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.faults import Fault
+from pa10d.control.whereabouts import Misplaced
 
 
 @dataclass(frozen=True)
 class ArmTold:
-    """controller: the law in force; model: its name; warnings: the backend's; sequence: of the
-    record at which it was so; signals: how often this process was told to stop by one."""
+    """controller: the law in force; model: its name; warnings: the backend's; misplaced: joints
+    that read elsewhere than they stood; sequence: of the record at which it was so; signals: how
+    often this process was told to stop by one."""
 
     state: str = "offline"
     fault: Fault | None = None
     controller: str = "pid"
     model: str | None = None
     warnings: tuple[str, ...] = ()
+    misplaced: tuple[Misplaced, ...] = ()
     sequence: int = 0
     signals: int = 0
 
     def document(self) -> JsonObject:
         """The event."""
         fault = None if self.fault is None else self.fault.document()
-        return {"event": "state", **vars(self), "fault": fault, "warnings": list(self.warnings)}
+        lists = {
+            "warnings": list(self.warnings),
+            "misplaced": [one.document() for one in self.misplaced],
+        }
+        return {"event": "state", **vars(self), "fault": fault, **lists}
 
     @staticmethod
     def from_document(event: Mapping[str, Any]) -> ArmTold:
@@ -38,6 +45,7 @@ class ArmTold:
             controller=str(event["controller"]),
             model=event.get("model"),
             warnings=tuple(map(str, event["warnings"])),
+            misplaced=tuple(map(Misplaced.from_document, event.get("misplaced", ()))),
             sequence=int(event.get("sequence", 0)),
             signals=int(event.get("signals", 0)),
         )

@@ -197,6 +197,7 @@ class Daemon:
             self.robot.bus_ready.clear()
             try:
                 await self.simulator.start()
+                self.robot.arm_is_new = True
             finally:
                 self.robot.bus_ready.set()
             self.robot.remark = None
@@ -242,6 +243,7 @@ class Daemon:
             await self.robot.disconnect()
             await self.robot.until("offline", timeout=SWITCHED)
             await self.simulator.become(profile)
+            self.robot.arm_is_new = True
             self._hung = hung
             self.robot.load = None if hung is None else HANGS.format(hung.words)
             await self.robot.connect()

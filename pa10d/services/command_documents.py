@@ -328,6 +328,22 @@ class DriveMemories(Document):
     drives: list[DriveMemory]
 
 
+class Confirmed(Document):
+    """A joint that read elsewhere than it stood. joint: from 1; was, reads: rad."""
+
+    joint: int
+    was: float
+    reads: float
+    sentence: str
+
+
+class PlacesConfirmed(Document):
+    """Of ``drives confirm``."""
+
+    confirmed: list[Confirmed]
+    left: list[Confirmed]
+
+
 class StudiedFinding(Document):
     """An effect that the case study's diagnosis has named. joints: from 1."""
 
@@ -381,6 +397,7 @@ KINDS_OF_DOCUMENT: Mapping[str, Any] = {
     "completion": Completion,
     "controller": LawInForce,
     "drives-clear": DriveMemories,
+    "drives-confirm": PlacesConfirmed,
     "drives-errors": DriveMemories,
     "effect-check": CheckedEffects,
     "effect-list": ListedEffect,

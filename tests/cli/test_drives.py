@@ -18,12 +18,22 @@ MEMORIES = [
 ]
 
 
+BESIDE = {"joint": 3, "was": 0.0, "reads": 0.5, "sentence": "joint 3 stood at 0 and reads 0.5 now"}
+
+
 @pytest.fixture
 def asked(monkeypatch):
     """What a daemon's client was asked for."""
     calls = []
 
     class Client:
+        def wait_for_robot(self, *states):
+            calls.append(states)
+            return {"misplaced": [BESIDE]}
+
+        def confirm(self):
+            return {"misplaced": []}
+
         def drive_errors(self, *, clear=False):
             calls.append(clear)
             return [
@@ -60,3 +70,9 @@ def test_clear_says_what_is_left(asked, capsys):
     found = json.loads(capsys.readouterr().out)
     assert [one["problem"] for one in found["drives"]] == [None] * 3 + [MEMORIES[3].problem]
     assert asked == [True]
+
+
+def test_confirm_says_what_is_believed_now(asked, capsys):
+    assert main(["drives", "confirm"]) == 0
+    assert capsys.readouterr().out == f"{BESIDE['sentence']}: believed\n"
+    assert asked == [("inactive",)]

@@ -45,6 +45,7 @@ WRONG = [  # words as typed, status, what the line speaks of
     ("improve none --fit rec --name m1", CANNOT, "none"),
     ("drives errors --profile none.yaml", CANNOT, "none.yaml"),
     ("drives clear --profile none.yaml", CANNOT, "none.yaml"),
+    ("drives confirm --profile none.yaml", CANNOT, "none.yaml"),
     ("effect list --draws 3", USAGE, "--draws"),
     ("effect new 3d", CANNOT, "3d"),
     ("effect new ../x", CANNOT, "../x"),

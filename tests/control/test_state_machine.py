@@ -131,12 +131,16 @@ class Commander(RuleBasedStateMachine):
 
     def ask(self, command, *arguments, **more):
         before, refused = self.arm.state, None
+        doubted = bool(self.arm.whereabouts.misplaced)
         try:
             command(*arguments, **more)
         except Refused as refusal:
             refused = refusal
         assert refused is None or (refused.remedy and self.arm.state == before)
         self.seen[f"{'refused' if refused else 'done'} {command.__name__}"] += 1
+        if command == self.arm.enable and before == ArmState.INACTIVE:
+            assert refused or not doubted
+            self.seen["not believed"] += doubted
         self.watch(before, reset=command == self.arm.reset)
 
     def watch(self, before, reset=False):
@@ -189,6 +193,12 @@ class Commander(RuleBasedStateMachine):
             self.ask(self.arm.connect)
         self.cycle(2)
         self.settle()
+        self.look()
+
+    def look(self):
+        """Somebody compares the arm with what is read, and believes it."""
+        if self.arm.whereabouts.misplaced:
+            self.ask(self.arm.confirm)
 
     @rule(amplitude=st.sampled_from([0.1, 0.3, 1.0, 1.5, 4.0]), cycles=st.integers(0, 60))
     def go(self, amplitude, cycles):
@@ -217,6 +227,9 @@ class Commander(RuleBasedStateMachine):
         high = limits().upper
         self.backend.plant.q[axis] = side * (high[axis] + by)
         self.cycle(2)
+        if self.arm.whereabouts.misplaced:
+            self.ask(self.arm.enable, recover=recover)
+        self.look()
         seen, before = outside(self.arm.path.q, -high, high), self.arm.state
         self.ask(self.arm.enable, recover=recover)
         if before == ArmState.INACTIVE and self.arm.state == ArmState.ENABLING:
@@ -395,7 +408,7 @@ def assert_thorough(seen, steps):
     for state in ArmState:
         floor = 0 if state == ArmState.OFFLINE else steps // 40
         assert seen[f"cycle {state.label}"] >= floor, (state, seen)
-    for place in ("powered outside", "way in"):
+    for place in ("powered outside", "way in", "not believed"):
         assert seen[place] >= max(3, steps // 1000), (place, seen)
     for command in ("enable", "disable", "stop", "reset", "run", "connect", "disconnect", "use"):
         assert seen[f"done {command}"] >= max(3, steps // 500), (command, seen)

@@ -75,7 +75,8 @@ def test_an_arm_on_its_way_to_move(robot, tmp_path):
 
     robot._told = ArmTold(state="holding")
     robot.recorder = SimpleNamespace(announce=announce, withdraw=withdraw)
-    motion = PlannedMotion("rows.npy", "plan.json", 0, 10, 20, 0.02)
+    np.save(tmp_path / "rows.npy", np.zeros((20, 28)))
+    motion = PlannedMotion(str(tmp_path / "rows.npy"), "plan.json", 0, 10, 20, 0.02)
     made = experiment(robot, tmp_path)
     heard = run_apart(cancelled_on_the_way(robot, lambda: made._run(motion, None, print)))
     assert heard == ["run", "stop"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -77,8 +76,8 @@ def test_every_law_with_a_model_has_its_class():
 @pytest.mark.parametrize(
     ("message", "command"),
     [
-        ({"do": "run", "rows": "r", "number": "3", "first": 1, "last": 2},
-         FollowRows(3, Path("r"), 1, 2)),
+        ({"do": "run", "descriptors": [9], "number": "3", "first": 1, "last": 2},
+         FollowRows(3, 9, 1, 2)),
         ({"do": "errors"}, AskErrors(False)),
         ({"do": "stop", "id": 7}, Do("stop")),
     ],

@@ -7,6 +7,8 @@ import random
 import pytest
 from how_often import how_often
 
+from backends.virtual.drives.injection import Injection
+
 REST = 2.0  # s until the arm is at rest with its brakes on
 SETTLED = 0.1  # s until brakes that have just closed have swallowed what was left
 
@@ -115,3 +117,18 @@ def test_a_signal_stops_the_arm_that_no_daemon_speaks_for(world):
 
     world.run(story())
     assert world.farthest < 0.7
+
+
+def test_a_reset_before_the_brakes_are_on_is_told_to_wait(world):
+    """There is a fault to leave, whatever the state is called; it was said that there is none."""
+
+    def story():
+        yield from world.moving()
+        world.drives.drives[2]._inject(Injection.EMCY, 0x8110)
+        yield world.is_in("stopping", "disabling")
+        world.say("reset")
+        yield world.is_in("fault")
+
+    world.run(story())
+    (refused,) = [told for told in world.heard() if told.get("ok") is False]
+    assert refused["remedy"].startswith("wait until")

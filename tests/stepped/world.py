@@ -31,6 +31,7 @@ from pa10d.control.faults import Fault
 from pa10d.control.loop import Loop
 from pa10d.control.mailbox import LARGEST
 from pa10d.control.ring import Ring
+from pa10d.control.rows import sealed
 from pa10d.dynamics import Robot, robot_from_profile
 from pa10d.experiments.motion import rows_of, whole_motion
 from pa10d.profile import Profile, load_profile
@@ -102,6 +103,12 @@ class World:
         message = {"id": next(self._numbers), "do": do, **more}
         self._pipe.send(json.dumps(message).encode())
 
+    def follow(self, memory: int, **more: object) -> None:
+        """Rows of sealed memory, as the daemon hands them over."""
+        message = {"id": next(self._numbers), "do": "run", **more}
+        socket.send_fds(self._pipe, [json.dumps(message).encode()], [memory])
+        os.close(memory)
+
     def heard(self, do_id: int | None = None) -> list[dict]:
         """Everything that control answered so far."""
         while True:
@@ -161,7 +168,7 @@ class World:
         whole = whole_motion(plan, self.arm.path.reference.q.copy(), self.robot, rate)
         path = self.folder / f"rows-{next(self._numbers)}.npy"
         np.save(path, rows_of(whole, None, None))
-        self.say("run", rows=str(path), number=1, first=whole.first, last=whole.last)
+        self.follow(sealed(path), number=1, first=whole.first, last=whole.last)
 
     def moving(self) -> Story:
         """From nothing to an arm that swings."""

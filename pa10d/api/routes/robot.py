@@ -37,8 +37,10 @@ async def enable(
 ) -> RobotState:
     """Power on, release the brakes, hold the arm where it is.
 
-    One that stands outside its position limits is refused; with ``recover`` it is powered and
-    brought back inside at a tenth of its speed, and the answer comes once it is held there.
+    One of which a joint reads elsewhere than it stood before its drive was set up anew is refused
+    until somebody has looked (``confirm``). One that stands outside its position limits is
+    refused; with ``recover`` it is powered and brought back inside at a tenth of its speed, and
+    the answer comes once it is held there.
     """
     if request is not None and request.recover:
         if (busy := daemon.busy()) is not None:
@@ -79,6 +81,15 @@ async def reset(daemon: TheDaemon, _client: Commander) -> RobotState:
     is started again."""
     await daemon.reset()
     await daemon.robot.until("inactive", timeout=3.0)
+    return describe(daemon)
+
+
+@router.post("/confirm", responses=COMMAND)
+async def confirm_place(daemon: TheDaemon, _client: Commander) -> RobotState:
+    """Somebody has looked at the arm: every joint stands where it reads, also those of
+    ``misplaced``, which are not powered before. Nothing moves."""
+    await daemon.robot.confirm()
+    await daemon.robot.believed(timeout=3.0)
     return describe(daemon)
 
 

@@ -63,6 +63,15 @@ class Outside(BaseModel):
     sentence: str
 
 
+class Misplaced(BaseModel):
+    """A joint that reads elsewhere than it stood before its drive was set up anew."""
+
+    joint: Joint
+    was: float = Field(description="rad, where it stood when it was heard last")
+    reads: float = Field(description="rad, now")
+    sentence: str
+
+
 class EnableRequest(Strict):
     """How the arm is powered."""
 
@@ -103,6 +112,9 @@ class RobotState(BaseModel):
     )
     axes: list[Axis]
     outside: list[Outside] = Field(description="Joints outside their position limits")
+    misplaced: list[Misplaced] = Field(
+        description="Joints that are not powered before somebody has looked (confirm)"
+    )
     lease: Lease
 
 

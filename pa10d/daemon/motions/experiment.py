@@ -262,9 +262,7 @@ class Experiment:
         run = announced["run"]["id"]
         ended = robot.runs.expect(run)
         try:
-            await robot.command(
-                "run", number=number, rows=motion.file, first=motion.first, last=motion.last
-            )
+            await robot.follow(motion.file, number, motion.first, motion.last)
             await self._follow(number, motion.rows, report)
             await self._finish_recording(ended)
         except BaseException:

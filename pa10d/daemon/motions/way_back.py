@@ -33,7 +33,7 @@ async def bring_inside(daemon: Daemon) -> None:
         if np.abs(held - planned).max() > SHIFTED:
             rows = await _plan(daemon, held, str(file))
         if robot.state == "holding":
-            await robot.command("run", number=number, rows=str(file), first=rows, last=rows)
+            await robot.follow(str(file), number, rows, rows)
             seconds = rows / daemon.profile.control.rate
             await robot.until("holding", "inactive", "fault", "offline", timeout=seconds + STOPPED)
     except BaseException:

@@ -6,7 +6,7 @@ import asyncio
 import itertools
 import json
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from pa10d.common.jsonable import JsonObject
@@ -35,11 +35,14 @@ class Link:
         """Say something that needs no answer."""
         self._send({"do": do, **fields})
 
-    async def ask(self, do: str, timeout: float = 15.0, **fields: Any) -> Message:
-        """The reply, whether ``ok`` or not; LinkClosed where none can come."""
+    async def ask(
+        self, do: str, timeout: float = 15.0, descriptors: Sequence[int] = (), **fields: Any
+    ) -> Message:
+        """The reply, whether ``ok`` or not; LinkClosed where none can come. descriptors: handed
+        over with the question."""
         number = next(self._numbers)
         future: asyncio.Future[Message] = self._loop.create_future()
-        self._send({"id": number, "do": do, **fields})
+        self._send({"id": number, "do": do, **fields}, descriptors)
         self._waiting[number] = future
         try:
             return await asyncio.wait_for(future, timeout)
@@ -64,14 +67,14 @@ class Link:
             if not future.done():
                 future.set_exception(LinkClosed("the process ended"))
 
-    def _send(self, message: Message) -> None:
+    def _send(self, message: Message, descriptors: Sequence[int] = ()) -> None:
         if self.closed:
             raise LinkClosed("the process ended")
         packet = json.dumps(message).encode()
         if len(packet) > LARGEST:
             raise ValueError(f"a message of {len(packet)} bytes; larger things go by file")
         try:
-            self._socket.send(packet)
+            socket.send_fds(self._socket, [packet], list(descriptors))
         except (BrokenPipeError, ConnectionResetError) as error:
             self.close()  # heard here before the event loop hears of it
             raise LinkClosed("the process ended") from error

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pa10d.control.outside import why_not_powered
-from pa10d.daemon.robot.refusals import CommandRefused, stands_outside
+from pa10d.control.whereabouts import why_not_believed
+from pa10d.daemon.robot.refusals import CommandRefused, not_believed, stands_outside
 from pa10d.daemon.robot.robot import RobotProcess
 from pa10d.experiments.checks import Check
 
@@ -25,6 +26,8 @@ def refuse_unless_ready(robot: RobotProcess, recover: bool = False) -> None:
     """Before a job is made of it: CommandRefused where the arm's state does not allow motion.
     recover: it is brought back inside first, where it stands outside its position limits."""
     if robot.state in ("inactive", "holding"):
+        if (doubt := why_not_believed(robot.misplaced())) is not None:
+            raise CommandRefused(not_believed("experiment", robot.state, doubt))
         if (stray := why_not_powered(robot.outside(), recover)) is not None:
             raise CommandRefused(stands_outside("experiment", robot.state, stray))
         return

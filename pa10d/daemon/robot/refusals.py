@@ -46,6 +46,11 @@ def stands_outside(do: str, state: str, why: str) -> Message:
     return {"state": state, "needed": [state], "detail": f"{do}: {why}", "remedy": why}
 
 
+def not_believed(do: str, state: str, why: str) -> Message:
+    """A joint reads elsewhere than it stood; why: says what to do, too."""
+    return {"state": state, "needed": [state], "detail": f"{do}: {why}", "remedy": why}
+
+
 def not_to_be_held(state: str, why: str) -> Message:
     """The profile's gains would not hold the arm; why: says what to do, too."""
     return {"state": state, "needed": [state], "detail": f"enable: {why}", "remedy": why}

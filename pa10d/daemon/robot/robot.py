@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import os
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from backends.registry import device
 from pa10d.common.disk import sharing
+from pa10d.common.errors import NotNow
 from pa10d.common.jsonable import JsonObject
 from pa10d.common.shortage import Short
 from pa10d.control.faults import Fault
@@ -22,8 +24,10 @@ from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.outside import Outside, outside
 from pa10d.control.ring import Ring
+from pa10d.control.rows import sealed
 from pa10d.control.states import POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
+from pa10d.control.whereabouts import Misplaced
 from pa10d.daemon.events import Events
 from pa10d.daemon.offline import AGAIN, LEFT, RENEWED, STARTING, passes
 from pa10d.daemon.processes.child import Child
@@ -44,6 +48,7 @@ from pa10d.daemon.robot.refusals import (
     not_unpowered,
     still_in_fault,
 )
+from pa10d.daemon.robot.stood import StoodAt
 from pa10d.daemon.robot.stops import MOVES, Stops
 from pa10d.dynamics import Robot
 from pa10d.profile import Gains, Profile
@@ -56,6 +61,7 @@ MEMORIES = 30.0  # s for drives to tell what they remember, some of them silent
 COMES_BACK = 60.0  # s for a new control process, before a reset says that there is none yet
 ALIVE_EVERY = 0.5  # s
 RECONNECT_EVERY = 2.0  # s between attempts while the robot is offline
+AT_REST = ("inactive", "fault")  # unpowered, and read
 ENDED = 5.0  # s for control to end that holds nothing
 DIED = "the drives stopped by themselves; look at the log, then reset"
 
@@ -98,6 +104,8 @@ class RobotProcess:
         self.bus_ready = asyncio.Event()  # nobody answers before that
         self.stops = Stops()
         self.runs = AwaitedRuns()
+        self.stood = StoodAt(profile, data)
+        self.arm_is_new = False  # a virtual one was made, and stands where it begins
 
     # -- life -------------------------------------------------------------------------------
 
@@ -128,6 +136,7 @@ class RobotProcess:
         await self.recorder.end()
         if self._alive is not None:
             self._alive.cancel()
+        self.stood.close()
 
     # -- what is known ----------------------------------------------------------------------
 
@@ -180,6 +189,7 @@ class RobotProcess:
             "quiet": self._liveness.quiet if self.control is not None else 0.0,
             "axes": axes,
             "outside": [one.document() for one in self.outside()],
+            "misplaced": [one.document() for one in self.misplaced()],
         }
 
     def pose(self) -> Array:
@@ -197,6 +207,10 @@ class RobotProcess:
             return []
         q = self.ring.layout.get(last, "q")
         return outside(np.asarray(q), self.robot.lower, self.robot.upper)
+
+    def misplaced(self) -> list[Misplaced]:
+        """Joints that read elsewhere than they stood before their drive was set up anew."""
+        return [] if self.state == "offline" else list(self._told.misplaced)
 
     async def until(self, *states: str, timeout: float) -> str:
         """Wait for one of the states; the state that there is when it came or time was over."""
@@ -225,6 +239,18 @@ class RobotProcess:
             raise CommandRefused(answer)
         return answer
 
+    async def follow(self, file: str, number: int, first: int, last: int) -> None:
+        """Have control follow the rows of a file, which goes: it gets a copy that nobody changes
+        any more."""
+        try:
+            memory = await asyncio.to_thread(_taken, Path(file))
+        except OSError as error:
+            raise NotNow(f"{file}: {error.strerror}; the motion has not begun") from error
+        try:
+            await self.command("run", number=number, first=first, last=last, descriptors=(memory,))
+        finally:
+            os.close(memory)
+
     def _no_control(self, do: str) -> Message:
         return no_control(do, self.state, self.why_offline, kept=bool(self._keepers))
 
@@ -235,6 +261,8 @@ class RobotProcess:
             why = await self.stops.unless(self.not_held())
             if why is not None:
                 raise CommandRefused(not_to_be_held(self.state, why))
+            if self.state == "inactive" and not self._told.misplaced:
+                await self.stood.forget()
             await self._switch("enable", recover=recover)
         await self._take_up_law()
 
@@ -254,7 +282,24 @@ class RobotProcess:
         await self._switch("reset")
         if self.state == "fault":
             raise CommandRefused(still_in_fault(self.state, self.fault))
+        await self._believe_new_arm()
         await self._take_up_law()
+
+    async def confirm(self) -> None:
+        """Somebody has looked: every joint stands where it reads."""
+        await self.command("confirm")
+
+    async def believed(self, timeout: float) -> None:
+        """Until every joint is, or time is over."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(timeout), self._changed:
+                await self._changed.wait_for(lambda: not self._told.misplaced)
+
+    async def _believe_new_arm(self) -> None:
+        """A virtual arm that was made anew begins where it begins: nobody moved it."""
+        if self.arm_is_new and self.state == "inactive":
+            await self.confirm()
+            self.arm_is_new = False
 
     async def _take_up_law(self) -> None:
         await self.law.take_up(self.state)
@@ -318,6 +363,7 @@ class RobotProcess:
         self._wanted, self._renewing = False, True
         try:
             self.profile, self.robot = await change()
+            self.stood.becomes(self.profile)
             self._hand_over(self.profile)
             if self.joints is not None:
                 self.keep_gains(self.joints.known.gains)
@@ -397,13 +443,14 @@ class RobotProcess:
         try:
             if (why := self.no_arm()) is not None:
                 raise CommandRefused(no_virtual_arm("connect", self.state, why))
-            await self.command("connect", timeout=60.0)
+            await self.command("connect", timeout=60.0, stood=self.stood.known)
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
             if why != self.why_offline:  # tried again and again, said once
                 log.warning("the arm is offline: %s", why)
             self.why_offline = why
             raise
+        await self._believe_new_arm()
         await self._take_up_law()
 
     def _control_died(self, child: Child) -> None:
@@ -439,12 +486,20 @@ class RobotProcess:
             if self.control is not None:
                 with contextlib.suppress(LinkClosed):
                     self.control.link.tell("alive")
+                self._note_where_it_stands()
                 why = self._liveness.tick(self.ring.written, commanded=self._commanded > 0)
                 if why is not None:
                     log.error("control process %d: %s", self.control.pid, why)
                     await self.control.break_off(why)
                     self._liveness.heard()
             await asyncio.sleep(ALIVE_EVERY)
+
+    def _note_where_it_stands(self) -> None:
+        last, get = self.ring.last(), self.ring.layout.get
+        if last is None or self._told.state not in AT_REST or self._told.misplaced:
+            return
+        if not np.any(get(last, "age")):
+            self.stood.note(np.asarray(get(last, "q")), np.asarray(get(last, "dq")))
 
     def _heard(self, message: Message) -> None:
         if message["event"] == "alive":
@@ -495,6 +550,13 @@ def shared_ring(runtime: Path, joints: int, period: float) -> Ring:
     """For control to write and everybody to read."""
     with sharing(runtime / "ring"):
         return Ring.create(joints, int(RING_SECONDS / period), period, runtime / "ring")
+
+
+def _taken(file: Path) -> int:
+    """What it holds, as sealed memory; both at once would take the room twice."""
+    memory = sealed(file)
+    file.unlink(missing_ok=True)
+    return memory
 
 
 async def _held() -> str | None:

@@ -15,7 +15,7 @@ import { memories } from "../parts/memories.js";
 export function mount(box) {
   const word = el("strong", { class: "state-word" }), meaning = el("p", {}), age = el("p", { class: "warn", hidden: true });
   const notes = el("details", { class: "notes" }, el("summary", {}), el("ul", {}));
-  const commands = buttons(), stray = wayBack();
+  const commands = buttons(), stray = wayBack(), beside = elsewhere();
   const last = el("p", { hidden: true }, el("a", { href: "#/explore/fault" }, "Look at the last seconds before the fault"));
   const axes = el("tbody", {}), heads = el("tr", {}, headings(null));
   shapeOnce().then((shape) => fill(heads, headings(shape)), () => {});
@@ -23,7 +23,7 @@ export function mount(box) {
     el("thead", {}, heads), axes)));
   fill(box, heading("robot", "Robot", { Reset: "The button is below." }),
     el("div", { class: "columns" },
-      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, stray.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
+      el("div", { class: "panel" }, el("div", { class: "state-head" }, word, meaning), commands.box, stray.box, beside.box, last, controllerChoice(), notes), el("div", { class: "grow" }, table, memories())),
     el("div", { class: "beside" }, liveArm(), live()));
   watch(["robot", "condition"], () => {
     const { robot, condition } = state;
@@ -36,6 +36,7 @@ export function mount(box) {
     fill(notes.lastChild, robot.notes.map((note) => el("li", {}, note)));
     commands.refresh();
     stray.refresh();
+    beside.refresh();
     last.hidden = condition.kind !== "fault";
     showAxes(axes, robot.axes);
     const lost = condition.kind === "lost";
@@ -84,6 +85,28 @@ function buttons() {
         button.classList.toggle("primary", allowed && fits && state.robot.state === "fault");
         button.title = nobody ? nobody : !allowed ? `${state.robot.lease.holder} commands the arm` : fits ? "" : `needs: ${states.join(" or ")}`;
       }
+    },
+  };
+}
+
+/** Joints that read elsewhere than they stood before their drive was set up anew. */
+function elsewhere() {
+  const said = el("p", {}), button = el("button", { type: "button", onclick: guarded("The arm's place is not confirmed.", async () => {
+    const where = state.robot.misplaced.map((one) => one.sentence).join("; ");
+    const so = await ask("Does the arm stand as it is drawn?", `${where}. Compare the arm with its picture, joint by joint. If it stands otherwise, home the drive or correct zero_offset: with a wrong zero every limit of that joint is elsewhere.`, "It stands as drawn", { danger: true });
+    if (!so) return;
+    await post("robot/confirm");
+    await loadRobot();
+    notice("The arm is taken to stand where it reads.");
+  }) }, "I have looked …");
+  const box = el("div", { class: "doubt", hidden: true }, said, button);
+  return {
+    box,
+    refresh() {
+      const { misplaced, state: now } = state.robot;
+      box.hidden = !misplaced.length || now !== "inactive";
+      say(said, `${misplaced.map((one) => one.sentence).join("; ")}. An encoder lost its place, or the arm was moved while its drive was not heard: it is not powered before somebody has looked.`);
+      button.disabled = !mayCommand(client);
     },
   };
 }

@@ -1,0 +1,30 @@
+"""A joint that reads elsewhere than it stood, on the page: somebody looks, and says so."""
+
+from __future__ import annotations
+
+from lost_zero import CHANNEL, turn
+
+from pa10d.client import local_daemon
+
+BUTTON = "I have looked …"
+
+
+def test_nothing_moves_before_somebody_has_looked(tmp_path, visit):
+    with local_daemon(tmp_path, clock="simulated", channel=CHANNEL) as client:
+        client.wait_for_robot("inactive")
+        client.disconnect()
+        turn(3, 0.5)
+        client.connect()
+        client.wait_for_robot("inactive")
+        client.let_others_command()
+        page = visit(client.url).page
+        page.goto(f"{client.url}/#/robot")
+        page.get_by_text("joint 3 stood at").first.wait_for()
+        page.get_by_role("button", name=BUTTON).click()
+        page.get_by_role("button", name="Leave it").click()
+        assert client.robot()["misplaced"]
+        page.get_by_role("button", name=BUTTON).click()
+        page.get_by_role("button", name="It stands as drawn").click()
+        page.get_by_text("The arm is taken to stand where it reads.").wait_for()
+        assert client.robot()["misplaced"] == []
+        page.get_by_role("button", name=BUTTON).wait_for(state="hidden")
