@@ -30,6 +30,8 @@ AT_RANDOM = 0.05  # p from which on an error is said not to come again
 TIMING_SIGNIFICANT = 3.0  # standard errors of a common timing offset
 HARM_SIGNIFICANT = 3.0  # standard errors by which a joint's error must have risen
 WORTH_AN_EXPERIMENT = 3.0  # standard errors by which it must be expected to tell two rivals apart
+LOOSE = 2.0  # standard errors of a corner's speed that reach down to zero: it may as well be sharp
+CORNERS = 2.0 ** np.arange(-4.0, 5.0)  # times its speed, where a loose corner is looked for
 LEAST_GAIN = 12.0  # units of noise: χ² of one degree at 5·10⁻⁴, 1 % over twenty suspects
 SHORTLIST = 12  # candidates that a term already in the model is taken to have been judged among
 FEWEST_TO_JUDGE = 12  # independent samples of a joint: its variance is known to 40 %
@@ -171,6 +173,8 @@ SMOOTHING_HZ = 0.2  # band over which the noise spectrum is averaged (c: at half
 #   LWR4's ripple on joint 7 goes, which is marginal, and joint 6 gets another map)
 FEWEST_ORDINATES = 8  # of a periodogram that tells whether noise rises towards zero
 DRIFT_ORDINATES = 32  # of it over which noise that does not drift is taken for white
+DRIFT_SPAN = 1e-3  # of the strongest direction of what motion may leave: less is none
+LINE_ABOVE = 10.0  # times its neighbours' power that a line of a motion has at least
 DRIFT_MEMORIES = (1.0, 0.5, 0.25, 0.125)  # times the length of the run
 DRIFT_POWERS = tuple(10.0 ** (0.25 * k) for k in range(-4, 21))  # at the first ordinate, over white
 HIGHEST_ORDER = 220.0  # cycles per revolution of the strongest ripple that is looked for (a)

@@ -20,7 +20,8 @@ def bare_side(tau: list[np.ndarray], keep: list[np.ndarray] | None = None) -> Si
     for index, values in enumerate(tau):
         lowpass = Lowpass(len(values), RATE, 0.2 * RATE)
         kept = np.ones(values.shape, dtype=bool) if keep is None else keep[index]
-        runs.append(RunEquation(f"run{index}", SimpleNamespace(), lowpass, values, kept, values))  # type: ignore[arg-type]
+        still = SimpleNamespace(q=np.zeros(values.shape), dq=np.zeros(values.shape))
+        runs.append(RunEquation(f"run{index}", still, lowpass, values, kept, values))  # type: ignore[arg-type]
     return Side.of(runs)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from two_links import CUTOFF, motion, robot, textbook_torque
+from two_links import CUTOFF, NAMES, motion, robot, state_of, textbook_torque
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.regression.sides import two_sides
@@ -54,3 +56,30 @@ def test_a_line_of_one_side_alone_is_none():
 def test_a_line_that_is_another_size_on_either_side_does_not_run_on():
     assert heard(0.12, 3.1, 3.1, there=0.12) == [1]
     assert heard(0.04, 3.1, 3.1, there=0.12) == []
+
+
+def swaying(name, seed, warm):
+    """Joints that go to and fro in sines of their own, two minutes: friction that is less on a
+    warm day leaves lines at what moves, on both sides and in one phase with none of the runs."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(12000) / 100.0
+    w, a = 2 * np.pi * np.array([0.21, 0.33]), np.array([0.9, 0.7])
+    angle = w * t[:, None] + rng.uniform(0, 6, 2)
+    q, dq, ddq = a * np.sin(angle), a * w * np.cos(angle), -a * w**2 * np.sin(angle)
+    tau = textbook_torque(q, dq, ddq) + 0.05 * rng.standard_normal(q.shape)
+    return Recording(name, t, q, tau - warm * dq)
+
+
+def test_a_line_of_the_motion_itself_is_none():
+    """Two days to fit to, one warm and one cold: the friction of neither is the mean's."""
+    days = dict(zip(NAMES, (1.0, -1.0, 1.0, -1.0), strict=True))
+    runs = {n: swaying(n, k, w * np.array([0.0, 0.6])) for k, (n, w) in enumerate(days.items())}
+    assert hums(state_of(runs), [0, 1]) == []
+
+
+def test_a_line_beside_the_lines_of_the_motion_is_told():
+    runs = {n: swaying(n, k, np.zeros(2)) for k, n in enumerate(NAMES)}
+    fan = 0.1 * np.sin(2 * np.pi * 2.71 * runs[NAMES[0]].t)
+    runs = {n: replace(r, tau=r.tau + np.column_stack([0 * fan, fan])) for n, r in runs.items()}
+    (one,) = hums(state_of(runs), [0, 1])
+    assert (one.joint, one.hertz) == (1, pytest.approx(2.71, abs=0.005))

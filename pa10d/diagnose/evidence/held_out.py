@@ -23,7 +23,7 @@ from pa10d.diagnose.constants import (
     SHARE_OF_GAIN,
     SMOOTHING_HZ,
 )
-from pa10d.diagnose.evidence.drift import rise
+from pa10d.diagnose.evidence.drift import Moved, drift
 from pa10d.diagnose.regression.side import Side
 from pa10d.regression.per_joint import PerJoint, rms
 
@@ -121,7 +121,7 @@ def judge(
             keep = heard[k][:, j] > 0
             pr, rr = p_runs[k][:, j], r0_runs[k][:, j]
             noise = np.where(keep, rr if of_itself else rr - pr, 0.0)
-            one, scattered = variance_of_sum(pr, noise, keep, run.rate)
+            one, scattered = variance_of_sum(pr, noise, keep, run.rate, moved(side, k, j))
             variance += weight**2 * one
             unsure += weight**4 * scattered
             loss_variance += 4 * one
@@ -173,7 +173,9 @@ def fit_side_power(side: Side, residual: PerJoint, change: PerJoint) -> float:
             if not np.any(p):
                 continue
             product += float(p @ r)
-            variance += quadratic_form(p, np.where(keep, r - p, 0.0), keep, run.rate)
+            variance += quadratic_form(
+                p, np.where(keep, r - p, 0.0), keep, run.rate, moved(side, k, j)
+            )
     z = product / np.sqrt(variance) if variance > 0 else 0.0
     return float(max(z, 0.0) ** 2)
 
@@ -197,37 +199,71 @@ def rivalry(side: Side, r0: PerJoint, a: PerJoint, b: PerJoint) -> tuple[float, 
             difference += weight * float(2 * (pa - pb) @ r - pa @ pa + pb @ pb)
             keep = side.keep[k][:, j]
             noise = np.where(keep, r - pa, 0.0)
-            variance += 4 * weight**2 * quadratic_form(pa - pb, noise, keep, run.rate)
+            variance += (
+                4 * weight**2 * quadratic_form(pa - pb, noise, keep, run.rate, moved(side, k, j))
+            )
     overlap = dot / np.sqrt(max(power_a * power_b, 1e-300))
     return float(overlap), float(difference / np.sqrt(max(variance, 1e-300)))
 
 
-def quadratic_form(signal: Array, noise: Array, keep: NDArray[np.bool_], rate: float) -> float:
+def moved(side: Side, run: int, joint: int) -> Moved:
+    """What the motion of a run may leave in a joint's residual, worked out once a side."""
+    known = side.kept_by_evidence
+    if (run, joint) not in known:
+        motion = side.simple_motion(run, joint)
+        known[run, joint] = Moved.of(motion, side.keep[run][:, joint], padded(len(motion)))
+    return known[run, joint]
+
+
+def padded(samples: int) -> int:
+    """Length of a transform in which correlations do not wrap around."""
+    return int(scipy.fft.next_fast_len(2 * samples, real=True))
+
+
+def quadratic_form(
+    signal: Array,
+    noise: Array,
+    keep: NDArray[np.bool_],
+    rate: float,
+    moved: Moved | None = None,
+) -> float:
     """Var(Σ signal·noise), see ``variance_of_sum``."""
-    return variance_of_sum(signal, noise, keep, rate)[0]
+    return variance_of_sum(signal, noise, keep, rate, moved)[0]
 
 
 def variance_of_sum(
-    signal: Array, noise: Array, keep: NDArray[np.bool_], rate: float
+    signal: Array,
+    noise: Array,
+    keep: NDArray[np.bool_],
+    rate: float,
+    moved: Moved | None = None,
 ) -> tuple[float, float]:
     """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum S of
     the given residual, as slow as it may be, and the variance of that estimate (slow noise has few
     ordinates in its periodogram, each scattered as χ² of two). Gaps (keep False) are missing, not
-    silent."""
+    silent. moved: what the motion may leave there, which is no drift."""
     share = float(np.mean(keep))
     if share <= 0:
         return 0.0, 0.0
-    length = scipy.fft.next_fast_len(2 * len(signal), real=True)
-    periodogram = np.abs(scipy.fft.rfft(noise, length)) ** 2 / (len(noise) * share)
-    slower = rise(periodogram, len(signal))
-    power = slower * np.abs(scipy.fft.rfft(signal, length)) ** 2
+    length, scale = padded(len(signal)), 1.0 / np.sqrt(len(noise) * share)
+    spectrum = scipy.fft.rfft(noise, length) * scale
+    slower, apart, expected = drift(spectrum, length, len(signal), moved)
+    power = np.abs(scipy.fft.rfft(signal, length)) ** 2
     power[1 : (length + 1) // 2] *= 2.0
-    # smoothing the signal's power instead of the periodogram gives the same sum
     half = max(3, round(SMOOTHING_HZ * length / rate) | 1) // 2
+    seen = _averaged(expected, half) / _averaged(np.ones(len(expected)), half)
+    seen = np.maximum(seen, 1.0 / (2 * half + 1))
+    # smoothing the signal's power instead of the periodogram gives the same sum
+    noisy = _averaged(power * slower / seen, half) / slower * apart
+    parts = (noisy + _averaged(power, half) * (1.0 - apart)) * np.abs(spectrum) ** 2 / length
+    oversampled = length / len(signal)
+    return float(np.sum(parts)), float(0.5 * oversampled * np.sum(parts**2))
+
+
+def _averaged(power: Array, half: int) -> Array:
+    """Over so many neighbours to either side, folded back at both ends."""
     smooth = np.convolve(power, np.full(2 * half + 1, 1.0 / (2 * half + 1)))
     folded = smooth[half:-half]
     folded[1 : half + 1] += smooth[:half][::-1]
     folded[-half - 1 : -1] += smooth[-half:][::-1]
-    parts = folded * periodogram / slower / length
-    oversampled = length / len(signal)
-    return float(np.sum(parts)), float(0.5 * oversampled * np.sum(parts**2))
+    return folded

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,13 @@ class Side:
     runs      the equations, in order
     contexts  their motion, with the loads and torques of the model that they are seen through
     silent    joints of which no sample counts, and why
+    kept_by_evidence  of run and joint: what evidence works out of their motion alone
     """
 
     runs: tuple[RunEquation, ...]
     contexts: tuple[Context, ...]
     silent: Mapping[int, str] = field(default_factory=dict)
+    kept_by_evidence: dict[tuple[int, int], Any] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, runs: Sequence[RunEquation], silent: Mapping[int, str] | None = None) -> Side:
@@ -49,6 +52,17 @@ class Side:
             return [run.keep for run in self.runs]
         heard = ~np.isin(np.arange(self.n), list(self.silent))
         return [run.keep & heard for run in self.runs]
+
+    def simple_motion(self, run: int, joint: int) -> Array:
+        """(M, k) simple functions of a run's motion that a joint's error may go with."""
+        equation, context = self.runs[run], self.contexts[run]
+        q, dq = (x[:: equation.lowpass.factor] for x in (context.q, context.dq))
+        own, way, torque = q[:, joint], np.sign(dq[:, joint]), equation.tau[:, joint]
+        speed = dq[:, joint]
+        return np.column_stack([
+            np.sin(q), np.cos(q), np.sin(2.0 * own), np.cos(2.0 * own), speed, np.abs(speed),
+            way, own * way, torque, np.abs(torque) * way,
+        ])  # fmt: skip
 
     @cached_property
     def tau(self) -> list[Array]:

@@ -1,8 +1,9 @@
-"""How sharply dry friction turns round, where neither identification nor both sides agree on it.
+"""How sharply dry friction turns round, where identification does not know it well.
 
 What builds up over a way looks, on fast motion, like a sign that is soft: the fit side pays for a
-blunt corner with something else, and slow motion pays it back. So a corner that was open moves only
-where what is held out is not worse for it.
+blunt corner with something else, and slow motion pays it back. A corner that is too soft, in turn,
+leaves at low speed what looks like friction of another law. So a corner that may as well be sharp
+moves to where the held-out side is best, among those that the fit side has no reason to refuse.
 """
 
 from __future__ import annotations
@@ -11,39 +12,77 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.diagnose.constants import MATERIAL_HARM
+from pa10d.diagnose.constants import CORNERS, LOOSE, MATERIAL_HARM
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.refining import refine
+from pa10d.regression.layout import has_sign
 
 
 def with_corners(state: SearchState) -> SearchState:
-    """Open corners of the given model as the fit side has them, or where they were: then they are
-    known no better than the two sides agree."""
-    for index, term in enumerate(state.terms):
-        over = term.effect.smoothed_over
-        if not over or state.frozen or np.isfinite(term.shape_errors.get(over, np.inf)):
-            continue
-        moved = turned(state, len(state.terms), index)
-        if moved is None:
-            continue
-        if not _costs(state, moved, term.joints[0]):
-            state = moved
-            continue
-        apart = abs(moved.terms[index].shape[over] - term.shape[over])
-        kept = replace(state.terms[index], shape_errors={**term.shape_errors, over: apart})
-        state.problem = state.problem.with_term(index, kept)
+    """Loose corners of all joints as both sides have them together: then each is known as well as
+    the two agree."""
+    if state.frozen:
+        return state
+    for joint in range(state.train.n):
+        index = loose_corner(state, joint)
+        if index is not None:
+            state = _with_corner(state, index)
     return state
 
 
-def turned(state: SearchState, fixed: int, index: int) -> SearchState | None:
-    """A copy with the corner of a term as the fit side has it; None where it stays."""
+def loose_corner(state: SearchState, joint: int) -> int | None:
+    """The joint's Coulomb friction, if two of its corner's standard errors reach down to zero."""
+    for index, term in enumerate(state.terms):
+        over = term.effect.smoothed_over
+        if term.joints == (joint,) and over and has_sign(term, joint):
+            known = term.shape_errors.get(over, np.inf)
+            return index if LOOSE * known > term.shape[over] else None
+    return None
+
+
+def turned(state: SearchState, index: int, speed: float) -> SearchState:
+    """A copy with the corner of a joint's dry friction at this speed, and with it those of all
+    that rubs in the joint and turned round as it did."""
+    trial, dry = state.copy(), state.terms[index]
+    before = dry.shape[dry.effect.smoothed_over]
+    for k, term in enumerate(state.terms):
+        if term.joints != dry.joints:
+            continue
+        for one in term.effect.shapes:
+            if one.smoothing and term.shape.get(one.name) == before:
+                shape = term.shape | {one.name: max(speed, one.lower)}
+                trial.replace_term(k, replace(trial.terms[k], shape=shape))
+    trial.refit()
+    return trial
+
+
+def _with_corner(state: SearchState, index: int) -> SearchState:
+    term = state.terms[index]
+    over, joint = term.effect.smoothed_over, term.joints[0]
+    was, asked = term.shape[over], _fitted(state, index)
+    trials = {was: state} | {
+        v: turned(state, index, v) for v in (asked, *was * CORNERS) if v != was
+    }
+    fit = {v: rms(one.train_residual())[joint] for v, one in trials.items()}
+    held = {v: rms(one.held_residual())[joint] for v, one in trials.items()}
+    least = (1.0 + MATERIAL_HARM) * min(fit.values())
+    allowed = {v: held[v] for v in trials if fit[v] <= least or v == was}
+    most = (1.0 + MATERIAL_HARM) * min(allowed.values())
+    alike = [v for v, left in allowed.items() if left <= most]
+    best = next((v for v in (asked, was) if v in alike), min(alike, key=allowed.__getitem__))
+    if best == was == asked:
+        return state
+    apart = max(abs(v - best) for v in (asked, *alike))
+    found = trials[best].copy()
+    kept = replace(found.terms[index], shape_errors={**term.shape_errors, over: apart})
+    found.problem = found.problem.with_term(index, kept)
+    return found
+
+
+def _fitted(state: SearchState, index: int) -> float:
+    """The corner that the fit side alone asks for."""
     trial = state.copy()
-    refine(trial, fixed, index)
-    return None if trial.terms[index].shape == state.terms[index].shape else trial
-
-
-def _costs(before: SearchState, after: SearchState, joint: int) -> bool:
-    """Is a joint's error on the held-out side larger than it was?"""
-    left = [rms(s.held_residual())[joint] for s in (before, after)]
-    return bool(left[1] > (1.0 + MATERIAL_HARM) * left[0])
+    refine(trial, len(trial.terms), index)
+    term = trial.terms[index]
+    return term.shape[term.effect.smoothed_over]

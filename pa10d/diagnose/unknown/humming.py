@@ -2,12 +2,13 @@
 
 A fan, mains, a neighbour's machine: neither motion nor the library's effects know of it, and it is
 no slow noise. It is sought on the fit side and asked for on the held-out side, there against the
-level around it, as noise of any colour has one.
+level around it, as noise of any colour has one. Motion of sums of sines is made of lines, and so is
+what it leaves: one that an angle, a speed or a direction has too is the motion's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import Mask, PerJoint
 
 Array = NDArray[np.float64]
 
@@ -67,11 +68,10 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
         max(line - HUM_AROUND * reach, 0), min(line + HUM_AROUND * reach, len(hertz))
     )
     power = _power(parts[1], hertz[around])
-    own = np.abs(around - line) <= reach
-    level = float(np.median(power[np.abs(around - line) > 2 * reach])) / np.log(2.0)
+    own, beside = np.abs(around - line) <= reach, np.abs(around - line) > 2 * reach
     most = float(power[own].max())
     tried = state.train.n * 2.0 * reach / HUM_FINENESS
-    p = float(min(1.0, tried * np.exp(-most / max(level, 1e-300))))
+    p = min(1.0, tried * _chance(power, own, beside))
     whole = float(sum(np.sum(x**2) for _, x in parts[1]))
     share = min(most / max(whole, 1e-300), 1.0)
     size = [
@@ -80,8 +80,31 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
     ]
     if p > FORETOLD_LEVEL or share < HUM_SHARE or size[0] < HUM_ALIKE * size[1]:
         return None
+    for motion in _motions(state.held, j):
+        moved = _power(motion, hertz[around])
+        skirts = moved[beside & (np.abs(around - line) <= 4 * reach)].max(initial=0.0)
+        if moved[own].max() > skirts and tried * _chance(moved, own, beside) <= FORETOLD_LEVEL:
+            return None
     rms = float(np.sqrt(share * np.mean(held[j] ** 2)))
     return Hum(j, float(hertz[around][own][int(np.argmax(power[own]))]), share, rms, p)
+
+
+def _chance(power: Array, own: Mask, beside: Mask) -> float:
+    """That noise of the level ``beside`` the line has as much at one of its frequencies."""
+    level = float(np.median(power[beside])) / np.log(2.0)
+    return float(np.exp(-float(power[own].max()) / max(level, 1e-300)))
+
+
+def _motions(side: Side, j: int) -> Iterator[list[tuple[Array, Array]]]:
+    """Angle, speed and direction of every joint, seen as joint j's torque is."""
+    for k in range(side.n):
+        seen = [
+            run.filtered(np.column_stack([c.q[:, k], c.dq[:, k], np.sign(c.dq[:, k])]), j)
+            for run, c in zip(side.runs, side.contexts, strict=True)
+        ]
+        for one in range(seen[0].shape[1]):
+            rows = side.gathered([x[:, one] for x in seen], j)
+            yield _stretches(side, {j: rows - rows.mean()}, j)
 
 
 def _stretches(side: Side, residual: PerJoint, j: int) -> list[tuple[Array, Array]]:
