@@ -145,7 +145,8 @@ def add_effect(
     refuse_beyond_memory("diagnose", [library.runs.find(run) for run in fit])
     runs = read_runs(library, fit, loaded.robot, force=force)[1]
     made, warnings = add_asked(loaded, effect, at, runs, name=name, over=over, progress=progress)
-    if all_effects()[effect].question != "changed":  # what has changed since is not in older runs
+    kind = all_effects().get(effect)
+    if kind is None or kind.question != "changed":  # what has changed since is not in older runs
         warnings += _worse_elsewhere(library, loaded, made, fit)
     return library.models.save(made, replace=replace_model), made, warnings
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.ndimage
 from bare_sides import RATE, ar1, bare_side
 
-from pa10d.diagnose.evidence.drift import Moved, drift, lines
+from pa10d.diagnose.evidence.drift import GoesWithMotion, drift, lines
 from pa10d.diagnose.evidence.held_out import judge, padded, quadratic_form
 
 SAMPLES = 2000
@@ -85,7 +85,7 @@ def test_what_goes_with_the_motion_is_no_drift():
     for _ in range(60):
         motion, error = lacking(rng, t)
         noise = error - error.mean() + 0.1 * rng.standard_normal(SAMPLES)
-        moved = Moved.of(motion, EVERY, length)
+        moved = GoesWithMotion.of(motion, EVERY, length)
         blind.append(quadratic_form(constant, noise, EVERY, RATE))
         seeing.append(quadratic_form(constant, noise, EVERY, RATE, moved))
         mean = drifting(rng)
@@ -106,7 +106,7 @@ def test_of_a_motion_that_repeats_itself_every_harmonic_may_be_left():
     spectrum = np.fft.rfft(noise, length)
     rises = [
         drift(spectrum, length, SAMPLES, moved)[0][0]
-        for moved in (None, Moved.of(motion, EVERY, length))
+        for moved in (None, GoesWithMotion.of(motion, EVERY, length))
     ]
     assert rises[0] > 100.0 * rises[1]
 

@@ -37,10 +37,18 @@ def test_what_reversals_leave_is_said_where_they_are_left_out():
 
 
 def test_an_error_that_follows_nothing_is_owned_up_to():
-    said = nothing([0.1, 0.5, 0.6], [0.1, 0.1, 0.2], frozen=True)
+    said = nothing([0.1, 0.16, 0.34], [0.1, 0.1, 0.2], frozen=True)
     assert said.startswith("Nothing has changed that this data can show. Joints 2 and 3 keep up")
+    assert "1.7 times the noise" in said
+    assert nothing([0.1, 0.17], [0.1, 0.1], frozen=False).count("Joint 2 keeps") == 1
+
+
+@pytest.mark.parametrize(("frozen", "asked"), [(True, "has changed"), (False, "is missing")])
+def test_many_times_the_noise_are_not_called_nothing(frozen, asked):
+    said = nothing([0.1, 0.5, 0.6], [0.1, 0.1, 0.2], frozen=frozen)
+    assert said.startswith(f"This data cannot say whether something {asked}: joints 2 and 3 keep")
     assert "5.0 times the noise" in said
-    assert nothing([0.1, 0.5], [0.1, 0.1], frozen=False).count("Joint 2 keeps") == 1
+    assert ("ask what has changed" in said) != frozen
 
 
 def test_no_noise_floor_is_no_claim():

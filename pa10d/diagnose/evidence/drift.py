@@ -34,7 +34,7 @@ Spectrum = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class Moved:
+class GoesWithMotion:
     """What the motion may leave in the slowest ordinates of a run's residual, and what that does to
     the likelihood of each law of drift.
 
@@ -47,11 +47,12 @@ class Moved:
     lost: Array
 
     @classmethod
-    def of(cls, motion: Array, keep: Mask, length: int) -> Moved:
+    def of(cls, motion: Array, keep: Mask, length: int) -> GoesWithMotion:
         """motion (M, k): what a residual of M samples may go with, where it counts; length: of the
         transform that the residual is seen through. Of a motion that repeats itself all harmonics
         may be left, whatever its functions are."""
-        seen = np.where(keep[:, None], motion - motion[keep].mean(axis=0), 0.0)
+        centre = motion[keep].sum(axis=0) / max(int(keep.sum()), 1)
+        seen = np.where(keep[:, None], motion - centre, 0.0)
         columns = slowest(scipy.fft.rfft(seen, length, axis=0), length, len(motion))
         columns = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         harmonic = np.flatnonzero(lines(motion)[: len(columns) // 2])
@@ -86,7 +87,7 @@ def slowest(spectrum: Spectrum, length: int, samples: int) -> Array:
 
 
 def drift(
-    spectrum: Spectrum, length: int, samples: int, moved: Moved | None = None
+    spectrum: Spectrum, length: int, samples: int, moved: GoesWithMotion | None = None
 ) -> tuple[Array, Array, Array]:
     """(F,) spectrum of noise that may drift, over its level where it is white; which share of the
     power seen goes with no motion, and which would if none did.

@@ -23,7 +23,7 @@ from pa10d.diagnose.constants import (
     SHARE_OF_GAIN,
     SMOOTHING_HZ,
 )
-from pa10d.diagnose.evidence.drift import Moved, drift
+from pa10d.diagnose.evidence.drift import GoesWithMotion, drift
 from pa10d.diagnose.regression.side import Side
 from pa10d.regression.per_joint import PerJoint, rms
 
@@ -206,12 +206,12 @@ def rivalry(side: Side, r0: PerJoint, a: PerJoint, b: PerJoint) -> tuple[float, 
     return float(overlap), float(difference / np.sqrt(max(variance, 1e-300)))
 
 
-def moved(side: Side, run: int, joint: int) -> Moved:
+def moved(side: Side, run: int, joint: int) -> GoesWithMotion:
     """What the motion of a run may leave in a joint's residual, worked out once a side."""
     known = side.kept_by_evidence
     if (run, joint) not in known:
         motion = side.simple_motion(run, joint)
-        known[run, joint] = Moved.of(motion, side.keep[run][:, joint], padded(len(motion)))
+        known[run, joint] = GoesWithMotion.of(motion, side.keep[run][:, joint], padded(len(motion)))
     return known[run, joint]
 
 
@@ -225,7 +225,7 @@ def quadratic_form(
     noise: Array,
     keep: NDArray[np.bool_],
     rate: float,
-    moved: Moved | None = None,
+    moved: GoesWithMotion | None = None,
 ) -> float:
     """Var(Σ signal·noise), see ``variance_of_sum``."""
     return variance_of_sum(signal, noise, keep, rate, moved)[0]
@@ -236,7 +236,7 @@ def variance_of_sum(
     noise: Array,
     keep: NDArray[np.bool_],
     rate: float,
-    moved: Moved | None = None,
+    moved: GoesWithMotion | None = None,
 ) -> tuple[float, float]:
     """Var(Σ signal·noise) = Σ_f |P(f)|²·S(f) for stationary noise with the smoothed spectrum S of
     the given residual, as slow as it may be, and the variance of that estimate (slow noise has few

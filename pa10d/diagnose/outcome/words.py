@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import joint_words, listed, percent, times
-from pa10d.diagnose.constants import MATERIAL_REST, OWN_SHARE
+from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
@@ -103,6 +103,15 @@ def nothing(
         )
     joints = listed([str(j + 1) for j in large])
     keeps = "s {} keep" if len(large) > 1 else " {} keeps"
+    if np.max(ratio[large]) > BEYOND_NOISE:
+        asked = "has changed" if frozen else "is missing"
+        since = "" if frozen else "; where the arm may be another since, ask what has changed"
+        return (
+            f"This data cannot say whether something {asked}: joint{keeps.format(joints)} up to "
+            f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
+            "clearly enough to be named, and may be slow noise. Record more, or the same motion "
+            f"twice: what repeats is no noise{since}."
+        )
     return (
         f"{first} that this data can show. Joint{keeps.format(joints)} up to "
         f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
