@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.common.words import listed
+from pa10d.compare.above_band import lines_above_band
 from pa10d.compare.frequencies import FrequencySpectrum, frequency_spectrum
 from pa10d.compare.orders import OrderSpectrum, order_spectrum
 from pa10d.compare.places import Place, failing, places
@@ -137,7 +138,7 @@ def compare(
         warnings=(
             *_warnings(residuals),
             *_fitted_too(model, residuals),
-            *_beyond_the_band(orders, model.cutoff, pooled.scores.rms),
+            *_above_band(orders, model.cutoff, pooled.scores.rms),
             *map_warnings(model, residuals),
         ),
         beside=tuple(replace(one[-1], floor=floors[-1]) if one else None for one in others),
@@ -157,23 +158,9 @@ def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloo
     return RunScores(name, found, floor, tuple(where), tuple(spread))
 
 
-def _beyond_the_band(
-    orders: Sequence[OrderSpectrum | None], cutoff: float, rms: Array
-) -> list[str]:
-    """Joints with more torque in lines that the low-pass takes away than error (n,) N·m in all
-    that it leaves."""
-    said = []
-    for j, found in enumerate(orders):
-        above = found.above(cutoff) if found else []
-        if not found or sum(size**2 for _, size in above) / 2.0 <= rms[j] ** 2:
-            continue
-        largest, size = above[0]
-        said.append(
-            f"joint {j + 1}: an error that comes again {largest:.4g} times a turn ({size:.2g} N·m) "
-            f"lies above the low-pass of {cutoff:g} Hz, at about {found.frequency(largest):.0f} "
-            "Hz, and is not judged; only a fit with a higher cut-off can look at it"
-        )
-    return said
+def _above_band(orders: Sequence[OrderSpectrum | None], cutoff: float, rms: Array) -> list[str]:
+    found = lines_above_band(orders, cutoff, rms)
+    return [f"joint {j + 1}: {text}" for j, text in found.items()]
 
 
 def _fitted_too(model: TorqueModel, residuals: Sequence[RunResidual]) -> list[str]:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
 from pa10d.common.words import from_one, times
+from pa10d.compare.above_band import lines_above_band
+from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
     MATERIAL_REST,
@@ -108,8 +110,11 @@ def diagnose(
     over = left_over(state, seen, left, again, only is None)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
-    silent = [j for j in unsaid(left, said_of) if np.isfinite(left.ratio[j])]
-    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if only is None else ()
+    open_ = unsaid(left, said_of) if only is None else []
+    silent = [j for j in open_ if np.isfinite(left.ratio[j])]
+    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if open_ else ()
+    turning = [j for j in open_ if not model.robot.prismatic[j]]
+    orders = [order_spectrum(seen, j) if j in turning else None for j in range(model.robot.n)]
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
@@ -131,6 +136,7 @@ def diagnose(
         stand_out,
         held.silent,
         over.undetermined,
+        lines_above_band(orders, left.cutoff, left.rms),
     )
     say(1.0, "done")
     return Diagnosis(

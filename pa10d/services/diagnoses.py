@@ -188,7 +188,7 @@ def improve_model(
         library, model, found, name=name, replace_model=replace_model, further=maps
     )
     made = Improved(infos, found, maps=maps)
-    if not made.models:
+    if not infos:
         return made
     told = _worse_elsewhere(library, given, made.models[-1], (*fit, *validate))
     return replace(made, elsewhere=tuple(told))

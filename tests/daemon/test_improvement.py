@@ -122,7 +122,8 @@ def test_nothing_is_stored_while_an_experiment_is_asked_for(monkeypatch, tmp_pat
     stored = []
     monkeypatch.setattr(diagnoses, "diagnose_runs", lambda *_, **__: doubtful)
     monkeypatch.setattr(diagnoses, "store_versions", lambda *_, **__: stored.append(1) or ())
-    library = SimpleNamespace(models=SimpleNamespace(refuse_taken=lambda name: None))
+    models = SimpleNamespace(refuse_taken=lambda _: None, find=lambda _: None, load=lambda _: None)
+    library = SimpleNamespace(models=models)
     asked = {"name": "new", "fit": ["a"]}
     assert diagnoses.improve_model(library, "m", tried=[], **asked).doubt == sweep
     assert not stored

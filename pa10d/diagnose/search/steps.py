@@ -61,8 +61,9 @@ class Search:
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
-        """Add, prune, add again; once more without what turned out unsure in the end. steps: the
-        most to add at a time; None: what an arm of so many joints may lack."""
+        """Add, prune, add again; once more without what turned out unsure in the end, and once with
+        what left the model beside terms that may be gone since. steps: the most to add at a time;
+        None: what an arm of so many joints may lack."""
         if steps is None:
             steps = max(LEAST_STEPS, STEPS_PER_JOINT * self.state.train.n)
         align(self.state)
@@ -71,12 +72,21 @@ class Search:
         self._forward(steps, refused)
         if self._late_together():
             self._forward(steps, refused)
-        while True:
-            unsure = self.unsure()
-            if not unsure:
-                return self
+        doubted = self._without_unsure(steps, refused)
+        if refused - doubted:
+            refused = doubted
+            self._forward(steps, refused)
+            self._without_unsure(steps, refused)
+        return self
+
+    def _without_unsure(self, steps: int, refused: set[Place]) -> set[Place]:
+        """Drop what is unsure and go on without it until all is sure; says what was not."""
+        doubted: set[Place] = set()
+        while unsure := self.unsure():
+            doubted |= unsure
             refused |= unsure
             self._forward(steps, refused)
+        return doubted
 
     def _late_together(self) -> bool:
         """Several joints "measured late" may be one offset of the whole robot, hidden as long as

@@ -203,6 +203,7 @@ def remaining(
     stand_out: Sequence[Place] = (),
     silent: Mapping[int, str] | None = None,
     undetermined: Collection[int] = (),
+    faster: Mapping[int, str] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -212,7 +213,8 @@ def remaining(
     looked for; gains: by joint, such as sway and explain more than its map or findings do;
     stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
     slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
-    joints of which the fitted runs leave open as much as they keep, for the motion held out."""
+    joints of which the fitted runs leave open as much as they keep, for the motion held out;
+    faster: by joint, in words, what the band does not let through."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -253,6 +255,9 @@ def remaining(
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces:
             line = _with_trace(line, traces[j])
+        if line.material is not False and faster and j in faster:
+            text = f" {faster[j][0].upper()}{faster[j][1:]}."
+            line = replace(line, sentence=line.sentence + text)
         if usual is not None and line.material is not False and line.rms <= usual[j]:
             line = replace(line, sentence=line.sentence + NOT_NEW)
         if parts := _of_one_curve(line, found):
