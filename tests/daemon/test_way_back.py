@@ -36,6 +36,7 @@ def test_it_is_refused_and_brought_back_where_that_is_asked_for(pushed):
         assert client.enable(recover=True)["state"] == "holding", "nothing to do"
 
 
+@pytest.mark.long
 def test_an_experiment_may_ask_for_it_too(pushed):
     with pushed(-LIMIT - 0.1) as client:
         found = client.experiment("tracking", {"period": 4.0, "cycles": 1}, recover=True)

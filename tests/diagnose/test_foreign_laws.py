@@ -72,6 +72,7 @@ def test_a_gain_that_sways_is_not_put_together_from_the_library(draw, joint):
     assert "read differently from angle to angle" in found.remaining[joint].sentence
 
 
+@pytest.mark.long
 def test_findings_that_a_swaying_gain_outdoes_are_doubted():
     """Of 2 % three effects leave little more than the noise: they stay, with what may be wrong."""
     found = swaying(1, 1, 0.02)

@@ -37,8 +37,8 @@ def read(name, seed, by):
 @pytest.mark.parametrize(
     ("by", "joint", "variables", "hint"),
     [
-        (dead_band, 0, ("tau1",), "a dead band"),
-        (warming, 0, ("time", "tau1"), "as it warms"),
+        pytest.param(dead_band, 0, ("tau1",), "a dead band", marks=pytest.mark.long),
+        pytest.param(warming, 0, ("time", "tau1"), "as it warms", marks=pytest.mark.long),
         (cross_talk, 1, ("tau1",), "takes on another's torque"),
     ],
 )

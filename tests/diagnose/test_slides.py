@@ -59,7 +59,12 @@ def tight_spot(q, dq):
     ("extra", "expected", "parameters"),
     [
         (spring, "spring", {"k": 60.0}),
-        (tight_spot, "position_friction", {"A": 3.0, "qc": -0.03, "w": 0.015}),
+        pytest.param(
+            tight_spot,
+            "position_friction",
+            {"A": 3.0, "qc": -0.03, "w": 0.015},
+            marks=pytest.mark.long,
+        ),  # fmt: skip
     ],
 )
 def test_an_effect_of_a_slide_is_named_with_its_size(extra, expected, parameters):

@@ -121,8 +121,11 @@ def test_a_map_says_how_large_the_torque_is():
 
 @pytest.mark.parametrize(
     "colour",
-    [None, lambda rng, n: ar1(rng, n, 0.95), lambda rng, n: ar1(rng, n, 0.998)],
-    ids=["white", "coloured", "slow"],
+    [
+        pytest.param(None, marks=pytest.mark.long, id="white"),
+        pytest.param(lambda rng, n: ar1(rng, n, 0.95), marks=pytest.mark.long, id="coloured"),
+        pytest.param(lambda rng, n: ar1(rng, n, 0.998), id="slow"),
+    ],
 )
 def test_noise_has_no_structure(colour):
     claims = sum(len(find_structure(state_of(recordings(s, colour=colour)))) for s in range(8))
