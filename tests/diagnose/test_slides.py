@@ -64,7 +64,7 @@ def tight_spot(q, dq):
             "position_friction",
             {"A": 3.0, "qc": -0.03, "w": 0.015},
             marks=pytest.mark.long,
-        ),  # fmt: skip
+        ),
     ],
 )
 def test_an_effect_of_a_slide_is_named_with_its_size(extra, expected, parameters):
