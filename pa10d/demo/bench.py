@@ -52,6 +52,7 @@ class Bench:
         self._switch_on(later=True)
         self.client.connect()
         self.client.wait_for_robot("inactive", timeout=CONNECT)
+        self.client.confirm()  # it was simulated anew, in its first pose: nothing lost its zero
 
     def _switch_on(self, later: bool) -> None:
         self._simulator.enter_context(simulated_bus(self._secret(later)))
