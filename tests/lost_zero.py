@@ -14,10 +14,10 @@ COUNTS = load_profile("pa10-sim").drives[2].counts_per_rev
 CHANNEL = f"zero-{os.getpid()}"
 
 
-def turn(node: int, radians: float) -> None:
+def turn(node: int, radians: float, channel: str = CHANNEL) -> None:
     """The encoder of a drive reads so much more from now on."""
     counts = round(radians * COUNTS / 6.283185307179586)
-    with can.Bus(interface="virtualbus", channel=CHANNEL) as bus:
+    with can.Bus(interface="virtualbus", channel=channel) as bus:
         for sub, value in ((2, counts), (1, int(Injection.ENCODER_JUMP))):
             head = 0x23 if sub == 2 else 0x2F
             data = struct.pack("<BHBi", head, 0x2F00, sub, value)

@@ -446,6 +446,8 @@ class RobotProcess:
             await self.command("connect", timeout=60.0, stood=self.stood.known)
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
+            if refusal.answer.get("state", "offline") != "offline":
+                raise  # another was quicker: it is there
             if why != self.why_offline:  # tried again and again, said once
                 log.warning("the arm is offline: %s", why)
             self.why_offline = why

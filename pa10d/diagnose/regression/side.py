@@ -71,7 +71,8 @@ class Side:
 
     def shifted(self, seconds: float) -> Side:
         """The same with the torque of all runs taken ``seconds`` later than it is now."""
-        return replace(self, runs=tuple(run.later(seconds) for run in self.runs))
+        later = tuple(run.later(seconds) for run in self.runs)
+        return replace(self, runs=later, kept_by_evidence={})
 
     def through(self, model: TorqueModel) -> Side:
         """The same with the loads and torques of a model."""
