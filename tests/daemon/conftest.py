@@ -119,7 +119,7 @@ class Bench:
         _close(self.server)
 
     def recover(self) -> None:
-        """After a reset everything works again."""
+        """After a reset everything works again; an arm simulated anew stands elsewhere."""
         until = time.monotonic() + 90
         while (state := self.client.robot()["state"]) != "inactive":
             if state == "fault":
@@ -129,6 +129,7 @@ class Bench:
                 self.client.disable()
             assert time.monotonic() < until, self.client.robot()
             time.sleep(0.2)
+        self.client.confirm()
 
     def mend(self) -> None:
         """Start again what is dead."""
