@@ -19,7 +19,8 @@ def test_nothing_moves_before_somebody_has_looked(tmp_path, visit):
         client.let_others_command()
         page = visit(client.url).page
         page.goto(f"{client.url}/#/robot")
-        page.get_by_text("joint 3 stood at").first.wait_for()
+        page.get_by_text("not powered before somebody has looked at it: joint 3 stood").wait_for()
+        assert page.get_by_role("button", name="Enable").is_disabled()
         page.get_by_role("button", name=BUTTON).click()
         page.get_by_role("button", name="Leave it").click()
         assert client.robot()["misplaced"]
@@ -28,3 +29,5 @@ def test_nothing_moves_before_somebody_has_looked(tmp_path, visit):
         page.get_by_text("The arm is taken to stand where it reads.").wait_for()
         assert client.robot()["misplaced"] == []
         page.get_by_role("button", name=BUTTON).wait_for(state="hidden")
+        page.get_by_text("Next step Nothing is recorded yet").wait_for()
+        assert page.get_by_role("button", name="Enable").is_enabled()

@@ -52,12 +52,21 @@ function judged() {
   if (robot.state === "offline") {
     found.meaning = `No drive answers: ${closed(robot.offline_reason ?? "it is not known why")} You can work with recordings all the same: import them in Runs.`;
   }
+  if (doubted(robot)) {
+    return { ...found, meaning: "Unpowered, brakes on. Angles are read, but one of them is not believed.",
+             next: { go: "robot", text: `The arm is not powered before somebody has looked at it: ${inPlaces(robot)}.`, label: "Look" } };
+  }
   if (MOVING.includes(robot.state)) return { ...found, next: { go: "robot", text: `${found.meaning} Watch it${job ? ", or abort below" : ""}.`, label: "Watch" } };
   if (job?.status === "queued") return { ...found, next: { text: "An experiment waits for its turn; the arm stands still until then. You can abort it below." } };
   if (job?.kind === "investigation") return { ...found, next: { text: `An investigation is under way (${job.message || "it begins"}); the arm stands still, and may move. You can abort it below.` } };
   if (job) return { ...found, next: { text: `An experiment is being prepared (${job.message || "it begins"}); the arm stands still, and will move. You can abort it below.` } };
   return found;
 }
+
+/** Joints that read elsewhere than they stood, one after the other. */
+export const inPlaces = (robot) => robot.misplaced.map((one) => one.sentence).join("; ");
+/** Is the arm at rest, and not to be powered before somebody has looked? */
+export const doubted = (robot) => robot.state === "inactive" && robot.misplaced.length > 0;
 
 const lost = (seconds) => {
   const age = Number.isFinite(seconds) ? `${seconds} s` : "a while";
@@ -99,6 +108,7 @@ export const whyNot = (states = MAY_MOVE) => {
   if (!robot || condition.silent) return condition.silent ?? "nothing is known of the arm yet";
   if (!mayCommand(client)) return `${robot.lease.holder} commands the arm`;
   if (moves()) return "an experiment is under way";
+  if (states === MAY_MOVE && doubted(robot)) return "a joint reads elsewhere than it stood: look at the arm first (Robot)";
   if (!states || states.includes(robot.state)) return "";
   return { fault: "the arm is in fault: reset it first", holding: "the arm is powered: disable it first" }[robot.state] ?? `the arm is ${robot.state}`;
 };

@@ -1,7 +1,7 @@
 // The arm: state, commands, axes, live plots.
 import { el, fill, say } from "../base/dom.js";
 import { client, post, put } from "../base/api.js";
-import { mayCommand } from "../base/condition.js";
+import { doubted, inPlaces, mayCommand } from "../base/condition.js";
 import { current, loadRobot, state, watch } from "../base/store.js";
 import { guarded, notice } from "../base/notices.js";
 import { fixed } from "../base/units.js";
@@ -80,10 +80,10 @@ function buttons() {
     refresh() {
       const nobody = state.condition.silent, allowed = mayCommand(client);
       for (const { button, states } of all) {
-        const fits = states.includes(state.robot.state);
-        button.disabled = !allowed || !fits;
+        const fits = states.includes(state.robot.state), unsure = doubted(state.robot);
+        button.disabled = !allowed || !fits || unsure;
         button.classList.toggle("primary", allowed && fits && state.robot.state === "fault");
-        button.title = nobody ? nobody : !allowed ? `${state.robot.lease.holder} commands the arm` : fits ? "" : `needs: ${states.join(" or ")}`;
+        button.title = nobody ? nobody : !allowed ? `${state.robot.lease.holder} commands the arm` : unsure ? "look at the arm first" : fits ? "" : `needs: ${states.join(" or ")}`;
       }
     },
   };
@@ -92,8 +92,7 @@ function buttons() {
 /** Joints that read elsewhere than they stood before their drive was set up anew. */
 function elsewhere() {
   const said = el("p", {}), button = el("button", { type: "button", onclick: guarded("The arm's place is not confirmed.", async () => {
-    const where = state.robot.misplaced.map((one) => one.sentence).join("; ");
-    const so = await ask("Does the arm stand as it is drawn?", `${where}. Compare the arm with its picture, joint by joint. If it stands otherwise, home the drive or correct zero_offset: with a wrong zero every limit of that joint is elsewhere.`, "It stands as drawn", { danger: true });
+    const so = await ask("Does the arm stand as it is drawn?", `${inPlaces(state.robot)}. Compare the arm with its picture, joint by joint. If it stands otherwise, home the drive or correct zero_offset: with a wrong zero every limit of that joint is elsewhere.`, "It stands as drawn", { danger: true });
     if (!so) return;
     await post("robot/confirm");
     await loadRobot();
@@ -103,9 +102,8 @@ function elsewhere() {
   return {
     box,
     refresh() {
-      const { misplaced, state: now } = state.robot;
-      box.hidden = !misplaced.length || now !== "inactive";
-      say(said, `${misplaced.map((one) => one.sentence).join("; ")}. An encoder lost its place, or the arm was moved while its drive was not heard: it is not powered before somebody has looked.`);
+      box.hidden = !doubted(state.robot);
+      say(said, `${inPlaces(state.robot)}. An encoder lost its place, or the arm was moved while its drive was not heard: it is not powered before somebody has looked.`);
       button.disabled = !mayCommand(client);
     },
   };
