@@ -9,22 +9,24 @@ from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
 
 
-def sentence(joint: int, what: Region | Curve, torque_unit: str) -> str:
+def sentence(
+    joint: int, what: Region | Curve, torque_unit: str, whose: str = "its squared error"
+) -> str:
     """``Joint 4 below 0.2 rad/s carries 61 % of its squared error (in 12 % of its samples)``."""
     if isinstance(what, Region):
         return (
-            f"Joint {joint + 1} {_range(joint, what)} carries {what.share:.0%} of its squared "
-            f"error (in {what.samples:.0%} of its samples)".replace("%", " %")
+            f"Joint {joint + 1} {_range(joint, what)} carries {what.share:.0%} of {whose} "
+            f"(in {what.samples:.0%} of its samples)".replace("%", " %")
         )
     share = f"{what.share:.0%}".replace("%", " %")
     if what.quantity is None:
         return (
             f"Joint {joint + 1} is off by a constant {what.level:+.2g} {torque_unit}, "
-            f"which is {share} of its squared error"
+            f"which is {share} of {whose}"
         )
     return (
         f"Joint {joint + 1}'s error follows {_words(joint, what.quantity)}: "
-        f"a fixed curve against it explains {share} of its squared error"
+        f"a fixed curve against it explains {share} of {whose}"
     )
 
 
@@ -49,6 +51,8 @@ def _range(joint: int, region: Region) -> str:
         return f"{span} after a reversal"
     if quantity.kind == "reversal_travel":
         return f"{span} past a reversal"
+    if quantity.kind == "moving":
+        return f"{span} after a rest"
     return f"while {_words(joint, quantity)} is {span}"
 
 
@@ -73,6 +77,7 @@ def _words(joint: int, quantity: Quantity) -> str:
         "time": "the time in the run",
         "reversal_time": "the time since its last reversal",
         "reversal_travel": f"{whose} travel since its last reversal",
+        "moving": "the time since its last rest",
     }[quantity.kind]
 
 

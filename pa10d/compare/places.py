@@ -17,11 +17,14 @@ from pa10d.compare.samples import joint_samples
 from pa10d.compare.search import PlaceSearch
 from pa10d.dynamics import Robot
 from pa10d.judgement import MATERIAL, RunResidual, Scores
+from pa10d.judgement.scores import scores
 
 Array = NDArray[np.float64]
 
 LEVEL = 0.01  # chance that noise alone makes any place, over all joints and quantities
 CLEAR_LEVEL = 0.1  # the same for joints whose error is clearly more than noise: there it is
+OF_JUDGED = "its squared error"
+OVER_ALL = "its squared error with reversals"
 CLEAR = 1.5  # times the noise floor, and only its place may be an accident
 
 
@@ -67,10 +70,11 @@ def places(
     level: float = LEVEL,
     judged: Scores | None = None,
     joints: Collection[int] | None = None,
+    clear: bool = False,
 ) -> list[Place]:
     """Ranked: what carries most squared error beyond its share first. floor: (n,) N·m noise;
     judged: joints that by this judgement keep no more than noise fail nowhere; joints: of these
-    alone, as if all had been looked at."""
+    alone, as if all had been looked at; clear: of reversals, as the size of errors is judged."""
     found: list[Place] = []
     of_run = {run: Values(run) for run in runs}
     warm = any(run.seen.temperature is not None for run in runs)
@@ -79,15 +83,21 @@ def places(
     for joint in range(robot.n) if joints is None else joints:
         if limit is not None and judged is not None and judged.rms[joint] <= limit[joint]:
             continue
-        samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run)
+        samples = joint_samples(runs, joint, quantities(robot, joint, warm), of_run, clear)
         rms = float(np.sqrt(np.mean(samples.error**2)))
-        clear = floor is not None and rms > CLEAR * floor[joint]
+        large = floor is not None and rms > CLEAR * floor[joint]
         search = PlaceSearch(
-            samples, (CLEAR_LEVEL if clear else level) / robot.n / kinds, seed=joint
+            samples, (CLEAR_LEVEL if large else level) / robot.n / kinds, seed=joint
         )
-        unit = robot.torque_unit(joint)
+        unit, whose = robot.torque_unit(joint), _whose(rms, runs, joint)
         found += [
-            Place(joint, what, sentence(joint, what, unit), min(1.0, p * robot.n * kinds))
+            Place(joint, what, sentence(joint, what, unit, whose), min(1.0, p * robot.n * kinds))
             for what, p in search.run()
         ]
     return sorted(found, key=lambda place: -place.what.excess)
+
+
+def _whose(rms: float, runs: list[RunResidual], joint: int) -> str:
+    """Which squared error it is, where much of it lies at reversals, by which no size is judged."""
+    judged = float(scores(runs).rms[joint])
+    return OVER_ALL if rms > MATERIAL * judged else OF_JUDGED

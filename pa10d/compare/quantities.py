@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from pa10d.compare.reversals import since_reversal
 from pa10d.dynamics import Robot
 from pa10d.judgement.residuals import RunResidual
+from pa10d.measurement.standstill import since_rest
 
 Array = NDArray[np.float64]
 Kind = Literal[
-    "q", "dq", "|dq|", "ddq", "load", "time", "temperature", "reversal_time", "reversal_travel"
-]
+    "q", "dq", "|dq|", "ddq", "load", "time", "temperature", "reversal_time", "reversal_travel",
+    "moving",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class Quantity:
             "temperature": "temperature",
             "reversal_time": "time since the last reversal",
             "reversal_travel": "travel since the last reversal",
+            "moving": "time since the last rest",
         }
         if self.kind == "time":
             return f"time in the run, {self.unit}"
@@ -68,6 +71,7 @@ def quantities(robot: Robot, joint: int, with_temperature: bool) -> list[Quantit
         Quantity("time", joint, "s"),
         Quantity("reversal_time", joint, "s"),
         Quantity("reversal_travel", joint, length),
+        Quantity("moving", joint, "s"),
     ]
     if with_temperature:
         own.append(Quantity("temperature", joint, "°C"))
@@ -109,8 +113,14 @@ class Values:
             "load": lambda: run.equation.lowpass(context.load[:, j]),
             "time": lambda: run.decimated(context.t),
             "temperature": lambda: self._temperature(j),
+            "moving": lambda: self._moving(j),
         }
         yield wanted.name, plain[wanted.kind]()
+
+    def _moving(self, joint: int) -> Array:
+        context = self._run.seen
+        gone = self._run.decimated(since_rest(context.dq[:, joint], 1.0 / context.dt))
+        return np.where(np.isfinite(gone), gone, np.nan)
 
     def _temperature(self, joint: int) -> Array:
         measured = self._run.seen.temperature

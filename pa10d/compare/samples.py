@@ -38,14 +38,17 @@ def joint_samples(
     joint: int,
     looked_at: list[Quantity],
     of_run: dict[RunResidual, Values],
+    judged: bool = False,
 ) -> JointSamples:
-    """Runs in which the joint rests are left out where there are others."""
+    """Runs in which the joint rests are left out where there are others. judged: clear of
+    reversals, as errors are judged."""
     used = moving(runs, joint)
+    masks = [(run.judged if judged else run.counts)[:, joint] for run in used]
     x = {
-        quantity: np.concatenate([of_run[run](quantity)[run.counts[:, joint]] for run in used])
+        quantity: np.concatenate([of_run[r](quantity)[m] for r, m in zip(used, masks, strict=True)])
         for quantity in looked_at
     }
-    parts = [(run.error[:, joint], run.counts[:, joint]) for run in used]
+    parts = [(run.error[:, joint], mask) for run, mask in zip(used, masks, strict=True)]
     return JointSamples(joint, parts, x, used[0].equation.rate)
 
 

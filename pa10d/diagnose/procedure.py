@@ -112,7 +112,8 @@ def diagnose(
     said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
     open_ = unsaid(left, said_of) if only is None else []
     silent = [j for j in open_ if np.isfinite(left.ratio[j])]
-    stand_out = places(seen, model.robot, left.floor.values, joints=silent) if open_ else ()
+    floor = left.floor.values
+    stand_out = places(seen, model.robot, floor, joints=silent, clear=True) if open_ else ()
     turning = [j for j in open_ if not model.robot.prismatic[j]]
     orders = [order_spectrum(seen, j) if j in turning else None for j in range(model.robot.n)]
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]

@@ -35,6 +35,7 @@ class Context:
     rotor_in_load    joints (0-based) whose rotor's inertia the rigid bodies have taken in: their
                      load is the torque at the rotor, not at the link
     ways             (n,) rad over which each joint's friction builds up after a turn; 0: at once
+    corners          (n,) rad/s (m/s) over which each joint's dry friction turns round; 0: unknown
     levels           (N, n) of all friction that builds up so, by that to which the way belongs: as
                      bristles are as stiff whatever they carry, they bend as much farther
     rubbing          (N, n) N·m, friction of the model so far that heats the joints, or None
@@ -60,6 +61,7 @@ class Context:
     rubbing: Array | None = None
     rotor_in_load: tuple[int, ...] = ()
     ways: tuple[float, ...] = ()
+    corners: tuple[float, ...] = ()
     levels: Array | None = None
     desired: bool = False
     apart: bool = False
@@ -84,8 +86,10 @@ class Context:
         return np.ones(len(self.q)) if self.levels is None else self.levels[:, joint]
 
     def corner(self, joint: int) -> float:
-        """rad/s (m/s) over which friction of an unknown corner turns round: a slide is slower by as
-        much as metres are larger than the radians of a joint."""
+        """rad/s (m/s) over which all friction of a joint turns round. Where the model does not know
+        it, a slide is slower by as much as metres are larger than the radians of a joint."""
+        if self.corners and self.corners[joint] > 0.0:
+            return self.corners[joint]
         return SLIDES if self.robot.prismatic[joint] else TURNS
 
     def softness(self, v0: float) -> float:

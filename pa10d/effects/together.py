@@ -70,7 +70,8 @@ def contextualised(
     where these are others. Load-dependent effects see the rigid bodies, warming ones the friction
     that heats them; sensing effects see the torque of all mechanical ones.
     """
-    context = replace(context, ways=_ways(context.robot.n, terms))
+    n = context.robot.n
+    context = replace(context, ways=_ways(n, terms), corners=_corners(n, terms))
     textbook, rubbing = friction(context, terms)
     own_rotor = [term.joints[0] for term in terms if term.effect.is_rotor]
     loaded = replace(
@@ -106,6 +107,15 @@ def _ways(joints: int, terms: Sequence[AtWork]) -> tuple[float, ...]:
         if term.effect.builds_up_over:
             ways[term.joints[0]] = float(term.shape[term.effect.builds_up_over])
     return tuple(ways)
+
+
+def _corners(joints: int, terms: Sequence[AtWork]) -> tuple[float, ...]:
+    """(n,) rad/s (m/s) over which each joint's dry friction turns round; 0: it has none."""
+    corners = [0.0] * joints
+    for term in terms:
+        if term.effect.smoothed_over:
+            corners[term.joints[0]] = float(term.shape[term.effect.smoothed_over])
+    return tuple(corners)
 
 
 def _levels(context: Context, terms: Sequence[AtWork]) -> Array | None:

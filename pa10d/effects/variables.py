@@ -1,8 +1,8 @@
 """Quantities that a residual may depend on, under the names that a diagnosis calls them by.
 
 ``q4``, ``dq4``, ``ddq4`` (rad, rad/s, rad/s²), ``q4 0.4 s ago`` (what a lag remembers of the
-angle), ``load4`` (N·m that the gear passes on), ``temperature4`` (°C), ``t`` (s since the start of
-the run). Joints are numbered from 1.
+angle), ``load4`` (N·m that the gear passes on), ``temperature4`` (°C), ``moving4`` (s since the
+joint last stood), ``t`` (s since the start of the run). Joints are numbered from 1.
 """
 
 from __future__ import annotations
@@ -16,14 +16,17 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.common.words import from_one
 from pa10d.effects.context import Context
+from pa10d.measurement.standstill import since_rest
 
 Array = NDArray[np.float64]
 
-NAME = re.compile(r"(q|dq|ddq|load|temperature)(\d*)(?: (\d+(?:\.\d+)?) s ago)?|(t)")
+NAME = re.compile(r"(q|dq|ddq|load|temperature|moving)(\d*)(?: (\d+(?:\.\d+)?) s ago)?|(t)")
 UNITS = {
-    "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "load": "N·m", "temperature": "°C", "t": "s",
+    "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "load": "N·m", "temperature": "°C", "moving": "s",
+    "t": "s",
 }  # fmt: skip
-KNOWN = "q, dq, ddq, load or temperature of a joint (q4), 'q4 0.4 s ago', or t"
+KNOWN = "q, dq, ddq, load, temperature or moving of a joint (q4), 'q4 0.4 s ago', or t"
+LONG_GONE = 2.0  # s after which a joint no longer knows that it stood
 SMOOTH_HZ = 12.0  # of a measured acceleration: what differentiating twice adds is above
 
 
@@ -58,12 +61,19 @@ def values_of(context: Context, name: str) -> Array:
     quantity, joint, seconds = parsed(name)
     if quantity == "t":
         return context.t
+    if quantity == "moving":
+        return since_it_stood(context.dq[:, joint], context.dt)
     if quantity == "temperature" and context.temperature is None:
         raise UserError(f"{name}: these runs have no temperature; expected columns temp1 …")
     values = np.asarray(getattr(context, quantity))[:, joint]
     if quantity == "ddq" and not context.desired:
         return _smooth(values, context.dt)
     return remembered(values, seconds, context.dt) if seconds else values
+
+
+def since_it_stood(dq: Array, dt: float) -> Array:
+    """(N,) s since a joint of speed (N,) last stood, no more than LONG_GONE."""
+    return np.minimum(since_rest(dq, 1.0 / dt), LONG_GONE)
 
 
 def remembered(q: Array, seconds: float, dt: float) -> Array:

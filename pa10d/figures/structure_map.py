@@ -26,8 +26,13 @@ from pa10d.figures.plotly import (
 
 Array = NDArray[np.float64]
 
-NAME = re.compile(r"(q|dq|ddq)(\d+)( .*)?")
-KINDS = {"q": ("position", ""), "dq": ("velocity", "/s"), "ddq": ("acceleration", "/s²")}
+NAME = re.compile(r"(q|dq|ddq|moving)(\d+)( .*)?")
+KINDS = {
+    "q": ("position", "{}"),
+    "dq": ("velocity", "{}/s"),
+    "ddq": ("acceleration", "{}/s²"),
+    "moving": ("time since the last rest", "s"),
+}
 CELLS = 24  # per side of the map of the held-out residual
 SEEN = 4  # samples below which a cell says nothing
 POINTS = 1500
@@ -58,7 +63,7 @@ def variable_label(name: str, prismatic: NDArray[np.bool_]) -> str:
     if match is None:
         return name
     length = "m" if prismatic[int(match[2]) - 1] else "rad"
-    return f"{variable_words(name)}, {length}{KINDS[match[1]][1]}"
+    return f"{variable_words(name)}, {KINDS[match[1]][1].format(length)}"
 
 
 def variable_words(name: str) -> str:

@@ -106,6 +106,19 @@ def stops(dq: Array, rate: float, fast: Array | None = None) -> list[NDArray[np.
     return out
 
 
+def since_rest(dq: Array, rate: float) -> Array:
+    """(N,) s since one joint of speed (N,) last stood longer than a reversal takes: 0 while it
+    stands, infinite before it first did."""
+    (found,) = stops(dq[:, None], rate)
+    rests = found[found[:, 1] - found[:, 0] >= int(RESTING * rate)]
+    if not len(rests):
+        return np.full(len(dq), np.inf)
+    at = np.arange(len(dq))
+    last = np.searchsorted(rests[:, 0], at, side="right") - 1
+    gone = (at - rests[last, 1]) / rate
+    return np.where(last < 0, np.inf, np.maximum(gone, 0.0))
+
+
 def near(stops: NDArray[np.int64], samples: int, reach: int) -> NDArray[np.bool_]:
     """(samples,) within ``reach`` samples of the stretches ``stops`` (k, 2), begin and end."""
     change = np.zeros(samples + 1, dtype=np.int64)

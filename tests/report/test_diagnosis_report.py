@@ -207,6 +207,7 @@ def test_variables_are_named_in_words():
     assert variable_label("dq1", prismatic) == "velocity of joint 1, rad/s"
     assert variable_label("q2 0.4 s ago", prismatic) == "position of joint 2 about 0.4 s ago, m"
     assert variable_label("ddq2", prismatic) == "acceleration of joint 2, m/s²"
+    assert variable_label("moving2", prismatic) == "time since the last rest of joint 2, s"
 
 
 def test_clients_are_told_every_field_of_a_sheet(stribeck):

@@ -25,7 +25,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
-from pa10d.diagnose.unknown.structure import Structure
+from pa10d.diagnose.unknown.structure import Structure, moving_of
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
 from pa10d.judgement.repeatable import Repeatable
@@ -345,6 +345,11 @@ def _with_sentence(
         rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
         if rest > MATERIAL_REST:
             text += f"; what the rest, {times(rest)} that floor, depends on is not known"
+        if (moving := moving_of(line.joint)) in left.variables:
+            text += (
+                f". {moving}: s since it last stood. A brake that lets go late, or grease or a "
+                "seal that has stiffened at rest, acts then"
+            )
         if isinstance(left, Unnamed) and left.witness == "reading":
             text += f". {_read(line.joint, left.variables)}"
     elif isinstance(left, Unnamed) and left.witness == "size":

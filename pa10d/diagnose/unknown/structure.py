@@ -37,7 +37,7 @@ from pa10d.diagnose.evidence.errors_of import Noises, doubt_under, held_noise
 from pa10d.diagnose.evidence.held_out import Evidence, ModelUncertainty, judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.effects.variables import remembered
+from pa10d.effects.variables import remembered, since_it_stood
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.per_joint import PerJoint
 
@@ -154,7 +154,13 @@ def questions(joint: int, n: int) -> list[tuple[str, ...]]:
     pairs |= {(own_dq, x) for x in q} | {(own_q, x) for x in dq}
     pairs |= set(combinations(dq, 2))
     pairs |= {(own, f"{own_q} {s:g} s ago") for own in (own_q, own_dq) for s in MAP_MEMORIES}
+    pairs.add((own_dq, moving_of(joint)))
     return single + sorted(pairs)
+
+
+def moving_of(joint: int) -> str:
+    """The name of the time since a joint (0-based) last stood."""
+    return f"moving{joint + 1}"
 
 
 def _gains(joint: int) -> list[tuple[str, ...]]:
@@ -189,6 +195,8 @@ def motion_variables(runs: Sequence[RunEquation]) -> list[dict[str, Array]]:
         for kind, values in (("q", context.q), ("dq", context.dq)):
             for j in joints:
                 names[f"{kind}{j + 1}"] = values[::step, j]
+                if kind == "dq":
+                    names[moving_of(j)] = since_it_stood(values[:, j], context.dt)[::step]
                 for seconds in MAP_MEMORIES if kind == "q" else ():
                     slow = remembered(values[:, j], seconds, context.dt)
                     names[f"q{j + 1} {seconds:g} s ago"] = slow[::step]
@@ -285,15 +293,21 @@ def _strongest(
     """The maps of one joint that help the fit side most, among those that know enough ground."""
     n = state.train.n
     asked = {"motion": questions(joint, n), "gain": _gains(joint), "reading": _readings(joint, n)}
+    varies = [names for names in asked[kind] if _vary(motion, names) and _vary(held, names)]
     maps = (
         _fit_map(state, motion, joint, names, kind == "gain" or names != _over(names))
-        for names in asked[kind]
+        for names in varies
     )
     strongest = sorted(maps, key=lambda m: -m.gain)[:MAPS_PER_JOINT]
     if kind == "motion":
         strongest = [_or_flat(state, motion, m) for m in strongest]
     predictions = (_predict(state, held, m) for m in strongest)
     return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+
+
+def _vary(motion: list[dict[str, Array]], names: Sequence[str]) -> bool:
+    """Is no quantity the same throughout? A joint that never stands has none since it stood."""
+    return all(max(m[x].max() for m in motion) > min(m[x].min() for m in motion) for x in names)
 
 
 def _or_flat(state: SearchState, motion: list[dict[str, Array]], curved: _Map) -> _Map:

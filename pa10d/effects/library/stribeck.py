@@ -11,8 +11,6 @@ from pa10d.effects.base import (
     speed_quantiles,
 )
 
-SHARP = 0.01  # rad/s: a wide bump reverses no more softly than a narrow one
-
 
 class Stribeck(Effect):
     """At very low speed the film of lubricant is thin and the surfaces touch, so friction is
@@ -56,8 +54,9 @@ class Stribeck(Effect):
     example = Example((6.0,), against="dq", shape={"vs": 0.06, "delta": 1.0})
 
     def columns(self, context, joints, shape):
-        sharp = context.softness(min(0.05 * shape["vs"], SHARP))
-        return context.friction(joints[0], self.level(context, joints, shape), sharp)[:, None]
+        sharp = min(0.05 * shape["vs"], context.corner(joints[0]))
+        level = self.level(context, joints, shape)
+        return context.friction(joints[0], level, context.softness(sharp))[:, None]
 
     def level(self, context, joints, shape):
         return np.exp(-((np.abs(context.dq[:, joints[0]]) / shape["vs"]) ** shape["delta"]))
