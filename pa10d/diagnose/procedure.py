@@ -246,7 +246,8 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
     """
     asked = suspicion((effect_id, joints), model.robot.n)
     present = {(t.effect_id, t.joints) for t in model.terms}
-    there = [(kind, at) for kind, at in asked if not kind.repeatable and (kind.id, at) in present]
+    once = [(kind, at) for kind, at in asked if not (kind.repeatable or kind.one_of_each)]
+    there = [one for one in once if (one[0].id, one[1]) in present]
     if there and (joints or len(there) == len(asked)):
         named = ", ".join(_label(kind, at) for kind, at in there)
         raise UserError(

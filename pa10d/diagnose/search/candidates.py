@@ -237,4 +237,9 @@ def _starts(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> list
     # what reaches other joints asks for inertias, which the first run has at hand
     one_run = effect.reaches_other_joints
     context = state.train.contexts[0] if one_run else all_motion(state.train.contexts)
-    return list(effect.starts(context, joints))
+    starts = list(effect.starts(context, joints))
+    if (choice := effect.one_of_each) == "":
+        return starts
+    there = [t for t in state.terms if (t.effect_id, t.joints) == (effect.id, joints)]
+    taken = {t.shape[choice] for t in there}
+    return [start for start in starts if start[choice] not in taken]

@@ -52,7 +52,7 @@ def _open(judging: Judging) -> Suspects:
     return [
         (e, joints)
         for e, joints in judging.suspects
-        if (e.id, joints) not in present or e.repeatable
+        if (e.id, joints) not in present or e.repeatable or e.one_of_each
     ]
 
 

@@ -14,16 +14,17 @@ SOFT = 0.017
 
 class CouplingFriction(Effect):
     """Two joints share a gear, a belt or a differential. What rubs there turns with the sum of
-    their speeds (ratio 1) or the difference (ratio -1), so that one joint feels friction when
-    the other moves. F is its constant part, D the part that grows with speed, left out where
-    the motion cannot tell it from the rest of the model (viscous 0). v0 is the speed over which
-    the sign turns round, where the data show it."""
+    their speeds (ratio 1) or the difference (ratio -1): one joint feels friction when the other
+    moves. A differential with two motors has both. F is its constant part, D the part that grows
+    with speed (of a differential: the sum's less the difference's), left out where the motion
+    cannot tell it (viscous 0). v0: the speed over which the sign turns round, where it shows."""
 
     id = "coupling_friction"
     title = "Coupled friction"
     plainly = "one joint rubs when the other moves"
     equation = "τ_i = F·tanh(v/v0) + D·v,  τ_j = ratio·τ_i,  v = q̇_i + ratio·q̇_j"
     scope = "pair"
+    one_of_each = "ratio"  # of a differential both motors rub
     reaches_other_joints = True
     coefficients = (Coefficient("F", "N·m", lower=0.0), Coefficient("D", "N·m·s/rad", lower=0.0))
     shapes = (
