@@ -20,6 +20,7 @@ from pa10d.identify.excitation import excitation
 from pa10d.identify.feasibility import find_feasible
 from pa10d.identify.first_look import cut_off, sharpened
 from pa10d.identify.fit import beside_bodies, trust, weighted_fit, wide_bodies
+from pa10d.identify.late_apart import late_apart
 from pa10d.identify.loads import look_through_all, look_through_textbook
 from pa10d.identify.options import FitOptions
 from pa10d.identify.outcome import cutoff_note, feasible_note, model_of
@@ -87,6 +88,7 @@ def identify(
     smoothing, layout = sharpened(pieces, layout)
     say(0.4, "timing of torque against position")
     shift = find_shift(pieces, layout)
+    apart = late_apart(recordings, robot, layout, cutoff)
     if shift.seconds != 0.0:
         pieces.shift_by(shift.seconds)
         smoothing, layout = sharpened(pieces, layout)
@@ -124,6 +126,7 @@ def identify(
         fit = fitted(pieces, replace(problem, prior=beside.whole()), smoothing)
     say(0.9, "feasible parameters")
     feasible = find_feasible(fit, layout, beside)
+    contradicted += [] if apart is None else [apart]
     warnings = contradicted + warnings_of(layout, fit, feasible, smoothing, shift, channel, seen)
     notes = ModelNotes(
         condition_number=pieces.condition_number(),
