@@ -356,7 +356,10 @@ class Arm:
             self._begin_stop(ArmState.FAULT)
 
     def _leave_it_to_the_drives(self) -> None:
-        """No torque of ours any more; their own quick stop brakes."""
+        """No torque of ours any more; their own quick stop brakes. Joints that stood until now are
+        held again by what held them."""
+        if not self.path.limp:
+            self._held_by = self.path.q.copy(), self.path.held_with(self._gravity(self.path.q))
         self.path.let_go()
         if self._stop is not None and self._stop.by_drives:
             return

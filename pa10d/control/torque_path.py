@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
 FIRST_SECONDS = 2.0  # s of being held in which a torque of the wrong sign would show
 SOFT = 0.5  # of the bandwidth, for stopping an arm that swings
+CREEPS, STOOD = 0.02, 0.2  # rad/s, slower than which for so many s a joint counts as held
 RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this is none
 
 
@@ -49,6 +50,7 @@ class TorquePath:
         )
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
+        self._moved_at = np.full(n, -np.inf)  # s, when each moved last
 
     @property
     def q(self) -> Array:
@@ -82,6 +84,7 @@ class TorquePath:
         self.measured_q[:], self.tau[:] = feedback.q, feedback.tau
         self.temperature = feedback.temperature
         self._speed.update(feedback.q, feedback.age, feedback.time)
+        self._moved_at[np.abs(self.dq) > CREEPS] = self.time
 
     def watch_standing(self) -> None:
         """While brakes open nothing may move but what gravity does until the servo has it."""
@@ -162,6 +165,11 @@ class TorquePath:
         """Zero torque from now on, whatever the controller asks for."""
         self.limp = True
         self.exit.restart()
+
+    def held_with(self, thought: Array) -> Array:
+        """(n,) N·m: what was sent to joints that have stood for a while, and what is ``thought`` to
+        hold all others: what moves a joint does not hold it."""
+        return np.where(self.time - self._moved_at >= STOOD, self.sent, thought)
 
     def power_down(self) -> None:
         """The drives are off."""

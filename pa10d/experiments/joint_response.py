@@ -32,6 +32,8 @@ PRIOR = 0.6  # how far, as a logarithm, rotor and link may be from what the URDF
 STEEPEST = 5.0  # times the URDF's slope, of either sign
 SLOPE = 1.0  # by which gravity's slope may differ from the URDF's, of it: masses are rough, too
 LONGEST = 0.03  # s of delay beyond the loop's own; half a period less may be, too
+USUAL_DELAY = 0.003  # s: current loops and torque filters take as long; lines that are hidden by a
+# sway say nothing of it, and what they leave open was taken for more than a period
 SEEN = 0.1  # how far, as a logarithm, a sway may be from where it was seen
 FELT = 0.15  # … its stiffness, rotor and link
 SPRINGY = 5.0  # by which a spring has to lower the misfit, times ln of the number of points
@@ -144,7 +146,8 @@ def fitted_response(
     friction = np.log(max(viscous, 1e-2 * rotor))
 
     def misfit(x: Array) -> Array:
-        parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR, (x[4:5] - 1.0) / SLOPE]
+        parts = [(x[:2] - start) / PRIOR, (x[2:3] - friction) / PRIOR, x[3:4] / USUAL_DELAY]
+        parts.append((x[4:5] - 1.0) / SLOPE)
         for one in seen:
             off = np.log(one.value / _model(x, one, rate)) / one.error
             parts += [off.real, off.imag]

@@ -2,9 +2,10 @@
 
 A joint that slides has friction of one sign, so what the small torques do shows inertia, viscous
 friction, delay and springs alone; at rest it would stick. Amplitudes are such that the joint never
-turns round, be it three times as light as is thought, or its rotor alone on a spring. Schroeder
-phases keep the peaks low (Schroeder, Synthesis of low-peak-factor signals, IEEE Trans. Inf. Theory
-16, 1970).
+turns round, be it three times as light as is thought, or its rotor alone on a spring. Half of what
+its viscous friction takes is added: a light joint that rubs would hardly move else, and a
+neighbour's sway be taken for its own. Schroeder phases keep the peaks low (Schroeder, Synthesis of
+low-peak-factor signals, IEEE Trans. Inf. Theory 16, 1970).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.gains import WORN
 from pa10d.control.joint_figures import JointFigures
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
@@ -78,16 +80,18 @@ def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rat
             soft = min(soft, float(np.sqrt(figures.stiffness[j] / link)) / (2.0 * np.pi))
         inertia = figures.rotor[j] + link / (1.0 + (lines / soft) ** 2)
         inside = (t >= span.begin) & (t <= span.end)
-        shape = multisine(t[inside], lines, inertia / figures.doubt[j])
+        rubs = WORN * float(figures.viscous[j])
+        shape = multisine(t[inside], lines, inertia / figures.doubt[j], rubs)
         out[inside, j] = SWING * abs(dq[0, j]) * shape
     return out
 
 
-def multisine(t: Array, lines: Array, inertia: Array) -> Array:
-    """(N,) N·m that swing free inertias, (K,) kg·m² at each line, by 1 rad/s at the peak; all lines
-    alike."""
+def multisine(t: Array, lines: Array, inertia: Array, viscous: float = 0.0) -> Array:
+    """(N,) N·m that swing free inertias, (K,) kg·m² at each line, by 1 rad/s at the peak against
+    viscous friction, N·m·s/rad; all lines alike."""
     k, w = np.arange(len(lines)), 2.0 * np.pi * lines
     phase = np.outer(t, w) - np.pi * k * (k - 1) / len(lines)
     fine = np.outer(np.arange(0.0, PERIOD, 1e-3), w) - np.pi * k * (k - 1) / len(lines)
     peak = np.abs(np.cos(fine).sum(axis=1)).max()
-    return np.asarray((-inertia * w * np.sin(phase)).sum(axis=1) / peak)
+    torque = viscous * np.cos(phase) - inertia * w * np.sin(phase)
+    return np.asarray(torque.sum(axis=1) / peak)

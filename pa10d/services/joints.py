@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.bus_budget import profile_budget
 from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
@@ -30,7 +31,7 @@ from pa10d.control.gains import (
     pulls,
     with_rotor,
 )
-from pa10d.control.joint_figures import ROUGH, JointFigures, first_figures, inertias
+from pa10d.control.joint_figures import MEASURED, ROUGH, JointFigures, first_figures, inertias
 from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.control.servo_design import SENSITIVITY, SLOW
@@ -53,7 +54,12 @@ Data = str | os.PathLike[str] | None
 FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
 FIRMER = 1.1  # times as firm: less is the same
+NEARER = (2.0, 1.5, MEASURED)  # times lighter than is thought, that are met where more cannot be
 SLOWER, SLOWEST = 0.5, 0.25  # share of the strokes' speed, at once and at last, where no gains help
+UNSURE = (
+    "at {:g} Hz not all that a URDF may be wrong by is held ({}): a lighter joint swings, and is "
+    "named"
+)
 STILL_FALLS = (
     "its servo is as firm as it can be at this rate without shaking it: raise control.rate, "
     "correct the URDF's masses and inertias, give first_motion a pose in which this joint hangs, "
@@ -104,10 +110,12 @@ def parts_to_run(
     kept = kept_joints(data, found)
     before = kept.known.gains if kept else pid_gains(robot, found.control)
     home = asked.home(around)
-    begin = learnt(found, robot, first_figures(robot, [home if at is None else at, home]))
+    places = [home if at is None else at, home]
+    begin, note = begun(found, robot, first_figures(robot, places))
     if (reason := not_held(found, robot, begin)) is not None:
         raise UserError(reason)
-    return {"parts": parts, "begin": begin.document(), "before": before.document()}
+    told = {"begin": begin.document(), "before": before.document()}
+    return {"parts": parts, **told, "notes": [note] if note else []}
 
 
 def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -> JsonObject:
@@ -124,10 +132,31 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
         seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
     before = KnownJoints.from_document(known).figures
     figures = measured_figures(robot, seen, torque_steps(found, robot), before)
-    learned = learnt(found, robot, figures.after(before))
+    learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)
     return learned.document()
+
+
+def begun(profile: Profile, robot: Robot, figures: JointFigures) -> tuple[KnownJoints, str]:
+    """What is learnt from figures that are in doubt, and which doubt was not met, in words.
+
+    No gains may hold a joint that is as light as it may be against the gravity that is thought; few
+    are as light. Gains then meet as much of that doubt as they can, and no less than a measured
+    joint's. One that is lighter swings, which is seen (``calmed``).
+    """
+    learned = learnt(profile, robot, figures)
+    least, shaky = figures.least.copy(), np.isinf(learned.sensitivity)
+    near = [share for share in NEARER if share < least.max()]
+    for share in near if shaky.any() else []:
+        left = np.isinf(learned.sensitivity)
+        least[left] = np.minimum(least[left], share)
+        learned = learnt(profile, robot, figures.but(lighter=least))
+    relaxed = np.flatnonzero(least < figures.least)
+    if not len(relaxed) or np.isinf(learned.sensitivity).any():
+        return learned, ""
+    each = listed([f"joint {j + 1} from {1.0 / least[j]:.2g} of its inertia on" for j in relaxed])
+    return learned, UNSURE.format(profile.control.rate, each)
 
 
 def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None:
@@ -141,8 +170,7 @@ def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None
     each = listed([_not_held(j, learned, float(pull[j]), float(load[j])) for j in shaky])
     source = "by the URDF" if unknown else "by what was measured"
     where = "about its place" if len(figures.about) else "in every pose"
-    wider = "" if profile.control.bandwidth_hz is None else ", leave out control.bandwidth_hz"
-    ways = [f"raise control.rate{_faster(profile, robot, figures, shaky)}{wider}"]
+    ways = _ways(profile, robot, figures, shaky)
     if unknown:
         ways += [
             "correct masses and inertias in the URDF",
@@ -153,6 +181,25 @@ def not_held(profile: Profile, robot: Robot, learned: KnownJoints) -> str | None
     return (
         f"{each}: no stable gains hold that {where} at {rate:g} Hz ({source}); {', or '.join(ways)}"
     )
+
+
+def _ways(profile: Profile, robot: Robot, figures: JointFigures, shaky: list[int]) -> list[str]:
+    """What of ``control`` to change: never a rate that the bus does not carry."""
+    wider = profile.control.model_copy(update={"bandwidth_hz": None})
+    free, out = profile.model_copy(update={"control": wider}), []
+    if profile.control.bandwidth_hz is not None:
+        out = ["leave out control.bandwidth_hz"]
+        if _margins(_peaks_at(profile.control.rate, free, robot, figures), shaky):
+            return out
+    if (faster := _faster(free, robot, figures, shaky)) is None:
+        most = f"{np.floor(_most(profile)):g} Hz, all that this bus carries"
+        return [f"no control.rate would do (up to {most}): lighten what that joint carries"]
+    return [", ".join([f"raise control.rate to {faster}", *out])]
+
+
+def _most(profile: Profile) -> float:
+    """Hz that the profile's bus carries."""
+    return profile_budget(profile).max_rate if profile.drives else np.inf
 
 
 def _not_held(j: int, learned: KnownJoints, pull: float, load: float) -> str:
@@ -167,16 +214,22 @@ def _not_held(j: int, learned: KnownJoints, pull: float, load: float) -> str:
     return f"{said}, kp that does not shake it is {learned.gains.kp[j]:.2g}"
 
 
-def _faster(profile: Profile, robot: Robot, figures: JointFigures, shaky: list[int]) -> str:
+def _faster(profile: Profile, robot: Robot, figures: JointFigures, shaky: list[int]) -> str | None:
     """To which rate: the first at which the shaky joints have their margins. One at which they are
-    only just stable holds them by this description, and no longer by what is measured next."""
-    rates = [r for r in FASTER if r > profile.control.rate]
+    only just stable holds them by this description, and no longer by what is measured next. None
+    where no rate that the bus carries holds them."""
+    rates = [r for r in FASTER if profile.control.rate < r <= _most(profile)]
     peaks = {r: _peaks_at(r, profile, robot, figures) for r in rates}
     held = [r for r in rates if np.isfinite(peaks[r]).all()]
     for r in held:
-        if (peaks[r][shaky] <= SENSITIVITY).all():
-            return f" to {r:g} Hz"
-    return f" to {held[0]:g} Hz at least, which leaves no margins" if held else ""
+        if _margins(peaks[r], shaky):
+            return f"{r:g} Hz"
+    return f"{held[0]:g} Hz at least, which leaves no margins" if held else None
+
+
+def _margins(peaks: Array, shaky: list[int]) -> bool:
+    """Whether all joints are held, and those that were not have the usual margins."""
+    return bool(np.isfinite(peaks).all() and (peaks[shaky] <= SENSITIVITY).all())
 
 
 def _peaks_at(rate: float, profile: Profile, robot: Robot, figures: JointFigures) -> Array:

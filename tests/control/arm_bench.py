@@ -27,7 +27,7 @@ from pa10d.experiments.seen import Seen
 from pa10d.experiments.slower import AS_ASKED, slower_after
 from pa10d.experiments.way_back import rows_back
 from pa10d.profile import load_profile
-from pa10d.services.joints import calmed, firmed, learnt, not_held, slowed, torque_steps
+from pa10d.services.joints import begun, calmed, firmed, not_held, slowed, torque_steps
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
@@ -140,7 +140,9 @@ class ArmBench:
     def first_motion(self):
         """Enable, measure, use what follows → the fault that ended it, or None."""
         places = np.array([self.plant.measure()[0], self.around.limits.rest_pose()])
-        self.known = learnt(self.profile, self.robot, first_figures(self.robot, places))
+        first = first_figures(self.robot, places)
+        self.known, unmet = begun(self.profile, self.robot, first)
+        self.notes += [unmet] if unmet else []
         if (reason := not_held(self.profile, self.robot, self.known)) is not None:
             raise Refused(reason)
         self._use_known()
@@ -156,7 +158,8 @@ class ArmBench:
                 return fault
             parts[part] = Seen(plan, self.rate, get(rows, "q"), get(rows, "torque"))
             figures = measured_figures(self.robot, parts, self.steps, self.known.figures)
-            self.known = learnt(self.profile, self.robot, figures.after(self.known.figures))
+            now = figures.after(self.known.figures)
+            self.known, _ = begun(self.profile, self.robot, now)
             if (reason := not_held(self.profile, self.robot, self.known)) is not None:
                 raise Refused(reason)
             self._use_known()

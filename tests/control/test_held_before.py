@@ -64,6 +64,27 @@ def test_a_reset_forgets_no_torque(arm):
     assert enabled(arm) < 0.2 * jolt
 
 
+def test_a_stop_that_is_left_to_the_drives_forgets_no_torque_of_what_stood(arm):
+    """Joint 2 ran away; joint 1 stood by what held it, and the URDF's torque would throw it."""
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    arm.backend.plant.dq[1] = 1.9
+    cycles(arm, 20)
+    for cause in ("left its path", "does not stop as asked"):
+        arm.emergency("stop", cause)
+    until(arm, ArmState.FAULT)
+    arm.reset()
+    until(arm, INACTIVE)
+    arm.backend.plant.dq[:] = 0.0
+    began = arm.journal.count
+    arm.enable()
+    until(arm, HOLDING)
+    rows, _ = arm.journal.ring.read(began)
+    fastest = np.abs(arm.journal.ring.layout.get(rows, "dq")).max(axis=0)
+    assert fastest[0] < 0.1 * jolt
+    assert fastest[1] == pytest.approx(jolt, rel=0.2), "what drove it does not hold it"
+
+
 def test_elsewhere_the_description_is_all_there_is(arm):
     jolt = enabled(arm)
     cycles(arm, 1000)

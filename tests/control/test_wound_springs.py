@@ -8,7 +8,7 @@ import pytest
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.dynamics import robot_from_profile
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.experiments.shaking import small_torques, torque_ahead
+from pa10d.experiments.shaking import lines_of, multisine, small_torques, torque_ahead
 from pa10d.experiments.wound_springs import LOSS, links_of
 from pa10d.profile import load_profile
 from pa10d.trajectory.kinds import read_request
@@ -89,3 +89,17 @@ def test_small_torques_shake_no_more_than_moves(robot):
         for known in (presumed_figures(robot), sprung(robot, heavy))
     )
     assert 0.0 < soft < 0.7 * stiff
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.03, 0.3])
+def test_what_rubs_is_shaken_as_far_as_what_does_not(viscous):
+    """A wrist of 0.001 kg·m² that rubs with 0.3 N·m·s/rad: torques for its inertia alone moved it
+    by a tenth of that, so that a neighbour's sway was taken for a spring in it."""
+    rate, inertia = 5000.0, 0.001
+    t, lines = np.arange(0.0, 3.0, 1.0 / rate), lines_of(333.0)
+    torque = multisine(t, lines, np.full(len(lines), inertia), viscous)
+    speed = np.zeros_like(t)
+    for k in range(1, len(t)):
+        speed[k] = (speed[k - 1] + torque[k] / rate / inertia) / (1.0 + viscous / rate / inertia)
+    settled = speed[len(t) // 2 :]
+    assert np.abs(settled - settled.mean()).max() == pytest.approx(1.0, rel=0.15)

@@ -47,13 +47,15 @@ class Workers:
 
     def __init__(self, calmest, slower=False):
         self.calmest, self.slower, self.calls = calmest, slower, []
+        self.unmet = []
 
     async def run(self, what, _, **asked):
         name = what.split(":")[1]
         self.calls.append(name)
         if name == "parts_to_run":
             before = known_joints(OLD).gains.document()
-            return {"parts": ["friction"], "begin": known(0), "before": before}
+            told = {"begin": known(0), "before": before, "notes": self.unmet}
+            return {"parts": ["friction"], **told}
         if name == "slower":
             return 0.5 if self.slower and asked["speed"] == 1.0 else None
         if name == "calmer":
@@ -71,9 +73,10 @@ def known(step):
     return known_joints(step).document()
 
 
-def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False):
+def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=()):
     """→ the robot, the workers, and the result or the error."""
     robot, workers = Robot(swings), Workers(calmest, slower)
+    workers.unmet = list(unmet)
     robot.speeds = []
 
     class Experiment:
@@ -115,6 +118,11 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     assert found.recommendation == ["joint 1: …"]
     assert MeasuredJoints.from_document(found.joints).document() == found.joints
     assert workers.calls[-1] == "keep_joints"
+
+
+def test_a_doubt_that_no_gains_meet_is_said(monkeypatch):
+    _, _, found = measured(monkeypatch, swings=1, unmet=["joint 2 from 0.5 on"])
+    assert found.notes[:2] == ["joint 2 from 0.5 on", "note 1"]
 
 
 @pytest.mark.parametrize(("swings", "calmest"), [(99, 99), (99, 1)])

@@ -65,6 +65,7 @@ class FirstMotion:
         begin = await self._ask("parts_to_run", parameters=self._request.parameters, at=at)
         self._before = PidGains.from_document(begin["before"])
         known = KnownJoints.from_document(begin["begin"])
+        self.result.notes += begin["notes"]
         runs: dict[str, str] = {}
         before = 0.0
         for name in begin["parts"]:
