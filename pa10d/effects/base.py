@@ -235,6 +235,7 @@ class Effect(ABC):
     series_spring: ClassVar[bool] = False  # the joint's whole torque passes through a spring with
     # the shapes K, zeta and, where the bodies have taken it in, rotor
     repeatable: ClassVar[bool] = False  # a joint may have several: another stop, a second spot
+    below_zero: ClassVar[str] = ""  # what it means where the first coefficient is negative
     one_of_each: ClassVar[str] = ""  # shape parameter: a place may have one of each of its choices
     otherwise: ClassVar[str] = ""  # effect that it is where its shape is not its own any more
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum

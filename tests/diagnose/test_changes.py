@@ -135,8 +135,13 @@ def test_a_sentence_says_what_where_how_much_and_what_it_takes_away():
     )
     doubtful = said("spring", False, rivals=("torque_offset", "contact"))
     assert doubtful.endswith(
-        "This data cannot yet tell it from a contact at one end of its range or a torque offset."
+        "This data cannot yet tell it from a contact beyond one angle or a torque offset."
     )
+
+
+def test_a_spring_that_pushes_away_is_doubted():
+    assert "It pushes away from q0" in said("spring", False, -1.0)
+    assert "pushes" not in said("spring", False) + said("spring", True, -1.0)
 
 
 def test_what_other_terms_stand_in_for_is_not_called_lacking():

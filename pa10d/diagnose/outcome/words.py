@@ -45,6 +45,8 @@ def sentence(
         text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
     if frozen and term.effect.question == "missing" and not term.effect.also_changes:
         text += " Or it was there all along, where the model's own runs do not show it."
+    if sized and term.effect.below_zero and term.coefficients[0] < 0.0 and not frozen:
+        text += f" {term.effect.below_zero}."
     if not sized:
         text += (
             " How large it is, this data hardly says: other terms, or what the model still lacks, "

@@ -13,7 +13,7 @@ class Contact(Effect):
 
     id = "contact"
     title = "Contact"
-    noun = "a contact at one end of its range"
+    noun = "a contact beyond one angle"
     equation = "τ = k·side·max(0, side·(q - qs))"
     follows_angle = True
     coefficients = (Coefficient("k", "N·m/rad", lower=0.0),)

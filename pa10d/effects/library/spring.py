@@ -24,6 +24,10 @@ class Spring(Effect):
     coefficients = (Coefficient("k", "N·m/rad"), Coefficient("kq0", "N·m"))
     shapes = (ShapeParameter("constant", "1", 0.0, 1.0, "choice", optional=True),)
     also_changes = True
+    below_zero = (
+        "It pushes away from q0, as hoses do not: a counterbalance beyond its middle does, and so "
+        "does gravity where an angle, an axis or a length is not as the URDF says"
+    )
     signature = (
         "Against the joint's angle the error is a straight line, at any speed and whatever the "
         "other joints do."
