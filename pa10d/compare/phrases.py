@@ -8,6 +8,8 @@ from pa10d.compare.curves import Curve
 from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
 
+MOST_DIGITS = 6  # of a range's ends, where fewer are the same
+
 
 def sentence(
     joint: int, what: Region | Curve, torque_unit: str, whose: str = "its squared error"
@@ -62,7 +64,12 @@ def _span(region: Region) -> str:
         return f"below {_number(region.high)} {unit}"
     if region.open_high:
         return f"above {_number(region.low)} {unit}"
-    return f"between {_number(region.low)} and {_number(region.high)} {unit}"
+    digits = 2
+    while (low := _number(region.low, digits)) == (high := _number(region.high, digits)):
+        if digits == MOST_DIGITS:
+            return f"at {low} {unit}"
+        digits += 1
+    return f"between {low} and {high} {unit}"
 
 
 def _words(joint: int, quantity: Quantity) -> str:
@@ -81,9 +88,9 @@ def _words(joint: int, quantity: Quantity) -> str:
     }[quantity.kind]
 
 
-def _number(value: float) -> str:
-    """Two digits, without the exponent that nobody reads: 0.034, 1.2, 120."""
+def _number(value: float, digits: int = 2) -> str:
+    """So many digits, without the exponent that nobody reads: 0.034, 1.2, 120."""
     if value == 0:
         return "0"
-    digits = max(0, 1 - int(np.floor(np.log10(abs(value)))))
-    return f"{value:.{digits}f}"
+    places = max(0, digits - 1 - int(np.floor(np.log10(abs(value)))))
+    return f"{value:.{places}f}"

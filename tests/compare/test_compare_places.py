@@ -6,6 +6,8 @@ import pytest
 
 from pa10d.compare import places, run_residual
 from pa10d.compare.curves import Curve
+from pa10d.compare.phrases import sentence
+from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
 
 
@@ -101,3 +103,17 @@ def test_false_places_stay_at_the_level(coloured):
         bool(found(seeds=(100 + seed,), coloured=coloured, seconds=30.0)) for seed in range(80)
     )
     assert alarms <= 4
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [
+        (0.12, 0.3, "between 0.12 and 0.30 rad/s"),
+        (0.1201, 0.1248, "between 0.120 and 0.125 rad/s"),
+        (0.12, 0.12, "at 0.120000 rad/s"),
+    ],
+)
+def test_a_narrow_range_has_two_ends(low, high, said):
+    """ "between 0.12 and 0.12 m/s" says nothing."""
+    found = Region(Quantity("|dq|", 0, "rad/s"), low, high, False, False, 0.5, 0.1)
+    assert sentence(0, found, "N·m").startswith(f"Joint 1 {said} carries 50 %")
