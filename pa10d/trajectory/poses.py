@@ -75,15 +75,30 @@ class Surroundings:
         here = int(np.searchsorted(angles, pose[joint]))
         if not fine[here]:
             raise UserError(
-                f"the pose {np.round(pose, 3).tolist()} is not free: bodies nearer than "
-                f"{CLEAR:g} m, beyond a limit, or heavier than {GRAVITY_SHARE:.0%} of the torque "
-                "limit; expected another pose"
+                f"the pose {np.round(pose, 3).tolist()} is not free: {self._taken(pose)}; expected "
+                "another pose"
             )
         blocked = np.flatnonzero(~fine)
         below, above = blocked[blocked < here], blocked[blocked > here]
         first = int(below[-1]) + 1 if below.size else 0
         last = int(above[0]) - 1 if above.size else len(angles) - 1
         return float(angles[first]), float(angles[last])
+
+    def _taken(self, pose: Array) -> str:
+        """What is wrong with a pose (n,) that is not allowed."""
+        outside = (pose < self.limits.lower) | (pose > self.limits.upper)
+        if outside.any():
+            return f"joint {int(np.argmax(outside)) + 1} is beyond its limit"
+        gaps = self.capsules.clearance(pose[None])[0]
+        if (gaps < CLEAR).any():
+            near = self.capsules.name(int(np.argmin(gaps)))
+            return f"{near} are nearer than {CLEAR:g} m"
+        shares = np.abs(self.gravity(pose[None])[0]) / self.limits.torque
+        j = int(np.argmax(shares))
+        return (
+            f"gravity takes {shares[j]:.0%} of what joint {j + 1} may give by the URDF's masses, "
+            f"planned with are {GRAVITY_SHARE:.0%} at most"
+        )
 
     def free_share(self, here: Array, there: Array) -> float:
         """Of the straight way, what can be gone before bodies come near each other."""

@@ -191,7 +191,11 @@ def test_a_broken_request_is_one_clear_line(data, words):
         ("tracking", {"pose": [0.0]}, "pose: found 1 angles, expected 7"),
         ("tracking", {"period": 1.0}, "joint 1: a sine of 0.524 rad in 1 s needs a speed of 3.29"),
         ("velocity_sweep", {"joints": [1], "speeds": [5.0]}, "joint 1: 5 rad/s cannot be held"),
-        ("velocity_sweep", {"pose": [0, 1.5, 0, 1.5, 0, 0, 0]}, "is not free"),
+        (
+            "velocity_sweep",
+            {"pose": [0, 1.5, 0, 1.5, 0, 0, 0]},
+            "is not free: link 7 and the floor are nearer than 0.03 m; expected another pose",
+        ),
         ("tracking", {"foo": 1}, "tracking: foo: no such parameter, expected one of joints, pose"),
         ("tracking", {"perod": 1}, "did you mean period?"),
         ("chirp", {"low": 3.0, "high": 1.0}, "expected more than 3"),
