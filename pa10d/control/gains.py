@@ -131,7 +131,8 @@ def fitted_gains(
         bandwidth = np.maximum(bandwidth, np.sqrt(upright / (3.0 * span.usual)))
     made = []
     for j in range(robot.n):
-        asked = asked_gains(float(span.usual[j]), float(figures.viscous[j]), float(bandwidth[j]))
+        thought = max(span.usual[j], span.light[j] / figures.least[j])  # heavier where it fell
+        asked = asked_gains(float(thought), float(figures.viscous[j]), float(bandwidth[j]))
         made.append(_held(asked, span, figures, float(pull[j]), _timing(control, figures, j), j))
     gains = _together(made)
     gains = replace(gains, ki=settled(_coupled(robot, control, figures, gains), gains.ki))

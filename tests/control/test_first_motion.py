@@ -337,6 +337,18 @@ def test_a_weak_servo_that_fell_behind_gets_firmer_a_strong_one_does_not():
     assert firmed(arm.profile, arm.robot, strong, fell(5)) is None
 
 
+def test_who_is_as_firm_as_can_be_has_used_its_margins():
+    """Of a joint that fell behind and so is heavy, gains were asked for as of a usual one: they
+    ended at 1.4 times the stiffness, and it was said that more would shake it."""
+    arm, axis = ArmBench(100.0), 6
+    known = learnt(arm.profile, arm.robot, first_figures(arm.robot, [np.zeros(7)] * 2))
+    first = known.gains.kp[axis]
+    while (more := firmed(arm.profile, arm.robot, known, fell(axis))) is not None:
+        known = more.known
+    assert known.gains.kp[axis] > 3.0 * first
+    assert 1.9 < known.sensitivity[axis] <= 2.0
+
+
 def test_a_strong_servo_gets_firmer_where_its_joint_came_from(tmp_path):
     """What it passed freely holds it by friction alone, however hard it was pressed."""
     arm = foreign(503, tmp_path)
