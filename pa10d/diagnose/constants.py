@@ -23,6 +23,7 @@ HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone; both sides
 COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
 BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that much too low
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
+CONTRADICTED_LEVEL = 1e-3  # of a whole diagnosis, that fitted runs contradict each other
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
 SIZED_LEVEL = 0.05  # of coefficients that may as well be zero by their own errors
@@ -112,6 +113,9 @@ INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
+CONTRADICTED_SHARE = (
+    0.5  # of a joint's squared error, gone where fitted runs may differ: most of it
+)
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)

@@ -36,6 +36,7 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
+from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
 from pa10d.diagnose.unknown.remaining import (
@@ -102,12 +103,13 @@ def diagnose(
             search.run(steps)
     if only is None:
         search.contest()
+    apart = _between_runs(search, given, given_error) if only is None and not frozen else ()
     state = search.state
     say(0.85, "looking for structure that the library does not know")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
-    over = left_over(state, seen, left, again, only is None)
+    over = left_over(state, seen, left, again, only is None, apart)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
     open_ = unsaid(left, said_of) if only is None else []
@@ -259,6 +261,17 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
 def heard(suspects: Suspects, held: Side) -> Suspects:
     """Without those of joints of which no sample counts."""
     return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
+
+
+def _between_runs(search: Search, given: int, as_given: Judgement) -> tuple[Apart, ...]:
+    """What fitted runs contradict each other in; findings that only stood in for it are dropped."""
+    floor = as_given.floor.values
+    may_change = heard(suspects(True, search.state.train.n), search.state.held)
+    rest = needless(search.state, may_change, given, floor)
+    if rest is not search.state:
+        search.state = rest
+        search.settle()
+    return contradiction(search.state, may_change, floor).told
 
 
 def _usual(model: TorqueModel, given: Judgement) -> Array:

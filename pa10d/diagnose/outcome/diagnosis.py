@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject, plain
-from pa10d.common.words import listed
+from pa10d.common.words import joint_words, listed
 from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
+from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects import Value
@@ -143,14 +144,32 @@ class Diagnosis:
         return tuple(one for one in self.unexplained if isinstance(one, Structure))
 
     @property
+    def contradicted(self) -> tuple[Apart, ...]:
+        """Joints of which fitted runs ask for different parameters."""
+        return tuple(one for one in self.unexplained if isinstance(one, Apart))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
-        own = (*self._own_runs(), *([self.beside] if self.beside else []))
+        own = (*self._apart(), *self._own_runs(), *([self.beside] if self.beside else []))
         return (
             (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
             if found
             else own
+        )
+
+    def _apart(self) -> tuple[str, ...]:
+        """What to do where fitted runs contradict each other."""
+        if not self.contradicted:
+            return ()
+        one = self.contradicted[0]
+        joints = joint_words([a.joint for a in self.contradicted])
+        return (
+            f"the fitted runs ask for different parameters of {joints}, so one model of all of "
+            f"them is right in none; look what was changed between {listed(one.others)} and "
+            f"{listed(one.runs)}, fit to one side alone, and ask of the other what has changed "
+            "(frozen)",
         )
 
     def _own_runs(self) -> tuple[str, ...]:

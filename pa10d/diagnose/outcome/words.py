@@ -202,6 +202,8 @@ def unexplained(found: Diagnosis) -> str:
     """What to say where something is left that was not found, without its end."""
     if found.only:
         return f"Something is left that {found.only} does not explain; nothing else was looked for"
+    if {one.joint for one in found.unexplained} == {one.joint for one in found.contradicted}:
+        return "The fitted runs contradict each other: they ask for different parameters"
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
     if {one.joint for one in found.unexplained} <= set(found.lacked):

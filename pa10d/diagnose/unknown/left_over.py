@@ -1,8 +1,8 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
-A map of the motion; of a torque as it is read; a line in time; what swings on; what motion
-foretells though nobody can say by which quantity; and last that it comes again, follows reversals,
-or is simply too large.
+What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a line in
+time; what swings on; what motion foretells though nobody can say by which quantity; and last that
+it comes again, follows reversals, or is simply too large.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pa10d.diagnose.evidence.errors_of import (
     moved_by_doubt,
 )
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.humming import hums
 from pa10d.diagnose.unknown.remaining import (
@@ -63,11 +64,18 @@ def left_over(
     left: Judgement,
     again: Sequence[Repeatable | None],
     searched: bool,
+    apart: Sequence[Apart] = (),
 ) -> LeftOver:
     """seen: the held-out side as the model with all findings sees it; left: its errors there;
-    again: what comes again of them; searched: more than one suspicion was looked for."""
+    again: what comes again of them; searched: more than one suspicion was looked for; apart: what
+    fitted runs contradict each other in."""
     maps, slight = material(left, find_structure(state) if searched else [])
-    open_ = [j for j in unsaid(left, [*maps, *slight]) if searched and j not in state.held.silent]
+    apart = _more_than_maps(apart, maps)
+    contradicted = {one.joint for one in apart}
+    maps = [m for m in maps if m.joint not in contradicted]
+    slight = [m for m in slight if m.joint not in contradicted]
+    open_ = unsaid(left, [*apart, *maps, *slight])
+    open_ = [j for j in open_ if searched and j not in state.held.silent]
     read = _readings(state, left, maps, open_) if searched else {}
     maps = [m for m in maps if m.joint not in read]
     open_ = [j for j in open_ if j not in read]
@@ -80,7 +88,7 @@ def left_over(
     open_ = [j for j in open_ if j not in humming]
     ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
     foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
-    told: list[Unexplained] = [*maps, *read.values()]
+    told: list[Unexplained] = [*apart, *maps, *read.values()]
     named = [*told, *humming.values(), *ringing.values(), *foreseen]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
@@ -88,6 +96,13 @@ def left_over(
     gains = swaying_gains(state, {one.joint: one.share for one in told})
     undetermined = tuple(int(j) for j in np.flatnonzero(far))
     return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined)
+
+
+def _more_than_maps(apart: Sequence[Apart], maps: Sequence[Structure]) -> list[Apart]:
+    """Those that say more of their joint than its map does: what a model lacks looks like a change
+    between runs that move differently."""
+    shares = {m.joint: m.share for m in maps}
+    return [one for one in apart if one.share > shares.get(one.joint, 0.0)]
 
 
 def _farther(state: SearchState, left: Judgement, level: float) -> Array:

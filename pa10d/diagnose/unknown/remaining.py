@@ -22,6 +22,7 @@ from pa10d.diagnose.constants import (
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
 )
+from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
@@ -64,7 +65,7 @@ class Unnamed:
         return cls(ring.joint, ring.share, ring.rms, ring.p_value, "ring", hertz=ring.hertz)
 
 
-Unexplained = Structure | Unnamed
+Unexplained = Structure | Unnamed | Apart
 
 
 @dataclass(frozen=True)
@@ -330,7 +331,13 @@ def _with_sentence(
 ) -> Remaining:
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
-    if beyond is not None and unsaid and line.material is not False and not line.repeatable:
+    if isinstance(left, Apart):
+        text = (
+            f"{size}; the fitted runs contradict each other: as if {listed(left.effects)} came or "
+            f"went between {listed(left.others)} and {listed(left.runs)}, which is "
+            f"{percent(left.share)} of the squared error that the fit leaves there"
+        )
+    elif beyond is not None and unsaid and line.material is not False and not line.repeatable:
         text = (
             f"{size}; {percent(beyond.share)} of its squared error lies where {beyond.place}, "
             "where the fit side has not been. Fit to motion that goes there"

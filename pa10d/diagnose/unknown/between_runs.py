@@ -1,0 +1,242 @@
+"""Fitted runs that contradict each other: one asks for parameters that another refuses.
+
+A payload that was there on one day, friction that rose, a sensor that was zeroed anew: a model of
+all runs is right in none, and what it leaves looks like whatever it happens to look like. So what
+may have changed is tried in some of the runs alone (Chow 1960: other coefficients in a part of the
+data), under noise as slow as it is, and has to hold from one stretch of time to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from pa10d.diagnose.constants import (
+    ABSORBED,
+    CLAIMED_SHARE,
+    CLUSTERS,
+    CONTRADICTED_LEVEL,
+    CONTRADICTED_SHARE,
+    MATERIAL_GAIN,
+    MATERIAL_REST,
+)
+from pa10d.diagnose.evidence.held_out import fit_side_power, judge
+from pa10d.diagnose.regression.least_squares import LeastSquares
+from pa10d.diagnose.regression.side import Side
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.effects import Effect, Shape
+from pa10d.regression.per_joint import PerJoint
+
+Array = NDArray[np.float64]
+Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Of a joint (0-based): fitted runs ask for something of which the others have none, or less.
+
+    share: of the squared error that the fit leaves there, which is gone if they may have it; rms:
+    N·m of that; p_value: of all that was tried; effects: as people call them
+    """
+
+    joint: int
+    share: float
+    rms: float
+    p_value: float
+    runs: tuple[str, ...]
+    others: tuple[str, ...]
+    effects: tuple[str, ...]
+    variables: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """told: a line for each joint concerned; left (n,) N·m RMS that the fit leaves, if runs may
+    differ in that."""
+
+    told: tuple[Apart, ...]
+    left: Array
+
+
+@dataclass(frozen=True)
+class _Own:
+    """An effect that some runs have for themselves: change, joint -> (m_j,) weighted, of what the
+    fit leaves; basis, joint -> (m_j, d) orthonormal, of all that it could change."""
+
+    effect: Effect
+    runs: tuple[str, ...]
+    gain: float
+    change: PerJoint
+    basis: PerJoint
+
+    @property
+    def size(self) -> int:
+        """Free numbers that it spends."""
+        return int(next(iter(self.basis.values())).shape[1])
+
+
+def contradiction(state: SearchState, suspects: Suspects, floor: Array) -> Contradiction:
+    """What runs of the fit side ask for by themselves, on joints that keep more than noise.
+
+    suspects: what may change; floor: (n,) N·m; nan where it is not known: what changed has to stand
+    out from slow noise anyway
+    """
+    fit, least = state.fit, MATERIAL_REST * np.nan_to_num(floor)
+    names = tuple(dict.fromkeys(run.name for run in state.train.runs))
+    taken: list[tuple[_Own, float]] = []
+    concerned = fit.rms() > least
+    for _ in range(state.train.n if len(names) > 1 else 0):
+        if not np.any(fit.rms() > least):
+            break
+        tried = list(_tried(state, suspects, fit, names))
+        best = _plainest(tried)
+        if best is None:
+            break
+        p_value = _chance(state.train, fit, best) * len(tried)
+        if p_value > CONTRADICTED_LEVEL or not _lasting(state.train, fit, best):
+            break
+        taken.append((best, p_value))
+        fit = _beside(fit, best)
+    told = _told(taken, names, concerned, state.fit, fit) if taken else ()
+    return Contradiction(tuple(told), fit.rms())
+
+
+def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -> SearchState:
+    """The state without findings that runs which contradict each other can do without: what they
+    ask for by themselves leaves no more than with the finding (0070, rule 15)."""
+    if len({run.name for run in state.train.runs}) < 2:
+        return state
+    if len(state.terms) == fixed or not contradiction(state.bare(fixed), suspects, floor).told:
+        return state
+    for index in reversed(range(fixed, len(state.terms))):
+        rest, joints = state.copy(), list(state.terms[index].joints) or slice(None)
+        rest.drop(index)
+        rest.refit()
+        alone = contradiction(rest, suspects, floor)
+        beside = contradiction(state, suspects, floor)
+        if alone.told and np.all(alone.left[joints] <= (1.0 + MATERIAL_GAIN) * beside.left[joints]):
+            state = rest
+    return state
+
+
+def _tried(
+    state: SearchState, suspects: Suspects, fit: LeastSquares, names: Sequence[str]
+) -> Iterator[_Own]:
+    """Each that may have changed, in each part of the runs."""
+    side = state.train
+    groups = _parts(names)
+    for effect, joints in suspects:
+        if not all(s.smoothing or s.optional for s in effect.shapes):
+            continue  # what has a shape of its own bends to what a model lacks
+        columns = side.columns(effect, joints, [_shape(state, effect, joints)])
+        weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
+        for runs in groups:
+            own = _of_runs(side, fit, weighted, runs)
+            if own is not None:
+                yield _Own(effect, runs, *own)
+
+
+def _parts(names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Each run by itself, and all from one on; of two halves one says it all."""
+    one = [(name,) for name in names[1:]] if len(names) == 2 else [(name,) for name in names]
+    since = [tuple(names[k:]) for k in range(2, len(names) - 1)]
+    return [*one, *since]
+
+
+def _shape(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> Shape:
+    there = [t for t in state.terms if (t.effect_id, t.joints) == (effect.id, joints)]
+    return there[0].shape if there else effect.starts(state.train.contexts[0], joints)[0]
+
+
+def _of_runs(
+    side: Side, fit: LeastSquares, weighted: PerJoint, runs: Sequence[str]
+) -> tuple[float, PerJoint, PerJoint] | None:
+    """Gain, change and basis of weighted columns (m_j, k) that only some runs have; None where all
+    of it is in the fit already."""
+    own = {j: c * _rows(side, j, runs)[:, None] for j, c in weighted.items()}
+    power = np.sum([np.sum(c**2, axis=0) for c in own.values()], axis=0)
+    scale = np.sqrt(np.where(power > 0.0, power, 1.0))
+    seen = np.sum([fit.basis[j].T @ c for j, c in own.items()], axis=0) / scale
+    gram = np.sum([c.T @ c for c in own.values()], axis=0) / np.outer(scale, scale)
+    values, vectors = np.linalg.eigh(gram - seen.T @ seen)
+    there = values > ABSORBED
+    if not there.any():
+        return None
+    turn = vectors[:, there] / np.sqrt(values[there])
+    basis = {}
+    for j, q in fit.basis.items():
+        basis[j] = -(q @ (seen @ turn))
+        if j in own:
+            basis[j] = basis[j] + own[j] @ (turn / scale[:, None])
+    along = np.sum([b.T @ fit.residual[j] for j, b in basis.items()], axis=0)
+    return float(along @ along), {j: b @ along for j, b in basis.items()}, basis
+
+
+def _rows(side: Side, joint: int, runs: Sequence[str]) -> Array:
+    """(m_j,) 1 where a joint's row is of these runs."""
+    counts = [int(keep[:, joint].sum()) for keep in side.keep]
+    return np.repeat([float(run.name in runs) for run in side.runs], counts)
+
+
+def _plainest(tried: Sequence[_Own]) -> _Own | None:
+    """Of those that take as much as any the one that spends least on it."""
+    most = max((one.gain for one in tried), default=0.0)
+    near = [one for one in tried if one.gain > (1.0 - MATERIAL_GAIN) * most]
+    return min(near, key=lambda one: (one.size, len(one.runs), -one.gain), default=None)
+
+
+def _chance(side: Side, fit: LeastSquares, own: _Own) -> float:
+    return float(scipy.stats.chi2.sf(fit_side_power(side, fit.residual, own.change), own.size))
+
+
+def _lasting(side: Side, fit: LeastSquares, own: _Own) -> bool:
+    """Does it hold from one stretch of time to the next? What a model lacks bends to it here and
+    away from it there."""
+    evidence = judge(
+        side,
+        {j: r * fit.sigma[j] for j, r in fit.residual.items()},
+        {j: c * fit.sigma[j] for j, c in own.change.items()},
+    )
+    return evidence.cluster_t > CLUSTERS
+
+
+def _beside(fit: LeastSquares, own: _Own) -> LeastSquares:
+    """The fit with that in it; its coefficients stay as they were."""
+    return replace(
+        fit,
+        basis={j: np.column_stack([q, own.basis[j]]) for j, q in fit.basis.items()},
+        residual={j: r - own.change[j] for j, r in fit.residual.items()},
+    )
+
+
+def _told(
+    taken: Sequence[tuple[_Own, float]],
+    names: Sequence[str],
+    concerned: NDArray[np.bool_],
+    before: LeastSquares,
+    after: LeastSquares,
+) -> Iterator[Apart]:
+    """A line for each joint of which enough is gone."""
+    for j in np.flatnonzero(concerned & (before.rms() > 0.0)).tolist():
+        had, left = before.rms()[j], after.rms()[j]
+        share = 1.0 - (left / had) ** 2
+        if share < CONTRADICTED_SHARE:
+            continue
+        power = [float(one.change[j] @ one.change[j]) for one, _ in taken]
+        most, p_value = taken[int(np.argmax(power))]
+        mine = [
+            one for (one, _), p in zip(taken, power, strict=True) if p > CLAIMED_SHARE * sum(power)
+        ]
+        yield Apart(
+            joint=j,
+            share=float(share),
+            rms=float(np.sqrt(share) * had),
+            p_value=p_value,
+            runs=most.runs,
+            others=tuple(name for name in names if name not in most.runs),
+            effects=tuple(dict.fromkeys(one.effect.named for one in mine)),
+        )

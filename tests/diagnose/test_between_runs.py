@@ -1,0 +1,94 @@
+"""Something was changed between two runs that were both fitted: it is said, and as what."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bare_sides import ar1
+from foreign_laws import stress_that_relaxes
+from two_links import recordings, robot, state_of, textbook
+
+from pa10d.diagnose.outcome.words import unexplained
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search.candidates import suspects
+from pa10d.diagnose.unknown.between_runs import contradiction
+from pa10d.dynamics import inverse_dynamics
+
+
+def told_of(runs):
+    """Whatever the noise floor is."""
+    return contradiction(state_of(runs), suspects(True, 2), np.zeros(2)).told
+
+
+def more_mass(t, q, dq, ddq):
+    """0.8 kg, 0.3 m along the second link."""
+    mass, com = 0.8, np.array([0.0, 0.0, 0.3])
+    about = mass * (com @ com * np.eye(3) - np.outer(com, com))
+    bodies = np.array(robot().parameters, dtype=float).reshape(2, 10)
+    bodies[1] += np.r_[mass, mass * com, about[np.triu_indices(3)]]
+    told = inverse_dynamics(robot(), bodies.reshape(np.shape(robot().parameters)), q, dq, ddq)
+    return told - inverse_dynamics(robot(), robot().parameters, q, dq, ddq)
+
+
+CHANGES = {
+    "a payload": (more_mass, (0, 1)),
+    "Coulomb friction": (
+        lambda t, q, dq, ddq: np.outer(np.tanh(dq[:, 1] / 0.01), [0.0, 0.5]),
+        (1,),
+    ),
+    "viscous friction": (lambda t, q, dq, ddq: np.outer(dq[:, 0], [0.8, 0.0]), (0,)),
+    "a torque offset": (lambda t, q, dq, ddq: np.outer(np.ones(len(t)), [0.8, 0.0]), (0,)),
+}
+
+
+def changed_between(change, seed=5):
+    """The second fitted run has it alone."""
+    return {**recordings(seed), "fit_b": recordings(seed, change)["fit_b"]}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_one_run_asks_for_by_itself_is_told_with_its_joints(name):
+    change, joints = CHANGES[name]
+    told = told_of(changed_between(change))
+    assert tuple(one.joint for one in told) == joints
+    for one in told:
+        assert (one.effects, one.others, one.runs) == ((name,), ("fit_a",), ("fit_b",))
+        assert one.share > 0.98
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.99, 0.9995])
+def test_runs_of_one_arm_do_not_contradict_each_other(phi):
+    runs = recordings(41, colour=lambda rng, samples: ar1(rng, samples, phi))
+    assert told_of(runs) == ()
+
+
+def test_what_a_model_lacks_is_no_change():
+    """A sheath that creeps asks one run for other viscous friction than the other, a little."""
+    runs = recordings(61, stress_that_relaxes(np.random.default_rng(1)))
+    assert told_of(runs) == ()
+
+
+def asked(runs):
+    return diagnose(
+        textbook(runs), [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    )
+
+
+def test_it_is_said_on_the_joint_in_the_headline_and_what_to_do():
+    """It was "more than the noise that can be seen, but it follows no quantity of the motion"."""
+    found = asked(changed_between(CHANGES["a torque offset"][0]))
+    assert (found.verdict, found.findings) == ("unknown", ())
+    assert unexplained(found).startswith("The fitted runs contradict each other")
+    (line,) = (one for one in found.remaining if one.significant)
+    said = "contradict each other: as if a torque offset came or went between fit_a and fit_b"
+    assert line.joint == 0
+    assert said in line.sentence
+    (what,) = found.warnings
+    assert "parameters of joint 1," in what
+    assert "fit to one side alone" in what
+
+
+def test_a_spring_that_stood_in_for_a_payload_is_dropped():
+    found = asked(changed_between(more_mass))
+    assert found.findings == ()
+    assert [one.joint for one in found.contradicted] == [0, 1]
