@@ -202,7 +202,8 @@ def in_words(found: Diagnosis) -> str:
         values = ", ".join(
             f"{name} = {v}" for name, v in finding.parameters.items() if v.determined
         )
-        lines.append(f"   {finding.term.label}: {values}")
+        if values:
+            lines.append(f"   {finding.term.label}: {values}")
         lines += _open(finding, found.model.robot)
         if finding.next_experiment is not None:
             lines.append(
@@ -247,7 +248,8 @@ def _open(finding: Finding, robot: Robot) -> list[str]:
     kind = finding.term.effect
     never = kind.never_shown(robot, finding.term.joints)
     by: dict[str, list[str]] = {}
-    for name in (name for name, v in finding.parameters.items() if not v.determined):
+    left = (name for name, v in finding.parameters.items() if not (v.determined or v.beyond))
+    for name in left:
         would = f"would be by: {kind.shown_by(name)}"
         by.setdefault("no motion of this arm shows it" if name in never else would, []).append(name)
     return [f"   not determined: {listed(names)}; {told}" for told, names in by.items()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,6 +49,7 @@ from pa10d.judgement import Judgement, in_band, judged, repeatable
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
+from pa10d.model.estimates import no_estimates
 
 Array = NDArray[np.float64]
 NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
@@ -334,13 +335,15 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     rivals += simpler
     named = {j for t in state.terms if t.effect_id == term.effect_id for j in t.joints}
     others = [j for j in range(state.model.robot.n) if j not in named]
+    parameters = versions[-1].term_values(index)
+    none = no_estimates(term, parameters)
     plan = None
     if rivals:
         own = Candidate(term.effect, term.joints, term.shape, judged.candidate.partial)
         plan = settle_doubt(state.model, own, rivals)
     return Finding(
         term=versions[-1].terms[index],
-        parameters=versions[-1].term_values(index),
+        parameters=parameters,
         rms_before=before,
         rms_after=after,
         p_value=judged.p_corrected,
@@ -349,8 +352,16 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         confounded_with=confusions,
         next_experiment=plan,
         sentence=sentence(
-            term, before, after, size, confusions, state.frozen, others, sized(versions[-1], index)
-        ),
+            term,
+            before,
+            after,
+            size,
+            confusions,
+            state.frozen,
+            others,
+            sized(versions[-1], index) and _size_told(term, parameters),
+        )
+        + (none and f" But {none}."),
     )
 
 
@@ -382,6 +393,12 @@ def sized(model: TorqueModel, index: int) -> bool:
     apart = values / scale
     turned = np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True)
     return bool(apart @ turned @ apart > scipy.special.chdtri(len(values), SIZED_LEVEL))
+
+
+def _size_told(term: Term, parameters: Mapping[str, Value]) -> bool:
+    """Is one of its sizes an estimate, or all that there is to say in its shape?"""
+    told = [parameters[c.name] for c in term.effect.coefficients if c.name in parameters]
+    return not told or any(value.determined or value.beyond for value in told)
 
 
 def _size(state: SearchState, index: int, judged: JudgedCandidate) -> Value:

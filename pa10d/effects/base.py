@@ -110,7 +110,8 @@ class Value:
 
     std_error: all that is known of its doubt: scatter between stretches of the data, what the model
     lacks, and (random: without it) what the torque constants may be off by
-    determined: False where the data leave it open
+    determined: False where the data leave it open, and of what is beyond
+    beyond: at or beyond the end of what it may be, and so no estimate of it
     by_gain: how far a torque constant that is off by all of its value moves it, where its unit does
     not say so
     """
@@ -121,6 +122,7 @@ class Value:
     random: float | None = None
     determined: bool = True
     by_gain: float = 0.0
+    beyond: bool = False
 
     @property
     def std_error_random(self) -> float:
@@ -150,6 +152,8 @@ class Value:
 
     def __str__(self) -> str:
         """``0.113 ± 0.02 N·m``, or that the data leave it open."""
+        if self.beyond:
+            return "no estimate"
         if not self.determined:
             return "not determined"
         unit = "" if self.unit == "1" else f" {self.unit}"
@@ -248,6 +252,8 @@ class Effect(ABC):
     # taken for it where samples stand apart
     escapes_demo: ClassVar[str] = ""  # why the demo's experiments may not show it
     view: ClassVar[View | None] = None  # None: as the example is drawn
+    derived: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of what it tells: from which of its
+    # parameters, without which it is as unknown
     over: tuple[str, ...] = ()  # quantities of a map (only those have any)
     uses_model: bool = False  # columns change with the model's loads and torques
     coefficients: tuple[Coefficient, ...]

@@ -21,6 +21,7 @@ from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
 from pa10d.measurement.torque_filter import TorqueFilter
+from pa10d.model.estimates import as_estimates
 from pa10d.model.notes import ModelNotes
 from pa10d.model.shared_friction import beside_bristles
 from pa10d.model.term import Term, as_told, rotors_beside
@@ -168,7 +169,12 @@ class TorqueModel:
         for name, value in found.items():
             if term.named(name) in self.left_open:
                 found[name] = replace(value, determined=False)
-        return as_told(self.robot, term, found)
+        kind, place = term.effect, (term.effect_id, term.joints)
+        others = [k for k, t in enumerate(self.terms) if (t.effect_id, t.joints) == place]
+        once = not (kind.repeatable or kind.one_of_each)
+        # a change of what is there already, or of two that share what each may have
+        less = others[0] < index if once else bool(kind.one_of_each) and len(others) > 1
+        return as_told(self.robot, term, as_estimates(term, found, less))
 
     def coefficient_values(self, index: int) -> dict[str, Value]:
         """Of one effect, each as ``term_values`` has it where that has it: one error everywhere."""

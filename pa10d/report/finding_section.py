@@ -122,7 +122,7 @@ def _parameters(finding: Finding) -> Table:
         low, high = v.value - 1.96 * v.std_error, v.value + 1.96 * v.std_error
         rows.append(
             [
-                name, f"{v.value:.4g}" if v.determined else "not determined",
+                name, f"{v.value:.4g}" if v.determined else str(v),
                 f"± {v.std_error:.2g}" if known else "–",
                 f"{low:.4g} … {high:.4g}" if known else "–", "" if v.unit == "1" else v.unit,
             ]

@@ -19,6 +19,7 @@ from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects import Value
 from pa10d.judgement import Judgement
 from pa10d.model import Term, TorqueModel
+from pa10d.model.estimates import no_estimates
 from pa10d.regression.equation import RunEquation
 
 Array = NDArray[np.float64]
@@ -152,7 +153,8 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
-        own = (*self._apart(), *self._own_runs(), *([self.beside] if self.beside else []))
+        beside = [self.beside] if self.beside else []
+        own = (*self._apart(), *self._no_estimates(), *self._own_runs(), *beside)
         return (
             (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
             if found
@@ -171,6 +173,16 @@ class Diagnosis:
             f"{listed(one.runs)}, fit to one side alone, and ask of the other what has changed "
             "(frozen)",
         )
+
+    def _no_estimates(self) -> tuple[str, ...]:
+        """Terms that the model has besides what was found, whose values nothing can have."""
+        found = {(f.term.effect_id, f.term.joints) for f in self.findings}
+        said = [
+            no_estimates(term, self.model.term_values(k))
+            for k, term in enumerate(self.model.terms)
+            if (term.effect_id, term.joints) not in found
+        ]
+        return tuple(text for text in said if text)
 
     def _own_runs(self) -> tuple[str, ...]:
         """That a change is sought in runs from before it, where it is."""

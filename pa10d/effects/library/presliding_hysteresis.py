@@ -39,6 +39,7 @@ class PreslidingHysteresis(Effect):
         "Nothing to repair as such. A distance that has grown since the last identification "
         "hints at wear."
     )
+    derived = {"sigma0": ("F", "zs")}
     carried = True
     builds_up_over = "zs"
     uses_model = True

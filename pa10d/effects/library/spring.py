@@ -28,6 +28,7 @@ class Spring(Effect):
         "It pushes away from q0, as hoses do not: a counterbalance beyond its middle does, and so "
         "does gravity where an angle, an axis or a length is not as the URDF says"
     )
+    derived = {"q0": ("k",)}
     signature = (
         "Against the joint's angle the error is a straight line, at any speed and whatever the "
         "other joints do."

@@ -50,6 +50,7 @@ class Stribeck(Effect):
         "Check kind and age of the lubricant. Keep the effect in the model where the arm has to "
         "move slowly and evenly."
     )
+    derived = {"delta": ("vs",)}
     view = View("dq", near=("vs", 5.0))
     example = Example((6.0,), against="dq", shape={"vs": 0.06, "delta": 1.0})
 

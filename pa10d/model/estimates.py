@@ -1,0 +1,82 @@
+"""Which numbers of a term are estimates: a number alone does not say so.
+
+What lies at the end of what it may be was stopped there, or has run on: it answers to something
+else. What is derived of an unknown is as unknown. And where an effect may as well be nothing by
+the errors of all its sizes, none of them is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from pa10d.common.words import listed
+from pa10d.effects import Coefficient, Effect, ShapeParameter, Value
+from pa10d.model.term import Term
+
+NEAR = 1e-3  # of an end: there a search was stopped by it
+BEYOND = 3.0  # standard errors below nothing: no accident (0.1 %, one-sided)
+
+
+def as_estimates(term: Term, found: Mapping[str, Value], less: bool) -> dict[str, Value]:
+    """The parameters ``found`` of a term, those that are none marked; less: it may be below
+    nothing, beside what else the model has there."""
+    kind = term.effect
+    told = {c.name: c for c in kind.coefficients if not (c.nuisance or c.whole_at_one)}
+    out = dict(found)
+    for name, value in found.items():
+        shape = next((s for s in kind.shapes_in(term.shape) if s.name == name), None)
+        beyond = (name in told and not less and _ended(value, told[name])) or (
+            shape is not None and _stopped(value, shape)
+        )
+        if beyond:
+            out[name] = replace(value, determined=False, beyond=True)
+    sizes = [out[name] for name in told if name in out]
+    added = less or kind.question != "textbook"
+    if added and sizes and all(v.std_error > abs(v.value) for v in sizes):
+        out.update({n: replace(out[n], determined=False) for n in told if n in out})
+    for name, needs in kind.derived.items():
+        if name in out and not all(out[n].determined for n in needs if n in out):
+            out[name] = replace(out[name], determined=False)
+    return out
+
+
+def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
+    """A sentence on those of a term's parameters that are beyond; empty where there is none."""
+    said = [_said(term, name, v) for name, v in found.items() if v.beyond]
+    if not said:
+        return ""
+    each = "that is no estimate" if len(said) == 1 else "these are no estimates"
+    return f"{term.label}: {listed(said)}: {each}, but where something else has drawn it"
+
+
+def _said(term: Term, name: str, value: Value) -> str:
+    kind: Effect = term.effect
+    parameters: list[Coefficient | ShapeParameter] = [*kind.coefficients, *kind.shapes]
+    of = next(p for p in parameters if p.name == name)
+    unit = "" if value.unit == "1" else f" {value.unit}"
+    if value.value < of.lower == 0.0:
+        return f"{name} comes out at {value.value:.3g}{unit}, and nothing has less than none"
+    ends = f"{of.lower:g} to {of.upper:g}" if of.lower > -float("inf") else f"up to {of.upper:g}"
+    return (
+        f"{name} comes out at {value.value:.3g}{unit}, the end of what it may be ({ends}) or more"
+    )
+
+
+def _ended(value: Value, of: Coefficient) -> bool:
+    """At or beyond an end; nothing is an end only for what is clearly below it."""
+    if of.lower == 0.0 and value.value < -BEYOND * value.std_error:
+        return True
+    above = of.upper < float("inf") and value.value >= of.upper - NEAR * abs(of.upper)
+    below = -float("inf") < of.lower < 0.0 and value.value <= of.lower + NEAR * abs(of.lower)
+    return bool(above or below)
+
+
+def _stopped(value: Value, of: ShapeParameter) -> bool:
+    """Fitted, and at an end of what is looked at. What was told may be anything."""
+    if of.smoothing or of.scale == "choice" or value.std_error == 0.0:
+        return False
+    if of.scale == "log":
+        return of.at_edge(value.value)
+    ends = [end for end in (of.lower, of.upper) if end]  # nothing is what a joint may have of it
+    return any(abs(value.value - end) <= NEAR * abs(end) for end in ends)

@@ -1,0 +1,96 @@
+"""Which numbers of a term are told as estimates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.effects import all_effects, effect
+from pa10d.model import Term
+from pa10d.model.estimates import as_estimates, no_estimates
+
+
+def told(name, coefficients, errors, shape=(), shape_errors=(), joints=(0,), less=False):
+    term = Term(name, joints, np.array(coefficients), dict(shape), dict(shape_errors))
+    covariance = np.diag(np.square(errors))
+    values = term.effect.values(term.coefficients, covariance, term.shape, term.shape_errors)
+    return term, as_estimates(term, values, less)
+
+
+def test_a_size_that_may_as_well_be_nothing_is_not_told():
+    """Bristles beside dry friction of which nothing tells them apart: "F = 0.49 ± 1 N·m"."""
+    shape, errors = {"zs": 0.01}, {"zs": 0.001}
+    _, found = told("presliding_hysteresis", [0.49], [1.0], shape, errors)
+    said = {name: str(value) for name, value in found.items()}
+    assert said["F"] == said["sigma0"] == "not determined"
+    assert said["zs"] == "0.01 ± 0.001 rad"
+    _, found = told("presliding_hysteresis", [0.49], [0.1], shape, errors)
+    assert all(value.determined for value in found.values())
+
+
+def test_what_is_next_to_nothing_beside_what_is_known_is_told():
+    _, found = told("coulomb_asymmetry", [0.5, 0.01], [0.02, 0.03])
+    assert all(value.determined for value in found.values())
+
+
+def test_what_follows_from_an_unknown_is_as_unknown():
+    """A spring of which k is not determined had "q0 = -0.05 ± 0.92 rad"."""
+    _, found = told("spring", [0.5, -0.03], [1.0, 0.1])
+    assert {name: str(v) for name, v in found.items()} == dict.fromkeys(
+        ("k", "q0"), "not determined"
+    )
+    _, found = told("spring", [0.5, -0.03], [0.01, 0.1])
+    assert found["q0"].determined
+    for kind in all_effects().values():
+        k, shape = len(kind.coefficients), {s.name: s.upper for s in kind.shapes}
+        names = kind.values(np.ones(k), np.eye(k), shape, dict.fromkeys(shape, 0.1))
+        for name, needs in kind.derived.items():
+            assert {name, *needs} <= set(names)
+
+
+@pytest.mark.parametrize("value", [0.5, 0.62, -0.7])
+def test_a_tilt_beyond_what_a_tilt_may_be_is_no_estimate(value):
+    """It was told to 0.04 mrad."""
+    term, found = told("base_tilt", [0.02, value, 0.0, 0.0], [1e-4] * 4, joints=())
+    assert str(found["ry"]) == "no estimate"
+    assert not found["ry"].determined
+    assert str(found["rx"]) == "0.02 ± 0.0001 rad"
+    said = no_estimates(term, found)
+    assert said.startswith(f"base_tilt: ry comes out at {value:g} rad, the end of what it may be")
+    assert "(-0.5 to 0.5)" in said
+
+
+def test_friction_below_nothing_beyond_its_doubt_is_no_estimate():
+    term, found = told("coupling_friction", [0.8, -0.2], [0.05, 0.01], {"ratio": 1.0}, (), (0, 1))
+    assert (str(found["F"]), str(found["D"])) == ("0.8 ± 0.05 N·m", "no estimate")
+    assert "D comes out at -0.2 N·m·s/rad, and nothing has less than none" in no_estimates(
+        term, found
+    )
+    term, found = told("coulomb", [-0.01], [0.01], {"v0": 0.01}, {"v0": 0.001})
+    assert not found["Fc"].beyond
+    assert no_estimates(term, found) == ""
+
+
+def test_of_what_there_is_there_may_be_less():
+    _, found = told("coulomb", [-0.8], [0.01], {"v0": 0.01}, {"v0": 0.001}, less=True)
+    assert str(found["Fc"]) == "-0.8 ± 0.01 N·m"
+
+
+def test_a_shape_that_was_stopped_at_its_end_is_no_estimate():
+    kind = effect("stribeck")
+    lowest = next(s for s in kind.shapes if s.name == "delta").lower
+    shape, errors = {"vs": 0.2, "delta": lowest}, {"vs": 0.01, "delta": 0.05}
+    _, found = told("stribeck", [1.0], [0.01], shape, errors)
+    assert str(found["delta"]) == "no estimate"
+    _, given = told("stribeck", [1.0], [0.01], shape, {"vs": 0.01})
+    assert not given["delta"].beyond
+
+
+def test_a_small_value_of_a_wide_range_is_an_estimate():
+    """A rotor of 0.4 kg·m², where a robot's largest may have 1000."""
+    shape = {"v0": 0.01, "rotor": 0.4}
+    _, found = told("load_friction", [0.1], [0.01], shape, {"v0": 0.001, "rotor": 0.02})
+    assert str(found["rotor"]) == "0.4 ± 0.02 kg·m²"
+    nothing = {"v0": 0.01, "rotor": 0.0}
+    _, found = told("load_friction", [0.1], [0.01], nothing, {"v0": 0.001, "rotor": 0.02})
+    assert not found["rotor"].beyond
