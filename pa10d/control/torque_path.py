@@ -50,6 +50,7 @@ class TorquePath:
         )
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
+        self._thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
 
     @property
@@ -96,8 +97,11 @@ class TorquePath:
         except LoopFault as violation:
             if violation.kind == "stale":
                 raise
-            cause = f"{violation.cause} while the arm is being enabled"
-            raise LoopFault("not_held", cause, violation.axis) from violation
+            axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
+            if axis is not None:  # with what, in vain: a URDF may say too little, or too much
+                thought, sent = self._thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
+                cause += f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
+            raise LoopFault("not_held", cause, axis) from violation
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -152,7 +156,7 @@ class TorquePath:
     def power_up(self, gravity: Array) -> None:
         """Hold where the arm is, beginning with the torque that gravity is thought to need."""
         self.limp = False
-        self._powered_at = self.time
+        self._powered_at, self._thought = self.time, gravity.copy()
         self._swings.restart()
         self._wrong_way.restart()
         self._places.restart(self.q)
