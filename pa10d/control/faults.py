@@ -20,8 +20,8 @@ REMEDIES = {
     "velocity_limit": "look at the plan's speeds, the gains and the drive's sign and gear ratio",
     "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload; "
-    "where these are right, the URDF's masses or centres from this joint on are wrong: correct "
-    "them, or enable the arm in a pose in which gravity does little on this joint",
+    "where these are right, and it is held in a pose in which gravity does little on it, the "
+    "URDF's masses or centres from this joint on are wrong: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "

@@ -85,7 +85,7 @@ def test_a_torque_of_the_wrong_sign_is_named_before_the_joint_has_gone_far():
     [(3.0, np.pi / 2, False), (3.0, 0.0, True), (1.0, np.pi / 2, True)],
     ids=["heavier than its URDF", "where gravity does little", "as its URDF has it"],
 )
-def test_a_wrist_that_its_urdf_does_not_hold_is_held_by_what_is_said_to_do(weighs, turned, held):
+def test_a_wrist_that_its_urdf_does_not_hold_is_held_where_it_is_said_to_be(weighs, turned, held):
     """Without friction nothing but the URDF's torque is there when the brakes open."""
     mass = [1, 1, 1, 1, 1, weighs, weighs]
     arm = ArmBench(100.0, mass=mass, friction=0.0, pose=[0, 0, 0, 0, 0, turned, 0])
@@ -96,7 +96,7 @@ def test_a_wrist_that_its_urdf_does_not_hold_is_held_by_what_is_said_to_do(weigh
     assert (fault.kind, fault.joint) == ("not_held", 6)
     assert "0.33 N·m was to hold it" in fault.sentence
     assert "masses or centres" in fault.sentence
-    assert "a pose in which gravity does little" in fault.sentence
+    assert "is held in a pose in which gravity does little" in fault.sentence
 
 
 def test_a_spring_is_told_from_a_light_joint():
