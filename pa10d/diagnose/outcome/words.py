@@ -110,13 +110,13 @@ def nothing(
         since = "" if frozen else "; where the arm may be another since, ask what has changed"
         return (
             f"This data cannot say whether something {asked}: joint{keeps.format(joints)} up to "
-            f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
-            "clearly enough to be named, and may be slow noise. Record more, or the same motion "
+            f"{times(np.max(ratio[large]))} the noise, but nothing that was tried explains it "
+            "clearly enough to be named, and it may be slow noise. Record more, or the same motion "
             f"twice: what repeats is no noise{since}."
         )
     return (
         f"{first} that this data can show. Joint{keeps.format(joints)} up to "
-        f"{times(np.max(ratio[large]))} the noise, but it follows no quantity of the motion "
+        f"{times(np.max(ratio[large]))} the noise, but nothing that was tried explains it "
         "clearly enough. Record more, or the same motion twice: what repeats is no noise."
     )
 
