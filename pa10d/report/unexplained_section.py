@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.remaining import Unexplained
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
@@ -27,11 +28,21 @@ UNNAMED = (
 )
 
 
+APART = (
+    "No one model is right in all of these runs. Look what was changed between them; fit a model "
+    "to one side alone, and ask of the other what has changed since."
+)
+
+
 def unexplained_section(
     found: Diagnosis, s: Unexplained, figure: Figure | None, asked: Asked
 ) -> Section:
     """One joint's map; unless the model was frozen, also the command that removes it."""
     unit = found.model.robot.torque_unit(s.joint)
+    if isinstance(s, Apart):
+        said = [Text(found.remaining[s.joint].sentence), Text(APART)]
+        name = f"Joint {s.joint + 1}: the fitted runs contradict each other"
+        return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if not isinstance(s, Structure) or figure is None:
         said = [Text(found.remaining[s.joint].sentence), Text(UNNAMED)]
         name = f"Joint {s.joint + 1}: what nobody can name"

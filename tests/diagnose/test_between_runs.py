@@ -13,6 +13,9 @@ from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.unknown.between_runs import contradiction
 from pa10d.dynamics import inverse_dynamics
+from pa10d.report.finding_section import Asked
+from pa10d.report.unexplained_section import unexplained_section
+from pa10d.report.verdict import headline
 
 
 def told_of(runs):
@@ -83,6 +86,10 @@ def test_it_is_said_on_the_joint_in_the_headline_and_what_to_do():
     said = "contradict each other: as if a torque offset came or went between fit_a and fit_b"
     assert line.joint == 0
     assert said in line.sentence
+    assert "joint 1 as if a torque offset came or went between fit_a and fit_b." in headline(found)
+    (one,) = found.contradicted
+    section = unexplained_section(found, one, None, Asked("m0", ["fit_a", "fit_b"], ["valid_a"]))
+    assert section.title == "Joint 1: the fitted runs contradict each other"
     (what,) = found.warnings
     assert "parameters of joint 1," in what
     assert "fit to one side alone" in what

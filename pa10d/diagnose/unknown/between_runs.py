@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from pa10d.common.words import listed
 from pa10d.diagnose.constants import (
     ABSORBED,
     CLAIMED_SHARE,
@@ -51,6 +52,12 @@ class Apart:
     others: tuple[str, ...]
     effects: tuple[str, ...]
     variables: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """``as if Coulomb friction came or went between mon and tue``."""
+        between = f"{listed(self.others)} and {listed(self.runs)}"
+        return f"as if {listed(self.effects)} came or went between {between}"
 
 
 @dataclass(frozen=True)

@@ -333,8 +333,7 @@ def _with_sentence(
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
     if isinstance(left, Apart):
         text = (
-            f"{size}; the fitted runs contradict each other: as if {listed(left.effects)} came or "
-            f"went between {listed(left.others)} and {listed(left.runs)}, which is "
+            f"{size}; the fitted runs contradict each other: {left.words}, which is "
             f"{percent(left.share)} of the squared error that the fit leaves there"
         )
     elif beyond is not None and unsaid and line.material is not False and not line.repeatable:
