@@ -24,6 +24,7 @@ COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
 BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that much too low
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
 CONTRADICTED_LEVEL = 1e-3  # of a whole diagnosis, that fitted runs contradict each other
+STEP_LEVEL = 1e-3  # of a whole diagnosis, that a joint changes at one moment of its runs
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
 SIZED_LEVEL = 0.05  # of coefficients that may as well be zero by their own errors
@@ -56,6 +57,7 @@ ABSORBED = 1e-4  # share of a column's power below which the model absorbs it: n
 LEAST_OWN = 0.01  # of the power of what an effect changes held out: its own torque's (policy)
 SLOPE_STEP = 1e-3  # of the value, or, on a linear scale, of the search's first step if more
 STIFFNESS_ROUNDING = 1e-9  # of the target's squares: less is never left over
+STEP_MARGIN = 1.0  # s of a run before a step and after it, to know what it was and is
 PLAN_RATE = 100.0  # Hz: enough for the sizes of torques
 LONGEST_PLAN = 180.0  # s: more is no experiment but a day's work
 
@@ -94,6 +96,7 @@ FIRM_MODES = (0.6, 1.2)  # of the cut-off: of links that nothing but reversals a
 #   sets swinging; from half to twice a mode is near enough
 FIRM_ZETA = 0.2  # from which those are sought: a wide peak is found from farther away
 FIRM_ROTOR = 0.5  # of the inertia of rotor and link, likewise
+STEP_EVERY, STEP_CLOSELY = 0.5, 0.05  # s between moments that are tried, and around the best
 STEP_SHARES = (1.0, 0.5, 0.2)  # of a Gauss-Newton step, tried in turn
 MAJORITY_ROUNDS = (4, 12)  # Huber's weights find the neighbourhood, Tukey's forget the rest
 TIMING_ROUNDS = 3
@@ -113,9 +116,8 @@ INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
-CONTRADICTED_SHARE = (
-    0.5  # of a joint's squared error, gone where fitted runs may differ: most of it
-)
+BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two parts, may differ:
+#   most of it
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)

@@ -32,6 +32,7 @@ from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
+from pa10d.diagnose.unknown.stepping import steps_in_time
 from pa10d.diagnose.unknown.structure import Structure, all_maps, without
 from pa10d.effects import Effect, effect
 from pa10d.model import Term
@@ -279,8 +280,9 @@ class Search:
         return []
 
     def contest(self) -> list[int]:
-        """Joints on which the findings are beaten by a plain smooth map of the motion, or of a gain
-        by which the torque reads differently from place to place.
+        """Joints on which the findings are beaten by a plain smooth map of the motion, of a gain by
+        which the torque reads differently from place to place, or by friction or an offset that
+        changes at one moment.
 
         A true effect explains its error better than any generic map can. Where a map alone
         leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
@@ -294,6 +296,9 @@ class Search:
         gains = list(all_maps(bare, concerned, "gain"))
         tried = chain(all_maps(bare, concerned), gains, all_maps(bare, concerned, "reading"))
         outdone = [maps[0].joint for maps in tried if any(m.outdoes(now, OUTDONE) for m in maps)]
+        for step in steps_in_time(bare, [j for j in concerned if j not in outdone]):
+            if OUTDONE * step.left**2 < rms(now)[step.joint] ** 2:
+                outdone.append(step.joint)
         self.rival_gains = {
             m.joint: m
             for maps in gains

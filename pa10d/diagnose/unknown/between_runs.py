@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from pa10d.common.words import listed
 from pa10d.diagnose.constants import (
     ABSORBED,
+    BROKEN_SHARE,
     CLAIMED_SHARE,
     CLUSTERS,
     CONTRADICTED_LEVEL,
-    CONTRADICTED_SHARE,
     MATERIAL_GAIN,
     MATERIAL_REST,
 )
@@ -70,13 +70,13 @@ class Contradiction:
 
 
 @dataclass(frozen=True)
-class _Own:
-    """An effect that some runs have for themselves: change, joint -> (m_j,) weighted, of what the
-    fit leaves; basis, joint -> (m_j, d) orthonormal, of all that it could change."""
+class OwnPart:
+    """What a part of the samples has for itself, beside the fit: theta (k,) of its columns; change,
+    joint -> (m_j,) weighted, of what the fit leaves; basis, joint -> (m_j, d) orthonormal, of all
+    that it could change."""
 
-    effect: Effect
-    runs: tuple[str, ...]
     gain: float
+    theta: Array
     change: PerJoint
     basis: PerJoint
 
@@ -84,6 +84,14 @@ class _Own:
     def size(self) -> int:
         """Free numbers that it spends."""
         return int(next(iter(self.basis.values())).shape[1])
+
+
+@dataclass(frozen=True)
+class _Own(OwnPart):
+    """An effect that some runs have for themselves."""
+
+    effect: Effect
+    runs: tuple[str, ...]
 
 
 def contradiction(state: SearchState, suspects: Suspects, floor: Array) -> Contradiction:
@@ -142,9 +150,11 @@ def _tried(
         columns = side.columns(effect, joints, [_shape(state, effect, joints)])
         weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
         for runs in groups:
-            own = _of_runs(side, fit, weighted, runs)
+            own = own_part(
+                fit, {j: c * rows_of(side, j, runs)[:, None] for j, c in weighted.items()}
+            )
             if own is not None:
-                yield _Own(effect, runs, *own)
+                yield _Own(own.gain, own.theta, own.change, own.basis, effect, runs)
 
 
 def _parts(names: Sequence[str]) -> list[tuple[str, ...]]:
@@ -159,12 +169,9 @@ def _shape(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> Shape
     return there[0].shape if there else effect.starts(state.train.contexts[0], joints)[0]
 
 
-def _of_runs(
-    side: Side, fit: LeastSquares, weighted: PerJoint, runs: Sequence[str]
-) -> tuple[float, PerJoint, PerJoint] | None:
-    """Gain, change and basis of weighted columns (m_j, k) that only some runs have; None where all
-    of it is in the fit already."""
-    own = {j: c * _rows(side, j, runs)[:, None] for j, c in weighted.items()}
+def own_part(fit: LeastSquares, own: PerJoint) -> OwnPart | None:
+    """Of weighted columns (m_j, k), whatever scale they have; None where all of it is in the fit
+    already."""
     power = np.sum([np.sum(c**2, axis=0) for c in own.values()], axis=0)
     scale = np.sqrt(np.where(power > 0.0, power, 1.0))
     seen = np.sum([fit.basis[j].T @ c for j, c in own.items()], axis=0) / scale
@@ -180,10 +187,11 @@ def _of_runs(
         if j in own:
             basis[j] = basis[j] + own[j] @ (turn / scale[:, None])
     along = np.sum([b.T @ fit.residual[j] for j, b in basis.items()], axis=0)
-    return float(along @ along), {j: b @ along for j, b in basis.items()}, basis
+    change = {j: b @ along for j, b in basis.items()}
+    return OwnPart(float(along @ along), turn @ along / scale, change, basis)
 
 
-def _rows(side: Side, joint: int, runs: Sequence[str]) -> Array:
+def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
     """(m_j,) 1 where a joint's row is of these runs."""
     counts = [int(keep[:, joint].sum()) for keep in side.keep]
     return np.repeat([float(run.name in runs) for run in side.runs], counts)
@@ -231,7 +239,7 @@ def _told(
     for j in np.flatnonzero(concerned & (before.rms() > 0.0)).tolist():
         had, left = before.rms()[j], after.rms()[j]
         share = 1.0 - (left / had) ** 2
-        if share < CONTRADICTED_SHARE:
+        if share < BROKEN_SHARE:
             continue
         power = [float(one.change[j] @ one.change[j]) for one, _ in taken]
         most, p_value = taken[int(np.argmax(power))]

@@ -1,8 +1,8 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
-What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a line in
-time; what swings on; what motion foretells though nobody can say by which quantity; and last that
-it comes again, follows reversals, or is simply too large.
+What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a step in
+time; a line in time; what swings on; what motion foretells though nobody can say by which quantity;
+and last that it comes again, follows reversals, or is simply too large.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from pa10d.diagnose.unknown.remaining import (
     unnamed,
 )
 from pa10d.diagnose.unknown.ringing import rings
+from pa10d.diagnose.unknown.stepping import steps_in_time
 from pa10d.diagnose.unknown.structure import (
     Structure,
     find_readings,
@@ -77,8 +78,12 @@ def left_over(
     open_ = unsaid(left, [*apart, *maps, *slight])
     open_ = [j for j in open_ if searched and j not in state.held.silent]
     read = _readings(state, left, maps, open_) if searched else {}
-    maps = [m for m in maps if m.joint not in read]
-    open_ = [j for j in open_ if j not in read]
+    stepped = _steps(state, [*apart, *maps, *read.values()], open_) if searched else {}
+    read = {j: one for j, one in read.items() if j not in stepped}
+    apart = [one for one in apart if one.joint not in stepped]
+    maps = [m for m in maps if m.joint not in {**read, **stepped}]
+    slight = [m for m in slight if m.joint not in stepped]
+    open_ = [j for j in open_ if j not in {**read, **stepped}]
     moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
     level = COMES_AGAIN_LEVEL / state.held.n
     doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
@@ -88,7 +93,7 @@ def left_over(
     open_ = [j for j in open_ if j not in humming]
     ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
     foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
-    told: list[Unexplained] = [*apart, *maps, *read.values()]
+    told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values()]
     named = [*told, *humming.values(), *ringing.values(), *foreseen]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
@@ -121,6 +126,16 @@ def unsaid(left: Judgement, said: Sequence[Unexplained]) -> list[int]:
     """Joints that keep more than noise, as far as that is known, and of which nothing is said."""
     named = {s.joint for s in said}
     return [j for j, ratio in enumerate(left.ratio) if j not in named and not ratio < MATERIAL_REST]
+
+
+def _steps(
+    state: SearchState, told: Sequence[Unexplained], open_: Sequence[int]
+) -> dict[int, Unnamed]:
+    """By joint: a change at one moment, where that says more than what else is said."""
+    shares = {one.joint: one.share for one in told}
+    found = steps_in_time(state, sorted({*open_, *shares}))
+    worth = [s for s in found if s.share > shares.get(s.joint, 0.0)]
+    return {s.joint: Unnamed.of_step(s) for s in worth}
 
 
 def _readings(

@@ -26,6 +26,7 @@ from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
+from pa10d.diagnose.unknown.stepping import StepInTime
 from pa10d.diagnose.unknown.structure import Structure, moving_of
 from pa10d.judgement import Judgement, Reversing, Turning
 from pa10d.judgement.noise import REPEATS
@@ -41,7 +42,8 @@ class Unnamed:
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
-    line in time at so many hertz, or that motion sets swinging at so many; RMS N·m of that
+    line in time at so many hertz, that motion sets swinging at so many, or that is gone where the
+    joint may change at so many seconds of these runs (empty: of every run); RMS N·m of that
     share."""
 
     joint: int
@@ -49,15 +51,32 @@ class Unnamed:
     rms: float
     p_value: float
     witness: Literal[
-        "again", "motion", "elsewhere", "turning", "reversing", "size", "reading", "hum", "ring"
+        "again",
+        "motion",
+        "elsewhere",
+        "turning",
+        "reversing",
+        "size",
+        "reading",
+        "hum",
+        "ring",
+        "step",
     ]
     variables: tuple[str, ...] = ()
     hertz: float = float("nan")
+    seconds: float = float("nan")
+    runs: tuple[str, ...] = ()
 
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
         """A line in time."""
         return cls(hum.joint, hum.share, hum.rms, hum.p_value, "hum", hertz=hum.hertz)
+
+    @classmethod
+    def of_step(cls, step: StepInTime) -> Unnamed:
+        """A change at one moment."""
+        at, runs = step.seconds, step.runs
+        return cls(step.joint, step.share, step.rms, step.p_value, "step", seconds=at, runs=runs)
 
     @classmethod
     def of_ring(cls, ring: SwingsOn) -> Unnamed:
@@ -375,6 +394,13 @@ def _with_sentence(
             f"{size}; {percent(left.share)} of its squared error is one line in time, at "
             f"{left.hertz:.3g} Hz on both sides: no motion, and no slow noise, but a fan, mains, a "
             "machine beside, or a servo or a frame that rings"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "step":
+        text = (
+            f"{size}; {percent(left.share)} of its squared error is gone if its friction or offset "
+            f"changes at t = {left.seconds:.3g} s of {listed(left.runs) or 'every run'}, at once "
+            "and not as it warms: a brake that lets go late, a belt that slips, a seal that breaks "
+            "loose or seizes"
         )
     elif isinstance(left, Unnamed) and left.witness == "ring":
         text = (
