@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.between_runs import Apart
-from pa10d.diagnose.unknown.remaining import Unexplained
+from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
 from pa10d.figures.diagnosis_texts import CURVE, MAP
@@ -34,6 +34,12 @@ APART = (
 )
 
 
+STEP = (
+    "No one model is right before and after that moment. Look over time, in a comparison, what "
+    "happened then; fit a model to runs in which it does not happen."
+)
+
+
 def unexplained_section(
     found: Diagnosis, s: Unexplained, figure: Figure | None, asked: Asked
 ) -> Section:
@@ -42,6 +48,10 @@ def unexplained_section(
     if isinstance(s, Apart):
         said = [Text(found.remaining[s.joint].sentence), Text(APART)]
         name = f"Joint {s.joint + 1}: the fitted runs contradict each other"
+        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+    if isinstance(s, Unnamed) and s.witness == "step":
+        said = [Text(found.remaining[s.joint].sentence), Text(STEP)]
+        name = f"Joint {s.joint + 1}: a change at one moment"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if not isinstance(s, Structure) or figure is None:
         said = [Text(found.remaining[s.joint].sentence), Text(UNNAMED)]

@@ -9,6 +9,9 @@ from two_links import recordings, state_of, textbook
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.unknown.stepping import steps_in_time
+from pa10d.report.finding_section import Asked
+from pa10d.report.unexplained_section import unexplained_section
+from pa10d.report.verdict import headline
 
 AT, JOINT = 6.0, 1
 
@@ -69,6 +72,11 @@ def test_it_is_said_with_its_moment_and_not_as_warming_up():
     (line,) = (one for one in found.remaining if one.significant)
     assert line.joint == JOINT
     assert "its friction or offset changes at t = 6 s of every run, at once" in line.sentence
+    said = "of joint 2's squared error is gone if its friction or offset changes at t = 6 s of"
+    assert said in headline(found)
+    (one,) = found.unexplained
+    section = unexplained_section(found, one, None, Asked("m0", ["fit_a", "fit_b"], ["valid_a"]))
+    assert section.title == "Joint 2: a change at one moment"
 
 
 def test_what_does_warm_up_stays_that():

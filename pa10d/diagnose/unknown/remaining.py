@@ -78,6 +78,12 @@ class Unnamed:
         at, runs = step.seconds, step.runs
         return cls(step.joint, step.share, step.rms, step.p_value, "step", seconds=at, runs=runs)
 
+    @property
+    def step_words(self) -> str:
+        """``gone if its friction or offset changes at t = 6 s of every run``."""
+        where = listed(self.runs) or "every run"
+        return f"gone if its friction or offset changes at t = {self.seconds:.3g} s of {where}"
+
     @classmethod
     def of_ring(cls, ring: SwingsOn) -> Unnamed:
         """What motion sets swinging."""
@@ -397,9 +403,8 @@ def _with_sentence(
         )
     elif isinstance(left, Unnamed) and left.witness == "step":
         text = (
-            f"{size}; {percent(left.share)} of its squared error is gone if its friction or offset "
-            f"changes at t = {left.seconds:.3g} s of {listed(left.runs) or 'every run'}, at once "
-            "and not as it warms: a brake that lets go late, a belt that slips, a seal that breaks "
+            f"{size}; {percent(left.share)} of its squared error is {left.step_words}, at once and "
+            "not as it warms: a brake that lets go late, a belt that slips, a seal that breaks "
             "loose or seizes"
         )
     elif isinstance(left, Unnamed) and left.witness == "ring":
