@@ -110,7 +110,7 @@ def diagnose(
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
-    over = left_over(state, seen, left, again, only is None, apart)
+    over = left_over(state, seen, left, again, only is None, apart, given)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.witness == "size")]
     open_ = unsaid(left, said_of) if only is None else []

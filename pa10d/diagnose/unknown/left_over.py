@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import CARRIED_FARTHER, COMES_AGAIN_LEVEL, MATERIAL_REST
@@ -18,6 +19,7 @@ from pa10d.diagnose.evidence.errors_of import (
     carried_farther,
     honest_covariance,
     moved_by_doubt,
+    moved_by_shapes,
 )
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import Apart
@@ -66,10 +68,11 @@ def left_over(
     again: Sequence[Repeatable | None],
     searched: bool,
     apart: Sequence[Apart] = (),
+    given: int = 0,
 ) -> LeftOver:
     """seen: the held-out side as the model with all findings sees it; left: its errors there;
     again: what comes again of them; searched: more than one suspicion was looked for; apart: what
-    fitted runs contradict each other in."""
+    fitted runs contradict each other in; given: terms that the model had before."""
     maps, slight = material(left, find_structure(state) if searched else [])
     apart = _more_than_maps(apart, maps)
     contradicted = {one.joint for one in apart}
@@ -87,7 +90,7 @@ def left_over(
     moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
     level = COMES_AGAIN_LEVEL / state.held.n
     doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
-    far = _farther(state, left, level)
+    far = _farther(state, left, level, given)
     doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
     open_ = [j for j in open_ if j not in humming]
@@ -110,15 +113,17 @@ def _more_than_maps(apart: Sequence[Apart], maps: Sequence[Structure]) -> list[A
     return [one for one in apart if one.share > shares.get(one.joint, 0.0)]
 
 
-def _farther(state: SearchState, left: Judgement, level: float) -> Array:
-    """(n,) N·m: what all that is known of the coefficients' doubt may leave of joints that the
-    held-out side asks for what the fitted runs do not determine, where that is as much as they
-    keep; zero of all others."""
-    if state.frozen:
+def _farther(state: SearchState, left: Judgement, level: float, given: int) -> Array:
+    """(n,) N·m: what all that is known of the doubt of coefficients, and of the shapes of what was
+    found, may leave of joints that the held-out side asks for what the fitted runs do not
+    determine, where that is as much as they keep; zero of all others."""
+    if state.frozen or not unsaid(left, ()):
         return np.zeros(state.held.n)
-    covariance = honest_covariance(state)
-    doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level, covariance))
-    far = carried_farther(state, covariance) > CARRIED_FARTHER
+    covariance, shapes = honest_covariance(state), moved_by_shapes(state, given)
+    most = scipy.stats.norm.isf(0.5 * level) * shapes[1]
+    moved = np.hypot(moved_by_doubt(state, level, covariance), most)
+    doubt = doubtful(left, state.fit.rms(), moved)
+    far = carried_farther(state, covariance, shapes) > CARRIED_FARTHER
     return np.where(far & (doubt > left.rms), doubt, 0.0)
 
 
