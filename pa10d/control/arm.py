@@ -20,6 +20,7 @@ from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.faults import Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
+from pa10d.control.joint_figures import ROUGH
 from pa10d.control.journal import Journal
 from pa10d.control.limits import ArmLimits
 from pa10d.control.motion_check import compile_motion_check, wrong_with_rows
@@ -359,7 +360,7 @@ class Arm:
         """No torque of ours any more; their own quick stop brakes. Joints that stood until now are
         held again by what held them."""
         if not self.path.limp:
-            self._held_by = self.path.q.copy(), self.path.held_with(self._gravity(self.path.q))
+            self._keep_what_holds(self.path.held_with(self._gravity(self.path.q)))
         self.path.let_go()
         if self._stop is not None and self._stop.by_drives:
             return
@@ -385,10 +386,21 @@ class Arm:
         if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
         if self.state in (ArmState.HOLDING, ArmState.STOPPING) and not self.path.limp:
-            self._held_by = self.path.q.copy(), self.path.sent.copy()
+            self._keep_what_holds(self.path.sent)
         self.motion, self._stop = None, None
         self._switch(ArmState.DISABLING)
         self._ask_off()
+
+    def _keep_what_holds(self, torque: Array) -> None:
+        """(n,) N·m with which joints are held again. Of a stop after a fault none that no weight
+        can be: one may have stood against an obstacle, which is gone when it is powered again.
+        """
+        q = self.path.q.copy()
+        if self.fault is not None:
+            thought = self._gravity(q)
+            weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
+            torque = np.where(weight, torque, thought)
+        self._held_by = q, torque.copy()
 
     def _switch(self, state: ArmState) -> None:
         self.state, self._switch_by = state, None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from arms import PERIOD, cycles, limits, servo, until
+from arms import PERIOD, cycles, limits, servo, swing, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import NEAR, Arm
@@ -83,6 +83,28 @@ def test_a_stop_that_is_left_to_the_drives_forgets_no_torque_of_what_stood(arm):
     fastest = np.abs(arm.journal.ring.layout.get(rows, "dq")).max(axis=0)
     assert fastest[0] < 0.1 * jolt
     assert fastest[1] == pytest.approx(jolt, rel=0.2), "what drove it does not hold it"
+
+
+def test_what_pressed_against_an_obstacle_is_not_what_holds(arm):
+    """Its torque is that of a servo which does not get on; powered again, with the obstacle gone,
+    the joint would be thrown after it."""
+    jolt = enabled(arm)
+    cycles(arm, 500)
+    free = arm.backend.plant.step
+
+    def against_a_wall(torque, dt):
+        free(torque, dt)
+        arm.backend.plant.q[:], arm.backend.plant.dq[:] = wall, 0.0
+
+    wall = arm.backend.plant.q.copy()
+    arm.backend.plant.step = against_a_wall
+    arm.run(swing(arm.path.reference.q))
+    until(arm, ArmState.FAULT)
+    assert arm.fault.kind == "following_error"
+    arm.backend.plant.step = free
+    arm.reset()
+    until(arm, INACTIVE)
+    assert enabled(arm) == pytest.approx(jolt, rel=0.2)
 
 
 def test_elsewhere_the_description_is_all_there_is(arm):
