@@ -14,7 +14,7 @@ from pa10d.compare.regions import Region
 from pa10d.diagnose.evidence.held_out import Evidence
 from pa10d.diagnose.unknown.remaining import Unnamed, doubtful, material, remaining, unnamed
 from pa10d.diagnose.unknown.structure import Structure
-from pa10d.judgement import Judgement, NoiseFloor, Repeatable
+from pa10d.judgement import Judgement, NoiseFloor, Repeatable, Turning
 from pa10d.model import Term
 
 SURE, CHANCE = Repeatable(1e-9, 0.35, 500), Repeatable(0.3, 0.02, 500)
@@ -194,3 +194,14 @@ def test_where_an_error_is_larger_is_said_and_claims_nothing_by_itself(ratio, cl
     assert "; joint 1 below 0.10 rad/s carries 94 % of its squared error" in said.sentence
     assert "does not predict" not in said.sentence
     assert said.significant == claimed
+
+
+def test_what_is_there_around_reversals_is_told_unless_the_fit_leaves_as_much_open():
+    """The same witness, with and without doubt of the model's own that covers it."""
+    around = Turning(p_value=1e-9, share=0.5, larger=40, strokes=40)
+    left = judged(1.9)
+    said = unnamed(left, [None], [], np.zeros(1), turned=[around])
+    assert [(one.joint, one.witness) for one in said] == [(0, "turning")]
+    (told,) = remaining(left, [None], said, ["N·m"])
+    assert "50 % of its squared error is there around reversals and gone" in told.sentence
+    assert unnamed(left, [None], [], np.full(1, 2.0), turned=[around]) == []

@@ -52,7 +52,7 @@ def test_it_counts_as_much_as_the_motion_to_judge_asks_for_it(pace, farther):
 
 def test_it_is_what_a_standard_error_of_the_shape_moves():
     state, first = with_its_power(SLOW)
-    error = term_covariance(state, first)[1]["p"]
+    error = term_covariance(state, first, of_noise=True)[1]["p"]
     off, _ = with_its_power(SLOW)
     off.replace_term(first, Term("nonlinear_viscous", (1,), np.zeros(1), {"p": POWER + error}))
     off.refit()

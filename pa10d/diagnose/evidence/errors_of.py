@@ -146,7 +146,7 @@ def moved_by_shapes(state: SearchState, first: int) -> Array:
     for index in range(first, len(state.terms)):
         term = state.terms[index]
         kinds = free_shapes(term.effect, term.shape)
-        errors = term_covariance(state, index)[1] if kinds else {}
+        errors = term_covariance(state, index, of_noise=True)[1] if kinds else {}
         for kind in kinds:
             now, by = term.shape[kind.name], errors[kind.name]
             to = now + by if now + by <= kind.upper else max(now - by, kind.lower)
@@ -174,8 +174,11 @@ def _known(state: SearchState, fit: LeastSquares) -> Array | None:
     return np.asarray(fit.to_beta @ (np.eye(len(top)) - top) @ fit.to_beta.T)
 
 
-def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, float]]:
-    """Covariance (k, k) of a term's coefficients with its shape free, and the shape's errors."""
+def term_covariance(
+    state: SearchState, index: int, of_noise: bool = False
+) -> tuple[Array, dict[str, float]]:
+    """Covariance (k, k) of a term's coefficients with its shape free, and the shape's errors.
+    of_noise: without what reversals may have drawn them by, of which the data say no more."""
     term = state.terms[index]
     place = state.place(index)
     free = free_shapes(term.effect, term.shape)
@@ -199,9 +202,10 @@ def term_covariance(state: SearchState, index: int) -> tuple[Array, dict[str, fl
     if state.problem.known is not None:
         known = inverse @ (gram - sum(c.T @ c for c in left.values())) @ inverse
     covariance = covariance_under(state, left, np.asarray(inverse), known)
-    slopes = {j: c[:, k:] for j, c in columns.items()}
-    systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
-    covariance = covariance + np.diag(systematic)
+    if not of_noise:
+        slopes = {j: c[:, k:] for j, c in columns.items()}
+        systematic = moved_by_reversals(state, index, slopes, np.diag(covariance))
+        covariance = covariance + np.diag(systematic)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return covariance[:k, :k], shape_errors_of(term, errors[k:])
 
