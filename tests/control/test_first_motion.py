@@ -264,7 +264,11 @@ def test_a_rate_that_would_do_is_named(tmp_path):
     ("seed", "says"),
     [
         (903, "raise control.rate to 125 Hz at least, which leaves no margins, or"),
-        (7101, "raise control.rate to 200 Hz at least, which leaves no margins, or"),
+        pytest.param(
+            7101,
+            "raise control.rate to 200 Hz at least, which leaves no margins, or",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_a_rate_that_is_named_leaves_margins_or_is_said_not_to(tmp_path, seed, says):
@@ -276,7 +280,14 @@ def test_a_rate_that_is_named_leaves_margins_or_is_said_not_to(tmp_path, seed, s
     assert says in not_held(arm.profile, arm.robot, known)
 
 
-@pytest.mark.parametrize(("seed", "unmet"), [(903, (5,)), (2003, (3,)), (7101, (4, 5, 6))])
+@pytest.mark.parametrize(
+    ("seed", "unmet"),
+    [
+        pytest.param(903, (5,), marks=pytest.mark.long),
+        pytest.param(2003, (3,), marks=pytest.mark.long),
+        (7101, (4, 5, 6)),
+    ],
+)
 def test_a_joint_that_may_be_too_light_for_any_gains_is_begun_with(tmp_path, seed, unmet):
     """A third of what the URDF says no gains hold against its gravity: these arms were refused
     before they moved, but none of their joints is as light."""

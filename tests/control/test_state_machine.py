@@ -383,7 +383,7 @@ class Commander(RuleBasedStateMachine):
             assert not self.backend.powered
 
 
-MOST = 20  # times 40 sequences
+MOST = 40  # times 20 sequences
 FAULT_KINDS = (
     "device",
     "interface_down",
@@ -446,7 +446,7 @@ def test_no_sequence_gives_torque_where_none_may_be():
     seen: Counter[str] = Counter()
     for number in range(MOST):
         longest = seen["longest outside"]
-        seen += explore(40, seed=number, database=None)
+        seen += explore(20, seed=number, database=None)
         seen["longest outside"] = max(longest, seen["longest outside"] - longest)
         if missing(seen, 2_500) is None:
             return
