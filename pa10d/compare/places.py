@@ -17,7 +17,7 @@ from pa10d.compare.samples import joint_samples
 from pa10d.compare.search import PlaceSearch
 from pa10d.dynamics import Robot
 from pa10d.judgement import MATERIAL, RunResidual, Scores
-from pa10d.judgement.scores import scores
+from pa10d.judgement.scores import moving
 
 Array = NDArray[np.float64]
 
@@ -99,5 +99,6 @@ def places(
 
 def _whose(rms: float, runs: list[RunResidual], joint: int) -> str:
     """Which squared error it is, where much of it lies at reversals, by which no size is judged."""
-    judged = float(scores(runs).rms[joint])
-    return OVER_ALL if rms > MATERIAL * judged else OF_JUDGED
+    used = moving(runs, joint)
+    judged = np.concatenate([run.error[run.judged[:, joint], joint] for run in used])
+    return OVER_ALL if rms > MATERIAL * float(np.sqrt(np.mean(judged**2))) else OF_JUDGED

@@ -71,7 +71,8 @@ def contextualised(
     that heats them; sensing effects see the torque of all mechanical ones.
     """
     n = context.robot.n
-    context = replace(context, ways=_ways(n, terms), corners=_corners(n, terms))
+    ways, corners = (_by_joint(n, terms, names) for names in ("builds_up_over", "smoothed_over"))
+    context = replace(context, ways=ways, corners=corners)
     textbook, rubbing = friction(context, terms)
     own_rotor = [term.joints[0] for term in terms if term.effect.is_rotor]
     loaded = replace(
@@ -100,22 +101,13 @@ def contextualised(
     return loaded.with_total(total)
 
 
-def _ways(joints: int, terms: Sequence[AtWork]) -> tuple[float, ...]:
-    """(n,) rad over which each joint's friction builds up; 0: at once."""
-    ways = [0.0] * joints
+def _by_joint(joints: int, terms: Sequence[AtWork], names: str) -> tuple[float, ...]:
+    """(n,) of each joint the shape parameter that its effect ``names``; 0: none does."""
+    out = [0.0] * joints
     for term in terms:
-        if term.effect.builds_up_over:
-            ways[term.joints[0]] = float(term.shape[term.effect.builds_up_over])
-    return tuple(ways)
-
-
-def _corners(joints: int, terms: Sequence[AtWork]) -> tuple[float, ...]:
-    """(n,) rad/s (m/s) over which each joint's dry friction turns round; 0: it has none."""
-    corners = [0.0] * joints
-    for term in terms:
-        if term.effect.smoothed_over:
-            corners[term.joints[0]] = float(term.shape[term.effect.smoothed_over])
-    return tuple(corners)
+        if name := getattr(term.effect, names):
+            out[term.joints[0]] = float(term.shape[name])
+    return tuple(out)
 
 
 def _levels(context: Context, terms: Sequence[AtWork]) -> Array | None:

@@ -53,7 +53,7 @@ function judged() {
     found.meaning = `No drive answers: ${closed(robot.offline_reason ?? "it is not known why")} You can work with recordings all the same: import them in Runs.`;
   }
   if (doubted(robot)) {
-    return { ...found, meaning: "Unpowered, brakes on. Angles are read, but one of them is not believed.",
+    return { ...found, meaning: "Unpowered, brakes on. Angles are read, but not all of them are believed.",
              next: { go: "robot", text: `The arm is not powered before somebody has looked at it: ${inPlaces(robot)}.`, label: "Look" } };
   }
   if (MOVING.includes(robot.state)) return { ...found, next: { go: "robot", text: `${found.meaning} Watch it${job ? ", or abort below" : ""}.`, label: "Watch" } };
