@@ -83,15 +83,18 @@ class _Rows:
     wanted: Array
     dry: float
 
-    def of(self, signal: Array) -> Array:
-        return np.asarray(scipy.signal.sosfiltfilt(self.low, signal)[self.keep])
+    def of(self, signals: Array) -> Array:
+        """Signals (..., N) as columns."""
+        return np.asarray(scipy.signal.sosfiltfilt(self.low, signals)[..., self.keep].T)
 
     def fit(self, own: Array, floors: list[float]) -> tuple[Array, float]:
         """Coefficients of J, B, C, g0 and these columns, and N·m that are left, RMS."""
         columns = np.column_stack([self.common, own])
         scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
         lower = np.array([0.0, 0.0, 0.0, -np.inf, *floors])
-        found = scipy.optimize.lsq_linear(columns / scale, self.wanted, bounds=(lower, np.inf))
+        found = scipy.optimize.lsq_linear(
+            columns / scale, self.wanted, bounds=(lower, np.inf), method="bvls"
+        )
         return found.x / scale, float(np.sqrt(2.0 * found.cost / len(self.wanted)))
 
     def likely(self, own: Array, floors: list[float]) -> Array:
@@ -134,7 +137,7 @@ def slid_friction(
         left, first, bounds=ends, method="Nelder-Mead",
         options={"maxiter": REFINED, "initial_simplex": np.array(first) + STEPS},
     ).x  # fmt: skip
-    rigid = rows.of(gone)[:, None]
+    rigid = rows.of(gone[None])
     sway = _sway(rows.likely(columns(at), BEHIND), float(np.exp(at[0])), softest)
     if sway is not None and left(at) < rows.fit(rigid, [-np.inf])[1] / HALVES:
         best = rows.likely(columns(at), BEHIND)
@@ -174,11 +177,14 @@ def _rows(q: Array, torque: Array, rate: float, dry: float) -> _Rows | None:
 def _swaying(rows: _Rows, gone: Array, t: Array, w: float, loss: float, rate: float) -> Array:
     """Columns of a link that swings at ``w`` rad/s: its acceleration, its angle, and what swing it
     had at the begin. gone: (N,) rad, the motor's way from there."""
-    late = scipy.signal.bilinear([w**2], [1.0, 2.0 * loss * w, w**2], rate)
-    angle = scipy.signal.lfilter(*late, gone)
+    # w²/(s² + 2·loss·w·s + w²) with the trapezoidal rule (Tustin); this runs thousands of times
+    twice, lossy, square = 2.0 * rate, 4.0 * loss * w * rate, w**2
+    ahead = [square, 2.0 * square, square]
+    back = [twice**2 + lossy + square, 2.0 * (square - twice**2), twice**2 - lossy + square]
+    angle = scipy.signal.lfilter(ahead, back, gone)
     fades = np.exp(-loss * w * t)
-    seen = [w**2 * (gone - angle), angle, fades * np.cos(w * t), fades * np.sin(w * t)]
-    return np.stack([rows.of(one) for one in seen], axis=1)
+    seen = [square * (gone - angle), angle, fades * np.cos(w * t), fades * np.sin(w * t)]
+    return rows.of(np.stack(seen))
 
 
 def own_sways(seen: Mapping[int, Sway]) -> dict[int, Sway]:
