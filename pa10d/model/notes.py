@@ -73,7 +73,7 @@ class PriorNote(Noted):
     """What was known before the data. percent: of what is usual for a link, by which bodies may
     differ from the URDF's; std_errors: (p,) of the unknowns, None where nothing was known."""
 
-    percent: float | None
+    percent: float | None = None
     given: tuple[GivenNote, ...] = ()
     std_errors: tuple[float | None, ...] = ()
 

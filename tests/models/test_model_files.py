@@ -1,7 +1,7 @@
 """Model files: exact both ways, and one clear line where they are broken."""
 
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import model_examples as examples
 import numpy as np
@@ -16,6 +16,7 @@ from pa10d.model.notes import (
     FeasibleNote,
     GivenNote,
     LeftOutNote,
+    Noted,
     PriorNote,
     ShiftNote,
 )
@@ -84,6 +85,20 @@ def test_all_notes_come_back(store):
     plain = replace(model, name="plain", notes=ModelNotes())
     store.save(plain)
     assert ModelStore(store.folder.parent).load("plain").notes == ModelNotes()
+
+
+@pytest.mark.parametrize("part", Noted.__subclasses__(), ids=lambda part: part.__name__)
+def test_what_nobody_knows_may_be_left_out(part):
+    """A note is written without what is None, and has to be read without it."""
+    for one in fields(part):
+        if "None" in str(one.type).split("[")[0]:
+            assert one.default is None, one.name
+
+
+def test_a_parameter_that_somebody_knew_comes_back_without_a_share(store):
+    notes = ModelNotes(prior=PriorNote(None, (GivenNote("mz1", -0.16, 0.001),), (None, 0.5)))
+    store.save(replace(examples.textbook(), notes=notes))
+    assert ModelStore(store.folder.parent).load("m0").notes == notes
 
 
 def _with_notes(store, notes):
