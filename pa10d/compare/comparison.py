@@ -176,8 +176,14 @@ def _fitted_too(model: TorqueModel, residuals: Sequence[RunResidual]) -> list[st
 
 def _warnings(residuals: Sequence[RunResidual]) -> list[str]:
     return [
-        f"run {run.name}: joint {j + 1} hardly moves; its error there is friction at rest, "
+        f"run {run.name}: joint {j + 1} {_rests(run, j)}; its error there is friction at rest, "
         "which no model knows"
         for run in residuals
         for j in run.rested
     ]
+
+
+def _rests(run: RunResidual, joint: int) -> str:
+    lowpass = run.equation.lowpass
+    seconds = float(run.equation.moving[:, joint].sum()) * lowpass.factor / lowpass.rate
+    return f"moves clear of its rests for {seconds:.2g} s only" if seconds else "hardly moves"

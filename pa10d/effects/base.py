@@ -226,6 +226,8 @@ class Effect(ABC):
     # (an identification asks the data for that of every joint's dry friction)
     carried: ClassVar[bool] = False  # friction of one coefficient, of which ``level`` tells the
     # size, against its joint's motion: bristles carry it, where the joint has any
+    reads_as_load: ClassVar[bool] = False  # what of it goes one way only, as a share of the load,
+    # bodies take in; its first coefficient is the share
     builds_up_over: ClassVar[str] = ""  # shape parameter: the way over which its joint's friction
     # builds up after a turn, and all that is carried with it
     is_rotor: ClassVar[bool] = False  # without it the rigid bodies take the rotor's inertia in

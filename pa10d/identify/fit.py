@@ -21,6 +21,7 @@ from pa10d.regression.problem import Knowledge, LinearProblem
 from pa10d.regression.solution import HELD, Indices, Solution, Streamed, estimate_weights, solve
 from pa10d.regression.told import added_ones, left_open
 from pa10d.regression.triangle import Triangle
+from pa10d.regression.unseen_load import unseen_load
 
 Array = NDArray[np.float64]
 
@@ -111,6 +112,9 @@ def weighted_fit(
         for piece, residual, keep in zip(pieces, residuals, keeps, strict=True)
     ]
     inverse = wide.covariance()
+    beyond = unseen_load(layout, solution.beta, moving, outer, wide.sigma, inverse)
+    if known is not None:
+        beyond += inverse @ known.scatter(len(inverse)) @ inverse
     uncertain = uncertainty(
         motion,
         lambda: (_seen(rows, outer, wide) for rows in stretches(smoothing.found)),
@@ -118,7 +122,7 @@ def weighted_fit(
         wide.sigma,
         _leverage(moving, outer, wide),
         pieces.lowpass,
-        None if known is None else inverse @ known.scatter(len(inverse)) @ inverse,
+        beyond,
     )
     rms = rms_of(plain, inner, solution.beta)
     torque = rms_of(plain, inner, np.zeros(size))

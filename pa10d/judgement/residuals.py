@@ -20,8 +20,6 @@ from pa10d.regression.winding import seen_by
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-FEWEST = 8  # filtered samples below which nothing can be said
-
 
 @dataclass(frozen=True, eq=False)
 class RunResidual:
@@ -111,7 +109,7 @@ def _judged(equation: RunEquation) -> tuple[Mask, Mask, tuple[int, ...]]:
     ends = min(equation.lowpass.settle, (len(counts) - 1) // 2)
     counts[ends : len(counts) - ends, rested] = True
     counts &= equation.used[:, None]
-    if counts.sum(axis=0).min() < FEWEST:
+    if counts.sum(axis=0).min() < FEWEST_MOVING:
         raise UserError(
             f"run {equation.name!r}: {equation.context.t[-1]:.2g} s are too short for a cut-off of "
             f"{equation.lowpass.cutoff:g} Hz, expected at least {6 / equation.lowpass.cutoff:.2g} s"

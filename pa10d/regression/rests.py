@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 RAMP = 0.25  # periods of the cut-off over which the factor rises
 SETTLED = 4.0  # delays of a torque channel after which it has forgotten what stood (2 % are left)
-FEWEST_MOVING = 20  # filtered samples: a joint with fewer hardly moves
+FEWEST_MOVING = 8  # filtered samples clear of rests: of fewer nothing can be said
 
 
 def going(dq: Array, lowpass: Lowpass, fast: Array | None = None, but: Iterable[int] = ()) -> Array:

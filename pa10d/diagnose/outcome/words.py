@@ -160,8 +160,10 @@ def _lacking(size: Value, lacks: float | None) -> str:
     if lacks is None:
         return " where it acts most"
     part = f"{lacks:.2g}"
-    if lacks >= size.value or part == f"{size.value:.2g}":
+    if part == f"{size.value:.2g}":
         return " that the model lacks"
+    if lacks > size.value:  # where it is missing, what stands in for it bends the rest
+        return f", and the model without it lacks {part} {size.unit}"
     return f", of which the model lacks {part} {size.unit}"
 
 

@@ -67,6 +67,11 @@ class Unnamed:
     seconds: float = float("nan")
     runs: tuple[str, ...] = ()
 
+    @property
+    def nowhere(self) -> bool:
+        """Nothing says where in the motion it is."""
+        return self.witness in ("size", "again")
+
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
         """A line in time."""
@@ -455,8 +460,13 @@ def _with_sentence(
     elif line.repeatable and line.significant:
         share = percent(min(seen.share, 1.0)) if seen else "part"
         text = (
-            f"{size}; {share} of its squared error comes again with the motion, so it is no "
-            "noise, but what it depends on is not known"
+            f"{size}; {share} of its squared error comes again with the motion, so it is no noise"
+        )
+        text += (
+            ", but what it depends on is not known"
+            if place is None
+            else f"; on the runs held out {_told(place)}, but the fitted runs do not show the same "
+            "there"
         )
     elif line.material is False:
         text = f"{size}: explained to the floor"

@@ -21,6 +21,7 @@ class LoadFriction(Effect):
     equation = "τ = μ·|τ_load - rotor·q̈|·tanh(q̇/v0),  μ = mu + dmu·sign(τ_load·q̇)"
     uses_model = True
     carried = True
+    reads_as_load = True
     derived = {"uneven": ("mu",), "dmu": ("mu", "uneven")}
     coefficients = (Coefficient("mu", "1", lower=0.0),)
     shapes = (
