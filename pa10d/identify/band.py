@@ -24,9 +24,9 @@ LONGEST = 40_000  # samples of a run that are looked at
 
 def wide_enough(recordings: Sequence[Recording], lowest: float, highest: float) -> float:
     """Hz between ``lowest`` and ``highest``: the narrowest band in which half of the motion (of
-    the joints' median) is left."""
+    the joints' median) is left; ``lowest`` where that is above ``highest``."""
     if highest <= lowest:
-        return highest
+        return lowest
     looks = []
     for recording in recordings:
         spare = max(0, len(recording.t) - LONGEST) // 2

@@ -53,6 +53,15 @@ def test_a_line_of_one_side_alone_is_none():
     assert heard(0.12, 3.1, 4.7) == []
 
 
+def test_short_runs_have_no_line_with_neighbours():
+    """Two seconds and a narrow band: there was a median of nothing, and a warning of numpy's."""
+    runs = [hummed(name, seed, 0.12, 3.1) for seed, name in enumerate("abc")]
+    model = identify(runs[:2], robot(), name="m0", cutoff=CUTOFF)
+    short = [run.part(0, int(2.5 * run.rate), "") for run in runs]
+    sides_of = two_sides(model, short[:2], short[2:])[:2]
+    assert hums(SearchState.start(model, *sides_of), [0, 1]) == []
+
+
 def test_a_line_that_is_another_size_on_either_side_does_not_run_on():
     assert heard(0.12, 3.1, 3.1, there=0.12) == [1]
     assert heard(0.04, 3.1, 3.1, there=0.12) == []

@@ -12,6 +12,7 @@ from synthetic import estimates, fourier, pa10_truth, recording
 
 from pa10d.common.errors import Cancelled, UserError
 from pa10d.identify import condition_number, identify
+from pa10d.identify.band import wide_enough
 from pa10d.identify.cuts import cuts
 from pa10d.measurement.motion import velocity_source
 from pa10d.measurement.recording import Recording
@@ -92,6 +93,12 @@ def test_without_friction_the_usual_sharpness_is_assumed_and_said():
 
 
 # ---- cut-off --------------------------------------------------------------------------------
+
+
+def test_no_band_is_chosen_that_the_runs_are_too_short_for():
+    """A coarse encoder asked for 1.8 Hz, of runs that are judged from 2.7 Hz on."""
+    run = noisy(pa10_truth(3)).part(0, 1500, "")
+    assert wide_enough([run], 2.7, 1.8) == 2.7
 
 
 def test_the_chosen_cutoff_follows_the_noise():

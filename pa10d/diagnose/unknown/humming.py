@@ -69,6 +69,8 @@ def _of_joint(state: SearchState, train: PerJoint, held: PerJoint, j: int) -> Hu
     )
     power = _power(parts[1], hertz[around])
     own, beside = np.abs(around - line) <= reach, np.abs(around - line) > 2 * reach
+    if not beside.any():  # runs so short that the band has no room for neighbours
+        return None
     most = float(power[own].max())
     tried = state.train.n * 2.0 * reach / HUM_FINENESS
     p = min(1.0, tried * _chance(power, own, beside))
