@@ -13,9 +13,9 @@ that jumps at a reversal reaches above any cut-off.
 
 A spectrum whose smoothing cannot be told shows no noise of the band: one that falls on and on, or
 one whose steps are coarser than what wavers. Then the floor is not known. The torques of one robot
-come through one kind of electronics: where most joints' noise may roll off within the band, that
-of the others is not believed either. And a joint stands still only with all others: what they
-load it with, static friction takes off it, and nobody knows how much.
+come through one kind of electronics: where the noise of most looks (a joint in a run) may roll off
+within the band, that of the others is not believed either. And a joint stands still only with all
+others: what they load it with, static friction takes off it, and nobody knows how much.
 """
 
 from __future__ import annotations
@@ -99,7 +99,8 @@ def noise_floor(runs: Sequence[RunResidual]) -> NoiseFloor:
     runs = list(runs)
     passes = differences(runs)
     above = [[_above(run, j) for run in moving(runs, j)] for j in range(len(passes))]
-    smoothed = sum(ROLLED_OFF in parts for parts in above) > len(above) / 2
+    looks = [part for parts in above for part in parts]
+    smoothed = looks.count(ROLLED_OFF) > len(looks) / 2
     found = [
         _floor(runs, j, passes[j], NOTHING if smoothed else _pooled(parts))
         if any(j not in run.rested for run in runs)

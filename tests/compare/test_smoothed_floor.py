@@ -45,11 +45,15 @@ def rms_in_band(channel: Channel) -> float:
     return float(np.std(Lowpass(len(noise), arm.RATE, arm.CUTOFF)(through)[500:-500]))
 
 
-def floor_of(channel: Channel, seed: int = 3):
+def seen_through(channel: Channel, seed: int = 3):
     silent = arm.recording(seed, SECONDS, noise=0.0)
     noise = SIGMA * np.random.default_rng(seed + 70).standard_normal(silent.tau.shape)
-    record = Recording("run", silent.t, silent.q, channel(silent.tau + noise))
-    return noise_floor([run_residual(arm.model(), record)])
+    record = Recording(f"run{seed}", silent.t, silent.q, channel(silent.tau + noise))
+    return run_residual(arm.model(), record)
+
+
+def floor_of(channel: Channel, seed: int = 3):
+    return noise_floor([seen_through(channel, seed)])
 
 
 TOLD = {
@@ -103,3 +107,14 @@ def test_behind_a_low_pass_it_is_found_or_not_known(corner):
     known = np.isfinite(floor.values)
     assert np.all(np.abs(floor.values - truth)[known] < 3.0 * floor.errors[known])
     assert floor.values[known] == pytest.approx(np.full(known.sum(), truth), rel=0.35)
+
+
+@pytest.mark.parametrize(("rolled", "known"), [(1, True), (2, False)])
+def test_one_run_in_which_it_rolls_off_does_not_hide_what_another_shows(rolled, known):
+    """A servo's duty is full of its own motion in one run and shows its steps in the next."""
+    runs = [seen_through(low_pass(1.0), 3 + k) for k in range(rolled)]
+    alone = seen_through(lambda x: x, 9)
+    floor = noise_floor([*runs, alone])
+    assert np.isfinite(floor.values).tolist() == [known] * 3
+    if known:
+        assert floor.values == pytest.approx(noise_floor([alone]).values, rel=0.1)
