@@ -36,6 +36,7 @@ from pa10d.control.whereabouts import GIVE, Whereabouts, why_not_believed
 Array = NDArray[np.float64]
 
 NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
+CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its weight be as much
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 
@@ -43,7 +44,8 @@ log = logging.getLogger("pa10d.control")
 
 
 class Arm:
-    """``gravity``: N·m (n,) that hold a pose as far as anybody knows, for opening the brakes."""
+    """``gravity``: N·m (n,) that hold a pose as far as anybody knows, for opening the brakes;
+    ``heaviest``: N·m (n,) that a joint may weigh at most, None: all that its motor can lift."""
 
     def __init__(
         self,
@@ -52,10 +54,11 @@ class Arm:
         make_servo: Callable[[], Pid],
         gravity: Callable[[Array], Array],
         journal: Journal,
+        heaviest: Array | None = None,
     ) -> None:
         self.backend, self.journal = backend, journal
         compile_motion_check(limits)
-        self.path = TorquePath(limits, backend.period, make_servo)
+        self.path = TorquePath(limits, backend.period, make_servo, heaviest)
         self.whereabouts = Whereabouts(limits, backend.period)
         self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
@@ -275,6 +278,7 @@ class Arm:
                 return
             share = min((self.path.time - self._open_since) / STANDS, 1.0)
             self._take_up(share)
+            self.path.catch()
             if share == 1.0:
                 self._hold()
         elif under_way:
@@ -386,7 +390,7 @@ class Arm:
         if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
         if self.state in (ArmState.HOLDING, ArmState.STOPPING) and not self.path.limp:
-            self._keep_what_holds(self.path.sent)
+            self._keep_what_holds(self.path.rested_with(self._gravity(self.path.q)))
         self.motion, self._stop = None, None
         self._switch(ArmState.DISABLING)
         self._ask_off()
@@ -401,6 +405,19 @@ class Arm:
             weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
             torque = np.where(weight, torque, thought)
         self._held_by = q, torque.copy()
+        if self.path.fell is not None:
+            axis, weighed = self.path.fell
+            self._held_by[1][axis] = weighed.torque
+
+    def _take_along(self) -> None:
+        """A joint that was weighed as it fell went on until its brake held it: what was found
+        counts there."""
+        q = self.path.q.copy()
+        if self._held_by is None or self.path.fell is None:
+            return
+        there, torque = self._held_by
+        if np.abs(q - there).max() <= CARRIED:
+            self._held_by = q, torque + self._gravity(q) - self._gravity(there)
 
     def _switch(self, state: ArmState) -> None:
         self.state, self._switch_by = state, None
@@ -413,6 +430,7 @@ class Arm:
         return self.path.time > self._switch_by
 
     def _rest_unpowered(self) -> None:
+        self._take_along()
         self.path.power_down()
         self.state = ArmState.FAULT if self.fault else ArmState.INACTIVE
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from backends.protocol import Backend
 from pa10d.control.arm import Arm
-from pa10d.control.gains import pid_gains
+from pa10d.control.gains import burdens, pid_gains
+from pa10d.control.joint_figures import ROUGH, presumed_figures
 from pa10d.control.journal import Journal
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
@@ -40,4 +41,5 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
         servo_factory(profile, robot, backend.period),
         gravity,
         Journal(ring),
+        ROUGH * burdens(robot, presumed_figures(robot)),
     )

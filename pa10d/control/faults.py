@@ -13,6 +13,8 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.guard import BackendBroke
 from pa10d.control.punctuality import Starved
 
+WEIGHED = "not_held, and weighed"  # of a fall that told the weight: no sign is wrong
+
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
     "torque_state": "report it: torque was asked for in a state that allows none",
@@ -22,6 +24,8 @@ REMEDIES = {
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload; "
     "where these are right, and it is held in a pose in which gravity does little on it, the "
     "URDF's masses or centres from this joint on are wrong: correct them",
+    WEIGHED: "'reset' and enable again. The URDF's masses or centres from this joint on are "
+    "wrong, or this drive's gear_ratio or rated_torque: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
@@ -50,6 +54,7 @@ class Fault:
     device: bool = False  # said by the backend
     hertz: float = 0.0  # of an oscillation
     was_there: bool = False  # where it should go, since power-up: nothing bars that way
+    weighed: bool = False  # how the joint fell told what holds it: the next enabling begins with it
 
     @property
     def dead_axis(self) -> int | None:
@@ -100,16 +105,17 @@ class Fault:
             device=bool(document.get("device", False)),
             hertz=float(document.get("hertz", 0.0)),
             was_there=bool(document.get("was_there", False)),
+            weighed=bool(document.get("weighed", False)),
         )
 
 
 class LoopFault(Exception):
-    """The loop itself saw what may not go on. ``hertz``, ``was_there``: see ``Fault``."""
+    """The loop itself saw what may not go on; the rest is that of a ``Fault``."""
 
     def __init__(self, kind: str, cause: str, axis: int | None = None, hertz: float = 0.0) -> None:
         super().__init__(cause)
         self.kind, self.cause, self.axis, self.hertz = kind, cause, axis, hertz
-        self.was_there = False
+        self.was_there = self.weighed = False
 
 
 LONGEST = 2000  # characters of a cause: it goes through pipe and ring in one piece
@@ -136,21 +142,24 @@ def _missed_us(cause: str) -> bool:
 def fault_from(error: Exception, n: int, state: str, time: float, sequence: int) -> Fault:
     """Any exception as a fault of an arm of ``n`` joints; what a backend says of itself is taken
     as plain text and numbers, whatever it is."""
-    device, axis, hertz, was_there = isinstance(error, BackendFault), None, 0.0, False
+    device, axis, hertz = isinstance(error, BackendFault), None, 0.0
+    was_there = weighed = False
     if isinstance(error, BackendFault):
         kind, cause, remedy = str(error.kind), str(error.cause), str(error.remedy)
         axis = int(error.axis) if isinstance(error.axis, Integral) else None
         axis = None if axis is None or not 0 <= axis < n else axis
     elif isinstance(error, LoopFault):
-        kind, cause, remedy = error.kind, error.cause, REMEDIES[error.kind]
-        axis, hertz, was_there = error.axis, error.hertz, error.was_there
+        kind, cause, axis, hertz = error.kind, error.cause, error.axis, error.hertz
+        was_there, weighed = error.was_there, error.weighed
+        remedy = REMEDIES[WEIGHED if weighed else kind]
     elif isinstance(error, BackendBroke | UserError):
         kind, cause, remedy = "backend", str(error), REMEDIES["backend"]
     else:
         kind, cause = "controller", f"{type(error).__name__}: {' '.join(str(error).split())}"
         remedy = REMEDIES[kind]
     cause, remedy = _short(cause), _short(remedy)
-    return Fault(kind, cause, axis, remedy, state, time, sequence, device, hertz, was_there)
+    seen = (device, hertz, was_there, weighed)
+    return Fault(kind, cause, axis, remedy, state, time, sequence, *seen)
 
 
 def _short(text: str) -> str:

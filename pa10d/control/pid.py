@@ -13,7 +13,7 @@ from pa10d.control.reference import Reference
 
 Array = NDArray[np.float64]
 
-AWAY, STILL = 5e-3, 5e-3  # rad from its place, rad/s: such a joint sticks
+AWAY, STILL, STUCK = 5e-3, 5e-3, 0.3  # rad from its place, rad/s, for so many s: a joint sticks
 FAR, LET_GO = 0.07, 0.1  # rad beyond its place, where a push ends within so many s
 
 
@@ -48,6 +48,7 @@ class Pid:
         self._limit, self._period = limit, period
         self._integral = np.zeros_like(limit)
         self._pushed = np.zeros_like(limit)  # N·m of the integral that pushes gave
+        self._still = np.zeros_like(limit)  # s
         self._held = HeldFriction(gains.friction, period)
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
@@ -61,7 +62,7 @@ class Pid:
         error, error_rate = reference.q - q, reference.dq - dq
         rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
-        self._pushed[:] = 0.0
+        self._pushed[:] = self._still[:] = 0.0
         self._held.start(q)
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
@@ -77,9 +78,11 @@ class Pid:
         return self.gains.kp * error + damping + self._integral + reference.extra
 
     def _push(self, error: Array, dq: Array) -> Array:
-        """N·m more for joints that stick. One that goes far beyond its place under a push that
+        """N·m more for joints that stick; one that sways stands for moments only, and is not to be
+        driven on. One that goes far beyond its place under a push that
         outweighs its gains is not brought back by them: the push is let go."""
-        stuck = (np.abs(error) > AWAY) & (np.abs(dq) < STILL)
+        self._still = np.where(np.abs(dq) < STILL, self._still + self._period, 0.0)
+        stuck = (np.abs(error) > AWAY) & (self._still > STUCK)
         leaves = (np.abs(error) > FAR) & (self._pushed * error < 0) & (dq * error < 0)
         leaves &= self.gains.kp * np.abs(error) < np.abs(self._pushed)
         more = self.gains.push * np.sign(error) * stuck - self._pushed / LET_GO * leaves
@@ -89,6 +92,10 @@ class Pid:
     def absorb(self, extra: Array) -> None:
         """The integral goes on with it: no step in torque."""
         self._integral += extra
+
+    def bear(self, axis: int, torque: float) -> None:
+        """What this joint weighs is known: N·m, instead of what the integral has found by now."""
+        self._integral[axis] = torque
 
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup by back-calculation."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from backends.protocol import Feedback
 from pa10d.control.estimator import SpeedEstimator
+from pa10d.control.fall import FallWatch, Weighed
 from pa10d.control.faults import LoopFault
 from pa10d.control.limits import ArmLimits
 from pa10d.control.oscillation import OscillationWatch
@@ -16,6 +17,7 @@ from pa10d.control.pid import Controller, Pid
 from pa10d.control.places import Places
 from pa10d.control.reference import Reference
 from pa10d.control.states import ArmState
+from pa10d.control.stood import StoodWith
 from pa10d.control.torque_exit import TorqueExit
 from pa10d.control.wrong_way import WrongWayWatch
 
@@ -23,6 +25,7 @@ Array = NDArray[np.float64]
 
 BUMPLESS = 0.02  # of the torque limit, by which another control law may change the torque
 FIRST_SECONDS = 2.0  # s of being held in which a torque of the wrong sign would show
+FELL = 0.2  # of the following error that is allowed: such a joint was not held by what was thought
 SOFT = 0.5  # of the bandwidth, for stopping an arm that swings
 CREEPS, STOOD = 0.02, 0.2  # rad/s, slower than which for so many s a joint counts as held
 RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this is none
@@ -31,7 +34,14 @@ RUNAWAY = 1.5  # of following error and speed limit: a stop that is beyond this 
 class TorquePath:
     """All that has a value per joint; (n,) each, joints that are not ``live`` get no torque."""
 
-    def __init__(self, limits: ArmLimits, period: float, make_servo: Callable[[], Pid]) -> None:
+    def __init__(
+        self,
+        limits: ArmLimits,
+        period: float,
+        make_servo: Callable[[], Pid],
+        heaviest: Array | None = None,
+    ) -> None:
+        """heaviest: see ``Arm``."""
         n = len(limits.torque)
         self.limits, self.make_servo = limits, make_servo
         self.controller: Controller = make_servo()
@@ -50,8 +60,13 @@ class TorquePath:
         )
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
+        self._untouched = True  # since power-up no motion was asked for
+        self._caught = False  # a joint that fell is borne by what it weighs
         self._thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
+        self._stood, self._falls = StoodWith(n), FallWatch(n)
+        self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
+        self.fell: tuple[int, Weighed] | None = None  # a joint, as this power-up weighed it
 
     @property
     def q(self) -> Array:
@@ -62,6 +77,11 @@ class TorquePath:
     def dq(self) -> Array:
         """Estimated speed."""
         return self._speed.dq
+
+    @property
+    def _new(self) -> bool:
+        """Whether the arm is held for the first seconds."""
+        return self.time - self._powered_at < FIRST_SECONDS
 
     @property
     def sent(self) -> Array:
@@ -91,6 +111,7 @@ class TorquePath:
         """While brakes open nothing may move but what gravity does until the servo has it."""
         if self.limp:
             return
+        self._falls.see(self.time, self.q, self.sent)
         self._watch_signs()
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
@@ -98,15 +119,47 @@ class TorquePath:
             if violation.kind == "stale":
                 raise
             axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
-            if axis is not None:  # with what, in vain: a URDF may say too little, or too much
-                thought, sent = self._thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
-                cause += f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
-            raise LoopFault("not_held", cause, axis) from violation
+            if axis is not None:
+                cause += self._in_vain(axis)
+            fault = LoopFault("not_held", cause, axis)
+            fault.weighed = self.fell is not None
+            raise fault from violation
+
+    def catch(self) -> None:
+        """Of an arm whose brakes have opened, the joint that falls farthest is borne by what it is
+        seen to weigh, once. Of others, which it takes along, nothing is believed."""
+        far = np.abs(self.q - self.reference.q) / self.limits.following_error
+        axis = int(np.argmax(far))
+        if self._caught or far[axis] < FELL or not isinstance(self.controller, Pid):
+            return
+        thought, most = float(self._thought[axis]), float(self._heaviest[axis])
+        found = self._falls.weighed(axis, thought, most)
+        if found is not None:
+            self.controller.bear(axis, found.torque)
+            self._caught = True
+
+    def _in_vain(self, axis: int) -> str:
+        """With what this joint was to be held, for a URDF may say too little, or too much; and what
+        it weighs, where that can be told from the way it fell."""
+        thought, sent = self._thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
+        said = f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
+        found = self._falls.weighed(axis, float(thought), float(self._heaviest[axis]))
+        if found is None:
+            return said
+        self.fell = axis, found
+        return (
+            f"{said}; by the way it fell about {found.torque:.2g} N·m would have held it: the next "
+            "enabling begins with that"
+        )
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
         if self.limp:
             return
+        self._stood.see(self.q, self.sent)
+        self._untouched &= not self.reference.dq.any()
+        if self._untouched and self._new:
+            self._falls.see(self.time, self.q, self.sent)
         if not stopping_for_fault:
             self._places.see(self.q)
             self._watch_envelope()
@@ -130,14 +183,16 @@ class TorquePath:
             if axis is None or violation.kind == "stale" or not self._swings.suspected(axis):
                 if axis is not None and violation.kind == "following_error":
                     violation.was_there = self._places.towards(self.reference.q, self.q, axis)
+                    if self._untouched and self._new:
+                        violation.cause += self._in_vain(axis)
+                        violation.weighed = self.fell is not None
                 raise
             raise self._swings.violation(axis) from violation
 
     def _watch_signs(self) -> None:
         """While the arm is held for the first time, or stands in a first motion."""
         pushes = isinstance(self.controller, Pid) and self.controller.pushes
-        new = self.time - self._powered_at < FIRST_SECONDS
-        if not (new or pushes):
+        if not (self._new or pushes):
             return
         if self.reference.dq.any():
             self._wrong_way.restart()
@@ -160,6 +215,9 @@ class TorquePath:
         self._swings.restart()
         self._wrong_way.restart()
         self._places.restart(self.q)
+        self._stood.restart()
+        self._falls.restart()
+        self._untouched, self._caught, self.fell = True, False, None
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())
@@ -173,7 +231,13 @@ class TorquePath:
     def held_with(self, thought: Array) -> Array:
         """(n,) N·m: what was sent to joints that have stood for a while, and what is ``thought`` to
         hold all others: what moves a joint does not hold it."""
-        return np.where(self.time - self._moved_at >= STOOD, self.sent, thought)
+        stood = self.time - self._moved_at >= STOOD
+        return np.where(stood, self.rested_with(thought), thought)
+
+    def rested_with(self, thought: Array) -> Array:
+        """(n,) N·m under which each joint came to stand where it is: of all that it was sent there
+        what is nearest to the ``thought`` weight, for a joint may be pressed against something."""
+        return self._stood.nearest(thought, self.sent)
 
     def power_down(self) -> None:
         """The drives are off."""

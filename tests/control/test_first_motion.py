@@ -94,9 +94,7 @@ def test_a_wrist_that_its_urdf_does_not_hold_is_held_where_it_is_said_to_be(weig
         assert fault is None
         return
     assert (fault.kind, fault.joint) == ("not_held", 6)
-    assert "0.33 N·m was to hold it" in fault.sentence
     assert "masses or centres" in fault.sentence
-    assert "is held in a pose in which gravity does little" in fault.sentence
 
 
 def test_a_spring_is_told_from_a_light_joint():

@@ -85,25 +85,47 @@ def test_a_stop_that_is_left_to_the_drives_forgets_no_torque_of_what_stood(arm):
     assert fastest[1] == pytest.approx(jolt, rel=0.2), "what drove it does not hold it"
 
 
+def walled(arm):
+    """From here on every joint stands where it is, whatever pushes it → what ends that."""
+    plant = arm.backend.plant
+    free, wall = plant.step, plant.q.copy()
+
+    def against_a_wall(torque, dt):
+        free(torque, dt)
+        plant.q[:], plant.dq[:] = wall, 0.0
+
+    plant.step = against_a_wall
+    return lambda: setattr(plant, "step", free)
+
+
 def test_what_pressed_against_an_obstacle_is_not_what_holds(arm):
     """Its torque is that of a servo which does not get on; powered again, with the obstacle gone,
     the joint would be thrown after it."""
     jolt = enabled(arm)
     cycles(arm, 500)
-    free = arm.backend.plant.step
-
-    def against_a_wall(torque, dt):
-        free(torque, dt)
-        arm.backend.plant.q[:], arm.backend.plant.dq[:] = wall, 0.0
-
-    wall = arm.backend.plant.q.copy()
-    arm.backend.plant.step = against_a_wall
+    free = walled(arm)
     arm.run(swing(arm.path.reference.q))
     until(arm, ArmState.FAULT)
     assert arm.fault.kind == "following_error"
-    arm.backend.plant.step = free
+    free()
     arm.reset()
     until(arm, INACTIVE)
+    assert enabled(arm) == pytest.approx(jolt, rel=0.2)
+
+
+def test_nor_does_it_after_an_ordinary_disable(arm):
+    """Within its bound of the following error a joint is pressed as hard, and no fault says so."""
+    jolt = enabled(arm)
+    cycles(arm, 1000)
+    free = walled(arm)
+    arm.run(swing(arm.path.reference.q, amplitude=0.05, seconds=1.0))
+    cycles(arm, 250)
+    arm.stop()
+    until(arm, HOLDING)
+    cycles(arm, 1000)
+    assert (arm.path.sent > 2.0 * LOAD).all(), "the obstacle is pressed"
+    switched_off(arm)
+    free()
     assert enabled(arm) == pytest.approx(jolt, rel=0.2)
 
 

@@ -48,3 +48,17 @@ def test_gains_that_bring_a_joint_back_are_left_alone():
     soft = Pid(PidGains(np.array([0.8]), stiff.ki, stiff.kd, stiff.push), LIMIT, PERIOD)
     soft._pushed[:] = 2.0
     assert soft._push(np.array([-0.08]), np.array([0.2])) < 0.0
+
+
+def test_a_joint_that_sways_is_not_driven_on():
+    """It stands for a moment each time it turns round; a push then feeds the sway."""
+    gains = PidGains(*(np.array([k]) for k in (40.0, 0.0, 2.0)), push=0.12 * LIMIT)
+    servo = Pid(gains, LIMIT, PERIOD)
+    at = SimpleNamespace(q=np.zeros(1), dq=np.zeros(1), extra=np.zeros(1))
+    for t in np.arange(0.0, 20.0, PERIOD):
+        q, dq = 0.02 + 0.01 * np.sin(2.0 * t), 0.02 * np.cos(2.0 * t)
+        servo.torque(at, np.array([q]), np.array([dq]))
+    assert servo._pushed[0] == 0.0
+    for _ in range(round(1.0 / PERIOD)):
+        servo.torque(at, np.array([0.02]), np.zeros(1))
+    assert servo._pushed[0] < -0.05 * LIMIT[0], "one that sticks is pushed"

@@ -80,6 +80,8 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(
     robot.speeds = []
 
     class Experiment:
+        falls = ()
+
         def __init__(self, daemon, request, report, figures):
             self.request = request
             assert request.parameters["part"] == "friction"

@@ -83,3 +83,27 @@ def test_what_somebody_has_stopped_is_not_tried_again(monkeypatch, tmp_path):
     paces, found = tried(monkeypatch, [FAST, FAST], asked, tmp_path, stopped_at=1)
     assert paces == [1.0]
     assert isinstance(found, Stopped)
+
+
+FELL = Fault("not_held", "moves at 0.8 rad/s; about 0.3 N·m would have held it", 5, weighed=True)
+
+
+def test_a_joint_that_told_its_weight_as_it_fell_is_enabled_again(monkeypatch, tmp_path):
+    """Each joint of its own, and as fast as before: it was never moved."""
+    other = replace(FELL, axis=6)
+    paces, found = tried(monkeypatch, [FELL, FELL, other], MotionRequest("x"), tmp_path)
+    assert paces == 4 * [1.0]
+    assert [note[:7] for note in found.notes] == ["joint 6", "joint 6", "joint 7"]
+
+
+def test_it_falls_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
+    monkeypatch, tmp_path
+):
+    for faults, tries in (([FELL] * 9, TRIES), ([replace(FELL, weighed=False)], 1)):
+        paces, error = tried(monkeypatch, faults, MotionRequest("x"), tmp_path)
+        assert (len(paces), type(error)) == (tries, UserError)
+
+
+def test_nor_after_a_stop(monkeypatch, tmp_path):
+    paces, error = tried(monkeypatch, [FELL], MotionRequest("x"), tmp_path, stopped_at=1)
+    assert (len(paces), type(error)) == (1, Stopped)

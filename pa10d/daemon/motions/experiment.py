@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
-TRIES = 3  # with calmer gains, or slower, each
+TRIES = 3  # with calmer gains, or slower, each; of one joint, to be held at all
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 PASSING = ("disk",)  # subjects of what a plan is checked for that are no lack of its own
@@ -108,21 +109,40 @@ class Experiment:
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(NUMBERS)}"
         self.moved = False
+        self.falls: list[str] = []  # of its notes those of joints that were not held at first
         self.result = Outcome(request.kind)
 
     async def carry_out(self) -> Outcome:
         """To the end; the arm is left as it was found. An arm that was measured is tried with
         calmer gains where it swings, and slower where it was predicted to follow and did not."""
-        for _ in range(TRIES - 1):
+        tries, fell = 1, Counter[int | None]()
+        while True:
             try:
                 return await self._once()
             except Stopped:
                 raise
             except UserError:
                 self._robot.stops.refuse()
-                if not (await self._calmed() or await self._slowed()):
+                if await self._weighed(fell):
+                    continue
+                if tries == TRIES or not (await self._calmed() or await self._slowed()):
                     raise
-        return await self._once()
+                tries += 1
+
+    async def _weighed(self, fell: Counter[int | None]) -> bool:
+        """Whether a joint was not held, and how it fell told what holds it: then the next enabling
+        begins with that. It may fall as far each time: few are allowed. fell: how often."""
+        fault = self._robot.fault
+        if fault is None or not fault.weighed:
+            return False
+        fell[fault.joint] += 1
+        if fell[fault.joint] >= TRIES:
+            return False
+        self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
+        self.result.notes.append(self.falls[-1])
+        await self._robot.reset()
+        self._begin_again()
+        return True
 
     async def _calmed(self) -> bool:
         """Whether the arm swung, and has got calmer gains; the fault is left for that."""

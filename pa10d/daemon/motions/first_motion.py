@@ -99,6 +99,7 @@ class FirstMotion:
             try:
                 found = await experiment.carry_out()
             except UserError as error:
+                self.result.notes += experiment.falls
                 self._robot.stops.refuse()
                 fault = self._robot.fault
                 if fault is None or fault.kind not in STILL:
@@ -116,6 +117,7 @@ class FirstMotion:
                 await self._robot.reset()
                 continue
             self.moved = True
+            self.result.notes += experiment.falls
             self.result.seconds = (self.result.seconds or 0.0) + (found.seconds or 0.0)
             self.result.recorded += found.recorded
             self.result.runs += found.runs

@@ -1,0 +1,136 @@
+"""A joint that is not held as its brake opens shows what it weighs by the way it falls."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arm_bench import ArmBench
+from arms import PERIOD, cycles, limits, servo, until
+from fake_backend import FakeBackend, Flywheels
+
+from pa10d.control.arm import Arm
+from pa10d.control.fall import LACKING, SURE, FallWatch, weight_of
+from pa10d.control.gains import PidGains
+from pa10d.control.journal import Journal
+from pa10d.control.pid import Pid
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+
+J, WEIGHT, RUBS = 0.02, 1.0, 0.1  # kg·m², N·m, N·m
+
+
+def falling(pushes, seconds=0.1, period=0.004, noise=0.0, sign=1.0):
+    """s, rad and N·m as they are seen: a joint that weighs WEIGHT and rubs, pushed back by its
+    servo with ``pushes`` N·m/rad. One cycle passes until a torque acts."""
+    rng = np.random.default_rng(3)
+    t, q, sent, v = [0.0], [0.0], [0.3], 0.0
+    while t[-1] < seconds:
+        before, v = v, min(0.0, v + period / J * (sign * sent[-1] - WEIGHT + RUBS))
+        q.append(q[-1] + period * 0.5 * (before + v))
+        t.append(t[-1] + period)
+        sent.append(0.3 - pushes * (q[-2] if len(q) > 2 else 0.0))
+    return np.array(t), np.array(q) + noise * rng.standard_normal(len(q)), np.array(sent)
+
+
+def test_weight_beside_friction_is_told_from_inertia_by_what_pushes_back():
+    found = weight_of(*falling(8.0))
+    assert found.torque == pytest.approx(WEIGHT - RUBS, abs=0.01)
+
+
+def test_its_error_is_what_noise_makes_of_it():
+    found = weight_of(*falling(8.0, noise=2e-5))
+    assert 0 < abs(found.torque - (WEIGHT - RUBS)) < 4 * found.error
+    assert found.error < 0.1
+
+
+def test_a_torque_that_never_changes_tells_no_weight():
+    """Whether it is heavy and inert, or neither."""
+    assert weight_of(*falling(0.0)) is None
+
+
+def test_nor_does_one_of_the_wrong_sign():
+    assert weight_of(*falling(8.0, sign=-1.0)) is None
+
+
+def seen(t, q, sent):
+    watch = FallWatch(1)
+    for row in zip(t, q, sent, strict=True):
+        watch.see(row[0], np.array(row[1:2]), np.array(row[2:3]))
+    return watch
+
+
+def test_only_what_comes_surely_nearer_counts_and_nothing_that_no_weight_can_be():
+    clear, early = seen(*falling(8.0)), falling(8.0, seconds=0.06, noise=1e-5)
+    assert clear.weighed(0, 0.3, 3.0) is not None
+    assert clear.weighed(0, 0.3, 0.8) is None, "more than it may weigh"
+    assert seen(*early).weighed(0, 0.3, 3.0) is not None
+    assert weight_of(*early).error > LACKING / SURE * 0.05
+    assert seen(*early).weighed(0, 0.8, 3.0) is None, "it may be no nearer than what is thought"
+
+
+def wrist(weighs, turns):
+    """The PA10's at 100 Hz, without friction, turned to where gravity pulls at it most; turns:
+    share of its inertia."""
+    more = {key: [1, 1, 1, 1, 1, by, by] for key, by in (("mass", weighs), ("inertia", turns))}
+    return ArmBench(100.0, friction=0.0, pose=[0, 0, 0, 0, 0, np.pi / 2, 0], **more)
+
+
+@pytest.mark.parametrize("weighs", [2.0, 3.0, 0.3])
+def test_a_wrist_that_its_urdf_weighs_wrongly_is_caught(weighs):
+    """The servo alone is too weak there: of three times its weight it fell by 0.49 rad."""
+    arm = wrist(weighs, weighs)
+    start, began = arm.plant.measure()[0], arm.ring.written
+    assert arm.enable() is None
+    rows, _ = arm.ring.read(began)
+    went = np.abs(arm.ring.layout.get(rows, "q") - start).max(axis=0)
+    assert went[5] < 0.25
+
+
+def test_one_that_falls_too_fast_for_that_is_held_the_next_time():
+    """Heavy, and hardly inert. Brakes catch it; enabling again begins with what it weighs."""
+    arm = wrist(3.0, 1.0)
+    fault = arm.enable()
+    assert (fault.kind, fault.joint, fault.weighed) == ("not_held", 6, True)
+    assert "0.33 N·m was to hold it" in fault.sentence
+    assert "about 0.99 N·m would have held it" in fault.sentence
+    arm._reset()
+    assert arm.enable() is None
+
+
+def test_the_next_enabling_begins_with_what_no_servo_has_found():
+    """Nor is anything begun with that no weight can be, whatever the fall looks like."""
+    for heaviest, begins in ((10.0, 6.0), (2.0, 0.5)):
+        arm = fallen(heaviest)
+        assert arm.fault.weighed == (heaviest > 6.0)
+        until(arm, ArmState.FAULT)
+        arm.reset()
+        until(arm, ArmState.INACTIVE)
+        arm.enable()
+        assert arm.path._thought[0] == pytest.approx(begins, abs=0.2)
+
+
+class Falls(Flywheels):
+    """Of two joints the first weighs 6 N·m."""
+
+    def step(self, torque, dt):
+        super().step(np.asarray(torque) - np.array([6.0, 0.0]), dt)
+
+
+def fallen(heaviest):
+    """An arm whose servo is too weak to hold a joint that weighs more than is thought."""
+    firm = servo().gains
+    weak = PidGains(0.02 * firm.kp, 0.0 * firm.ki, 0.2 * firm.kd)
+    arm = Arm(
+        FakeBackend(Falls(2), PERIOD),
+        limits(),
+        lambda: Pid(weak, limits().torque, PERIOD),
+        lambda q: np.array([0.5, 0.0]),
+        Journal(Ring.create(2, 4096, PERIOD)),
+        np.array([heaviest, 1.0]),
+    )
+    arm.connect()
+    cycles(arm, 3)
+    arm.path.catch = lambda: None  # it is to fall
+    arm.enable()
+    until(arm, ArmState.FAULT)
+    return arm
