@@ -6,7 +6,7 @@ less far: it keeps the error that it may have as its margin.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -103,10 +103,12 @@ def paced(
     rate: float,
     joints: Joints,
     slower: Slower = AS_ASKED,
+    remedy: Callable[[], str] = lambda: REMEDY,
 ) -> Paced:
     """The plan itself where it can be followed, else at the first pace at which it can; joints that
     would come close to their position limits turn less far, and so do those that could be followed
-    at no pace: what gravity may be off by does not get less by slowness alone."""
+    at no pace: what gravity may be off by does not get less by slowness alone. remedy: what to do
+    about a motion that is refused."""
 
     def as_felt(whole: Whole) -> Whole:
         return _without_torque(whole) if len(joints.figures.bodies) else whole
@@ -152,7 +154,7 @@ def paced(
         if not (found.over(limits) > 1.0).any():
             break
     whole = whole_motion(plan, start, robot, rate)
-    text = f"{first}, and at a quarter of the speed {answer}; {REMEDY}"
+    text = f"{first}, and at a quarter of the speed {answer}; {remedy()}"
     return Paced(plan, whole, Check("error", "tracking", text))
 
 

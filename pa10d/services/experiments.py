@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.experiments.slower import Slower
 from pa10d.identify.scale import Body
+from pa10d.services.faster import ways_to_follow
 from pa10d.services.library import open_library
 from pa10d.services.memory import refuse_endless_motion
 from pa10d.services.responses import steps_in
@@ -118,7 +120,9 @@ def prepare_motion(
         (place / PLAN).write_text(json.dumps(told), encoding="utf-8")
     if figures is not None and not under_way:
         known = Joints(figures, gains, ahead)
-        chosen = paced(plan, np.array(start), robot, bounds, rate, known, Slower(**slower or {}))
+        asked_as, at = Slower(**slower or {}), np.array(start)
+        ways = partial(ways_to_follow, found, robot, plan, at, known, asked_as)
+        chosen = paced(plan, at, robot, bounds, rate, known, asked_as, ways)
         whole, said = chosen.whole, [chosen.check]
         adjusted = None if chosen.adjusted is None else chosen.adjusted.document()
         if chosen.plan is not plan:

@@ -192,12 +192,12 @@ def _ways(profile: Profile, robot: Robot, figures: JointFigures, shaky: list[int
         if _margins(_peaks_at(profile.control.rate, free, robot, figures), shaky):
             return out
     if (faster := _faster(free, robot, figures, shaky)) is None:
-        most = f"{np.floor(_most(profile)):g} Hz, all that this bus carries"
+        most = f"{np.floor(most_rate(profile)):g} Hz, all that this bus carries"
         return [f"no control.rate would do (up to {most}): lighten what that joint carries"]
     return [", ".join([f"raise control.rate to {faster}", *out])]
 
 
-def _most(profile: Profile) -> float:
+def most_rate(profile: Profile) -> float:
     """Hz that the profile's bus carries."""
     return profile_budget(profile).max_rate if profile.drives else np.inf
 
@@ -218,7 +218,7 @@ def _faster(profile: Profile, robot: Robot, figures: JointFigures, shaky: list[i
     """To which rate: the first at which the shaky joints have their margins. One at which they are
     only just stable holds them by this description, and no longer by what is measured next. None
     where no rate that the bus carries holds them."""
-    rates = [r for r in FASTER if profile.control.rate < r <= _most(profile)]
+    rates = [r for r in FASTER if profile.control.rate < r <= most_rate(profile)]
     peaks = {r: _peaks_at(r, profile, robot, figures) for r in rates}
     held = [r for r in rates if np.isfinite(peaks[r]).all()]
     for r in held:
