@@ -112,7 +112,7 @@ def diagnose(
     left, again = judged(versions[-1].name, seen), repeatable(seen)
     over = left_over(state, seen, left, again, only is None, apart, given)
     say(0.9, "standard errors and doubts")
-    said_of = [u for u in over.unexplained if not (isinstance(u, Unnamed) and u.nowhere)]
+    said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
     open_ = unsaid(left, said_of) if only is None else []
     silent = [j for j in open_ if np.isfinite(left.ratio[j])]
     floor = left.floor.values

@@ -196,6 +196,19 @@ def test_where_an_error_is_larger_is_said_and_claims_nothing_by_itself(ratio, cl
     assert said.significant == claimed
 
 
+@pytest.mark.parametrize(("share", "beside"), [(0.1, True), (0.7, False)])
+def test_where_more_lies_than_a_witness_speaks_of_is_said_with_what_acts_there(share, beside):
+    """Play: a tenth of it swings on, and four fifths lie where the load changes its sign."""
+    region = Region(Quantity("load", 0, "N·m"), -0.9, 0.8, False, False, 0.82, 0.21)
+    place = Place(0, region, sentence(0, region, "N·m"), 1e-3)
+    left = judged(31.0, source="high frequencies")
+    swings = Unnamed(0, share, 0.1, 1e-6, "ring", hertz=6.5)
+    (said,) = remaining(left, [None], [swings], ["N·m"], stand_out=[place])
+    assert "swings at about 6.5 Hz" in said.sentence
+    assert ("carries 82 % of its squared error" in said.sentence) == beside
+    assert ("play, or a gear or a belt that gives" in said.sentence) == beside
+
+
 def test_what_is_there_around_reversals_is_told_unless_the_fit_leaves_as_much_open():
     """The same witness, with and without doubt of the model's own that covers it."""
     around = Turning(p_value=1e-9, share=0.5, larger=40, strokes=40)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.common.words import listed, percent, times
 from pa10d.compare.places import Place
+from pa10d.compare.regions import Region
 from pa10d.diagnose.constants import (
     AT_RANDOM,
     BEYOND_NOISE,
@@ -66,11 +67,6 @@ class Unnamed:
     hertz: float = float("nan")
     seconds: float = float("nan")
     runs: tuple[str, ...] = ()
-
-    @property
-    def nowhere(self) -> bool:
-        """Nothing says where in the motion it is."""
-        return self.witness in ("size", "again")
 
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
@@ -487,7 +483,14 @@ def _with_sentence(
             f"{size}, but motion does not predict it: slow noise, or what this data cannot show. "
             "Record one motion twice: what comes again is no noise"
         )
-    return Remaining(**{**vars(line), "sentence": f"{text}."})
+    return Remaining(**{**vars(line), "sentence": f"{text}{_beside(left, place, text)}."})
+
+
+def _beside(left: Unexplained | None, place: Place | None, text: str) -> str:
+    """Where more of it lies than its witness speaks of."""
+    if not isinstance(left, Unnamed) or place is None or _told(place) in text:
+        return ""
+    return f". {_with_hint(place)}" if place.what.excess > left.share else ""
 
 
 def _read(joint: int, variables: Sequence[str]) -> str:
@@ -499,7 +502,19 @@ def _read(joint: int, variables: Sequence[str]) -> str:
 
 
 def _told(place: Place) -> str:
-    return f"{place.sentence[0].lower()}{place.sentence[1:]}"
+    said = _with_hint(place)
+    return f"{said[0].lower()}{said[1:]}"
+
+
+def _with_hint(place: Place) -> str:
+    """With what acts where a load changes its sign."""
+    what = place.what
+    crosses = isinstance(what, Region) and what.low < 0.0 < what.high
+    if not (crosses and what.quantity is not None and what.quantity.kind == "load"):
+        return place.sentence
+    return (
+        f"{place.sentence}: play, or a gear or a belt that gives, acts where a load changes sides"
+    )
 
 
 def _with_gain(line: Remaining, gain: Structure, found: bool) -> Remaining:
