@@ -24,6 +24,7 @@ COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
 BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that much too low
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
 CONTRADICTED_LEVEL = 1e-3  # of a whole diagnosis, that fitted runs contradict each other
+GEOMETRY_LEVEL = 1e-3  # of a whole diagnosis, that lengths or axes are not as the URDF says
 STEP_LEVEL = 1e-3  # of a whole diagnosis, that a joint changes at one moment of its runs
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
@@ -118,6 +119,9 @@ STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two parts, may differ:
 #   most of it
+FARTHEST_AXIS = 0.3  # rad by which an axis may point elsewhere: a URDF is wrong by less or by 90°,
+#   and a first order tells no more
+FARTHEST_ORIGIN = 0.3  # of the arm's longest link, that a joint may sit elsewhere, likewise
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)

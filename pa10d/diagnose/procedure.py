@@ -38,6 +38,7 @@ from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless
 from pa10d.diagnose.unknown.beyond import beyond
+from pa10d.diagnose.unknown.geometry import Geometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
 from pa10d.diagnose.unknown.remaining import (
     Remaining,
@@ -104,13 +105,17 @@ def diagnose(
             search.run(steps)
     if only is None:
         search.contest()
-    apart = _between_runs(search, given, given_error) if only is None and not frozen else ()
+    whole = only is None and not frozen
+    apart = _between_runs(search, given, given_error) if whole else ()
+    geometry = Geometry((), search.state)
+    if whole and not apart:
+        geometry = _geometry(search, given, given_error)
     state = search.state
     say(0.85, "looking for structure that the library does not know")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
     left, again = judged(versions[-1].name, seen), repeatable(seen)
-    over = left_over(state, seen, left, again, only is None, apart, given)
+    over = left_over(state, seen, left, again, only is None, [*apart, *geometry.told], given)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
     open_ = unsaid(left, said_of) if only is None else []
@@ -149,7 +154,7 @@ def diagnose(
         as_given=given_error,
         left=left,
         cutoff=model.cutoff,
-        findings=tuple(_beside_more(one, lines) for one in findings),
+        findings=tuple(_or_geometry(_beside_more(one, lines), geometry) for one in findings),
         unexplained=over.unexplained,
         remaining=lines,
         model=versions[-1],
@@ -273,6 +278,25 @@ def _between_runs(search: Search, given: int, as_given: Judgement) -> tuple[Apar
         search.state = rest
         search.settle()
     return contradiction(search.state, may_change, floor).told
+
+
+def _geometry(search: Search, given: int, as_given: Judgement) -> Geometry:
+    """Whether lengths or axes are not as the URDF says; findings that only stood in for that are
+    dropped."""
+    likewise = [(e, j) for e, j in search.suspects if e.seen_by_shared_bodies]
+    found = other_geometry(search.state, likewise, given, as_given.floor.values)
+    if found.state is not search.state:
+        search.state = found.state
+        search.settle()
+    return found
+
+
+def _or_geometry(finding: Finding, geometry: Geometry) -> Finding:
+    """With what would do as well as the finding."""
+    if (finding.term.effect_id, finding.term.joints) not in geometry.as_well:
+        return finding
+    text = f" An arm that is not as its URDF says would do as well: {geometry.words}."
+    return replace(finding, sentence=finding.sentence + text)
 
 
 def _usual(model: TorqueModel, given: Judgement) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
@@ -34,6 +35,12 @@ APART = (
 )
 
 
+MISPLACED = (
+    "Bodies and effects bend to a geometry that is wrong. Compare the URDF with the arm or its "
+    "drawing, put it right and identify anew."
+)
+
+
 STEP = (
     "No one model is right before and after that moment. Look over time, in a comparison, what "
     "happened then; fit a model to runs in which it does not happen."
@@ -48,6 +55,10 @@ def unexplained_section(
     if isinstance(s, Apart):
         said = [Text(found.remaining[s.joint].sentence), Text(APART)]
         name = f"Joint {s.joint + 1}: the fitted runs contradict each other"
+        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+    if isinstance(s, OtherGeometry):
+        said = [Text(found.remaining[s.joint].sentence), Text(MISPLACED)]
+        name = f"Joint {s.joint + 1}: the URDF's geometry may be wrong"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, Unnamed) and s.witness == "step":
         said = [Text(found.remaining[s.joint].sentence), Text(STEP)]

@@ -10,6 +10,7 @@ from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
@@ -106,6 +107,8 @@ def structure_words(s: Unexplained) -> str:
     """``38 % of joint 2's squared error depends on position of joint 2 and …``."""
     if isinstance(s, Apart):
         return f"joint {s.joint + 1} {s.words}"
+    if isinstance(s, OtherGeometry):
+        return f"{percent(s.share)} of joint {s.joint + 1}'s squared error ({s.words})"
     if isinstance(s, Unnamed) and s.witness == "step":
         return f"{percent(s.share)} of joint {s.joint + 1}'s squared error is {s.step_words}"
     if not s.variables:

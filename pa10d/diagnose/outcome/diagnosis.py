@@ -14,6 +14,7 @@ from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects import Value
@@ -150,11 +151,22 @@ class Diagnosis:
         return tuple(one for one in self.unexplained if isinstance(one, Apart))
 
     @property
+    def misplaced(self) -> tuple[OtherGeometry, ...]:
+        """Joints whose errors ask for another geometry than the URDF's."""
+        return tuple(one for one in self.unexplained if isinstance(one, OtherGeometry))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
         beside = [self.beside] if self.beside else []
-        own = (*self._apart(), *self._no_estimates(), *self._own_runs(), *beside)
+        own = (
+            *self._apart(),
+            *self._misplaced(),
+            *self._no_estimates(),
+            *self._own_runs(),
+            *beside,
+        )
         return (
             (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
             if found
@@ -172,6 +184,16 @@ class Diagnosis:
             f"them is right in none; look what was changed between {listed(one.others)} and "
             f"{listed(one.runs)}, fit to one side alone, and ask of the other what has changed "
             "(frozen)",
+        )
+
+    def _misplaced(self) -> tuple[str, ...]:
+        """What to do where the URDF's geometry may be wrong."""
+        if not self.misplaced:
+            return ()
+        return (
+            f"the URDF's geometry may be wrong: {self.misplaced[0].words}; compare it with the "
+            "arm or its drawing, and identify anew with a URDF that is right: bodies and effects "
+            "bend to a wrong one",
         )
 
     def _no_estimates(self) -> tuple[str, ...]:

@@ -206,6 +206,8 @@ def unexplained(found: Diagnosis) -> str:
         return f"Something is left that {found.only} does not explain; nothing else was looked for"
     if {one.joint for one in found.unexplained} == {one.joint for one in found.contradicted}:
         return "The fitted runs contradict each other: they ask for different parameters"
+    if {one.joint for one in found.unexplained} == {one.joint for one in found.misplaced}:
+        return "No effect of the library, but lengths or axes other than the URDF's explain it"
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
     if {one.joint for one in found.unexplained} <= set(found.lacked):

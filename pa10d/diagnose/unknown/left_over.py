@@ -24,6 +24,7 @@ from pa10d.diagnose.evidence.errors_of import (
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.humming import hums
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
@@ -67,12 +68,13 @@ def left_over(
     left: Judgement,
     again: Sequence[Repeatable | None],
     searched: bool,
-    apart: Sequence[Apart] = (),
+    apart: Sequence[Apart | OtherGeometry] = (),
     given: int = 0,
 ) -> LeftOver:
     """seen: the held-out side as the model with all findings sees it; left: its errors there;
     again: what comes again of them; searched: more than one suspicion was looked for; apart: what
-    fitted runs contradict each other in; given: terms that the model had before."""
+    fitted runs contradict each other in, or lengths and axes that are not the URDF's; given: terms
+    that the model had before."""
     maps, slight = material(left, find_structure(state) if searched else [])
     apart = _more_than_maps(apart, maps)
     contradicted = {one.joint for one in apart}
@@ -106,7 +108,9 @@ def left_over(
     return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined)
 
 
-def _more_than_maps(apart: Sequence[Apart], maps: Sequence[Structure]) -> list[Apart]:
+def _more_than_maps(
+    apart: Sequence[Apart | OtherGeometry], maps: Sequence[Structure]
+) -> list[Apart | OtherGeometry]:
     """Those that say more of their joint than its map does: what a model lacks looks like a change
     between runs that move differently."""
     shares = {m.joint: m.share for m in maps}

@@ -25,6 +25,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
+from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
 from pa10d.diagnose.unknown.stepping import StepInTime
@@ -91,7 +92,7 @@ class Unnamed:
         return cls(ring.joint, ring.share, ring.rms, ring.p_value, "ring", hertz=ring.hertz)
 
 
-Unexplained = Structure | Unnamed | Apart
+Unexplained = Structure | Unnamed | Apart | OtherGeometry
 
 
 @dataclass(frozen=True)
@@ -361,6 +362,11 @@ def _with_sentence(
         text = (
             f"{size}; the fitted runs contradict each other: {left.words}, which is "
             f"{percent(left.share)} of the squared error that the fit leaves there"
+        )
+    elif isinstance(left, OtherGeometry):
+        text = (
+            f"{size}; {percent(left.share)} of its squared error is gone where the arm is not as "
+            f"its URDF says: {left.words}"
         )
     elif beyond is not None and unsaid and line.material is not False and not line.repeatable:
         text = (
