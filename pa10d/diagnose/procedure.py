@@ -146,6 +146,7 @@ def diagnose(
         held.silent,
         over.undetermined,
         lines_above_band(orders, left.cutoff, left.rms),
+        over.beside,
     )
     say(1.0, "done")
     return Diagnosis(

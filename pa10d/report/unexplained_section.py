@@ -36,8 +36,8 @@ APART = (
 
 
 MISPLACED = (
-    "Bodies and effects bend to a geometry that is wrong. Compare the URDF with the arm or its "
-    "drawing, put it right and identify anew."
+    "Bodies and effects bend to a length, an axis or an angle that is wrong. Compare the URDF with "
+    "the arm or its drawing, put right what is wrong and identify anew."
 )
 
 
@@ -58,7 +58,7 @@ def unexplained_section(
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, OtherGeometry):
         said = [Text(found.remaining[s.joint].sentence), Text(MISPLACED)]
-        name = f"Joint {s.joint + 1}: the URDF's geometry may be wrong"
+        name = f"Joint {s.joint + 1}: the arm may not be as its URDF says"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, Unnamed) and s.witness == "step":
         said = [Text(found.remaining[s.joint].sentence), Text(STEP)]

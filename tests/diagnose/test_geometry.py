@@ -83,6 +83,23 @@ def test_neither_a_clean_arm_nor_a_zero_nor_a_tilt_is_told_as_geometry(zero, lea
     assert told_of(of_turret(turret(), np.array(zero), lean), turret()) == ()
 
 
+def with_ring(joint, by):
+    """(runs, robot): its angle reads too high by sin(q) and cos(q) so much, rad."""
+    runs = of_turret(turret(), np.zeros(3), 0.0)
+    for run in runs.values():
+        q = run.q[:, joint].copy()
+        run.q[:, joint] += by[0] * np.sin(q) + by[1] * np.cos(q)
+    return runs, turret()
+
+
+def test_a_ring_that_is_not_centred_is_told_with_its_size():
+    told = told_of(*with_ring(1, (0.03, 0.01)))
+    assert len(told) > 1
+    (where,) = told[0].misplaced
+    assert (where.freedom.joint, where.freedom.kind) == (1, "ring")
+    assert np.allclose(where.by, (0.03, 0.01), atol=4e-3)
+
+
 def test_a_spring_that_stood_in_for_it_is_dropped():
     found = found_in(*elsewhere(1, "origin", (0.02, 0.0, 0.0)), ("spring", 1))
     assert [t.effect_id for t in found.state.terms if t.effect_id == "spring"] == []
@@ -114,15 +131,15 @@ def test_it_is_said_in_the_headline_on_the_joint_and_what_to_do():
     runs, said = elsewhere(1, "origin", (0.02, 0.0, 0.0))
     found = diagnose(model_of(runs, said), [runs[n] for n in FIT], [runs[n] for n in HELD])
     assert (found.verdict, found.findings) == ("unknown", ())
-    assert unexplained(found).startswith("No effect of the library, but lengths or axes")
+    assert unexplained(found).startswith("No effect of the library, but an arm that is not")
     where = "joint 2 sits about 20 mm elsewhere, mostly along +x"
     assert where in found.remaining[0].sentence
     assert where in headline(found)
     (what,) = found.warnings
-    assert "the URDF's geometry may be wrong" in what
+    assert "the arm may not be as its URDF says" in what
     asked = Asked("m0", list(FIT), list(HELD))
     section = unexplained_section(found, found.misplaced[0], None, asked)
-    assert section.title == "Joint 1: the URDF's geometry may be wrong"
+    assert section.title == "Joint 1: the arm may not be as its URDF says"
 
 
 def test_columns_are_what_a_small_change_of_the_tree_does():
@@ -131,6 +148,25 @@ def test_columns_are_what_a_small_change_of_the_tree_does():
     for freedom in freedoms(robot):
         slope = freedom.torque(robot, robot.parameters, motion)
         for k, unit in enumerate(1e-3 * np.eye(freedom.along.shape[1])):
-            there = inverse_dynamics(freedom.moved(robot, unit), robot.parameters, *motion)
-            back = inverse_dynamics(freedom.moved(robot, -unit), robot.parameters, *motion)
+            if freedom.kind == "ring":
+                there, back = (
+                    inverse_dynamics(robot, robot.parameters, *freedom.read(motion, by))
+                    for by in (unit, -unit)
+                )
+            else:
+                there, back = (
+                    inverse_dynamics(freedom.moved(robot, by), robot.parameters, *motion)
+                    for by in (unit, -unit)
+                )
             assert np.allclose(slope[..., k], (there - back) / 2e-3, atol=1e-3)
+
+
+def test_a_ring_reads_the_motion_that_its_angle_has():
+    """Against differences in time."""
+    t, by = np.arange(0.0, 1.0, 1e-4), np.array([0.004, 0.002])
+    q, dq, ddq = np.sin(3 * t), 3 * np.cos(3 * t), -9 * np.sin(3 * t)
+    freedom = Freedom(0, "ring", np.eye(2))
+    true = [x[:, 0] for x in freedom.read([x[:, None] for x in (q, dq, ddq)], by)]
+    assert np.allclose(true[0], q - by[0] * np.sin(q) - by[1] * np.cos(q))
+    assert np.allclose(np.gradient(true[0], t)[1:-1], true[1][1:-1], atol=1e-6)
+    assert np.allclose(np.gradient(true[1], t)[1:-1], true[2][1:-1], atol=1e-5)

@@ -191,9 +191,8 @@ class Diagnosis:
         if not self.misplaced:
             return ()
         return (
-            f"the URDF's geometry may be wrong: {self.misplaced[0].words}; compare it with the "
-            "arm or its drawing, and identify anew with a URDF that is right: bodies and effects "
-            "bend to a wrong one",
+            f"the arm may not be as its URDF says: {self.misplaced[0].words}; compare both, and "
+            "identify anew once they agree: bodies and effects bend to what is wrong",
         )
 
     def _no_estimates(self) -> tuple[str, ...]:

@@ -207,7 +207,7 @@ def unexplained(found: Diagnosis) -> str:
     if {one.joint for one in found.unexplained} == {one.joint for one in found.contradicted}:
         return "The fitted runs contradict each other: they ask for different parameters"
     if {one.joint for one in found.unexplained} == {one.joint for one in found.misplaced}:
-        return "No effect of the library, but lengths or axes other than the URDF's explain it"
+        return "No effect of the library, but an arm that is not as its URDF says explains it"
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
     if {one.joint for one in found.unexplained} <= set(found.lacked):

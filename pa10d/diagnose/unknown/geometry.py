@@ -1,9 +1,10 @@
-"""Lengths and axes that are not as the URDF says: several joints' errors, and one cause for them.
+"""An arm that is not as its URDF says: errors of several joints, and one cause for them.
 
-Bodies are fitted, lengths and axes are believed. Where those are wrong no bodies fit all joints,
-and what is left looks like a spring here and a contact there. So a joint's frame elsewhere (0271)
-is tried as other parameters are, to first order, beside zeros, gains and a tilted base, which
-contradict the bodies likewise; and findings that it can do without are dropped or doubted.
+Bodies are fitted; lengths, axes and angles are believed. Where those are wrong no bodies fit all
+joints, and what is left looks like a spring here and a contact there. So a joint's frame elsewhere,
+and a ring that is not centred (0271), are tried as other parameters are, to first order, beside
+zeros, gains and a tilted base, which contradict the bodies likewise; and findings that they can do
+without are dropped or doubted.
 """
 
 from __future__ import annotations
@@ -32,12 +33,14 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import fit_side_power, judge, rivalry
 from pa10d.diagnose.regression.least_squares import LeastSquares
+from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import OwnPart, own_part
 from pa10d.diagnose.unknown.structure import find_structure
 from pa10d.dynamics import Freedom, Robot, freedoms
 from pa10d.effects import Effect
+from pa10d.model import Term
 from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
@@ -46,8 +49,8 @@ Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 @dataclass(frozen=True)
 class FrameElsewhere:
-    """A joint's frame (0-based), and by how much it is elsewhere: by (3,) m in the frame of the
-    link that carries it, or the angle in rad by which its axis is turned."""
+    """What is otherwise with a joint, and by how much: by (3,) m in the frame of the link that
+    carries it, the turn of its axis in rad, or (2,) rad that its angle reads wrong."""
 
     freedom: Freedom
     by: Array
@@ -59,6 +62,12 @@ class FrameElsewhere:
         if self.freedom.kind == "axis":
             size = float(np.linalg.norm(self.by))
             return f"the axis of joint {joint} points about {size:.2g} rad elsewhere"
+        if self.freedom.kind == "ring":
+            size = float(np.linalg.norm(self.by))
+            return (
+                f"the angle of joint {joint} reads wrong by up to {size:.2g} rad, once a turn (a "
+                "ring that is not centred)"
+            )
         most = int(np.argmax(np.abs(self.by)))
         way = ("-" if self.by[most] < 0.0 else "+") + "xyz"[most]
         size = 1e3 * float(np.linalg.norm(self.by))
@@ -118,7 +127,7 @@ def other_geometry(state: SearchState, suspects: Suspects, given: int, floor: Ar
     keeps = set(np.flatnonzero(_rms(bare.held_residual()) > MATERIAL_REST * np.nan_to_num(floor)))
     named = {j for term in state.terms[given:] for j in term.joints}
     nothing = Geometry((), state)
-    if not keeps or len(keeps | named) < 2:
+    if len(keeps | named) < 2:
         return nothing
     asked = _Asked(state, suspects)
     rest, found = _without_stand_ins(state, asked, given)
@@ -129,10 +138,10 @@ def other_geometry(state: SearchState, suspects: Suspects, given: int, floor: Ar
         error, beside = rest.held_residual(), state.held_residual()
         moved = {j: error[j] - beside[j] for j in error}
         _, lead = rivalry(state.held, error, found.change, moved)
-        if lead <= TELL_APART:
+        if lead <= TELL_APART and not (lead > -TELL_APART and _simpler(found, dropped)):
             places = tuple((t.effect_id, t.joints) for t in dropped) if lead > -TELL_APART else ()
             return Geometry((), state, places, listed([one.words for one in found.misplaced]))
-    told = _told(rest, found)
+    told = _told(rest, found, CLAIMED_SHARE if dropped else BROKEN_SHARE)
     return Geometry(told, rest) if told else nothing
 
 
@@ -152,15 +161,26 @@ def _without_stand_ins(
     return rest, found
 
 
-def _told(state: SearchState, found: Account) -> tuple[OtherGeometry, ...]:
+def _simpler(found: Account, dropped: Sequence[Term]) -> bool:
+    """One cause of fewer numbers for what was named on several joints?"""
+    spent = sum(
+        len(t.coefficients) + sum(not s.smoothing for s in free_shapes(t.effect, t.shape))
+        for t in dropped
+    )
+    numbers = sum(one.freedom.along.shape[1] for one in found.misplaced)
+    return len({t.joints for t in dropped}) > 1 and numbers < spent
+
+
+def _told(state: SearchState, found: Account, least: float) -> tuple[OtherGeometry, ...]:
     """A line for each joint of which it says more than a map of the motion; none where it does not
-    say most of one joint's error, and something of another's."""
+    say this share of one joint's squared error, and something of another's: most of it, unless it
+    stands against findings that say less."""
     before = _rms(state.held_residual())
     gone = 1.0 - (found.left / np.maximum(before, 1e-300)) ** 2
     joints = [int(j) for j in np.flatnonzero(gone > CLAIMED_SHARE)]
     maps = {m.joint: m.share for m in find_structure(state)} if len(joints) > 1 else {}
     joints = [j for j in joints if gone[j] > maps.get(j, 0.0)]
-    if len(joints) < 2 or max(gone[joints]) < BROKEN_SHARE:
+    if len(joints) < 2 or max(gone[joints]) < least:
         return ()
     return tuple(
         OtherGeometry(
@@ -290,7 +310,7 @@ def _account(state: SearchState, taken: Sequence[_Tried], p_value: float) -> Acc
 def _absurd(robot: Robot, misplaced: Sequence[FrameElsewhere]) -> bool:
     """Farther than anybody errs, or than a first order tells?"""
     reach = FARTHEST_ORIGIN * float(np.linalg.norm(robot.translation, axis=1).max())
-    farthest = {"origin": reach, "axis": FARTHEST_AXIS}
+    farthest = {"origin": reach, "axis": FARTHEST_AXIS, "ring": FARTHEST_AXIS}
     return any(np.linalg.norm(m.by) > farthest[m.freedom.kind] for m in misplaced)
 
 

@@ -25,6 +25,7 @@ from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.geometry import OtherGeometry
+from pa10d.diagnose.unknown.goes_with import GoesWith, goes_with
 from pa10d.diagnose.unknown.humming import hums
 from pa10d.diagnose.unknown.remaining import (
     Unexplained,
@@ -53,13 +54,15 @@ class LeftOver:
     """unexplained: what is claimed; slight: maps that are too little for a claim; gains: by joint,
     such as sway and would explain more than what is claimed there; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; undetermined: joints of which the fitted
-    runs leave open as much as they keep, for the held-out side's motion."""
+    runs leave open as much as they keep, for the held-out side's motion; beside: by joint, whose
+    rest its own, of which nothing else is said, goes with."""
 
     unexplained: tuple[Unexplained, ...]
     slight: tuple[Structure, ...]
     gains: dict[int, Structure]
     doubt: Array
     undetermined: tuple[int, ...]
+    beside: dict[int, GoesWith]
 
 
 def left_over(
@@ -105,7 +108,9 @@ def left_over(
     )
     gains = swaying_gains(state, {one.joint: one.share for one in told})
     undetermined = tuple(int(j) for j in np.flatnonzero(far))
-    return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined)
+    rest_of = [j for j in unsaid(left, [*named, *slight]) if searched and j in open_]
+    beside = goes_with(state, rest_of, [one.joint for one in named])
+    return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined, beside)
 
 
 def _more_than_maps(

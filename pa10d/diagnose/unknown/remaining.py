@@ -26,6 +26,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
 from pa10d.diagnose.unknown.geometry import OtherGeometry
+from pa10d.diagnose.unknown.goes_with import GoesWith
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
 from pa10d.diagnose.unknown.stepping import StepInTime
@@ -232,6 +233,7 @@ def remaining(
     silent: Mapping[int, str] | None = None,
     undetermined: Collection[int] = (),
     faster: Mapping[int, str] | None = None,
+    beside: Mapping[int, GoesWith] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -242,7 +244,8 @@ def remaining(
     stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
     slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
     joints of which the fitted runs leave open as much as they keep, for the motion held out;
-    faster: by joint, in words, what the band does not let through."""
+    faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
+    own goes with."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -274,6 +277,7 @@ def remaining(
             beyond[j] if beyond else None,
             searched,
             next((p for p in stand_out if p.joint == j), None),
+            (beside or {}).get(j),
         )
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
@@ -355,6 +359,7 @@ def _with_sentence(
     beyond: Beyond | None,
     searched: bool,
     place: Place | None,
+    beside: GoesWith | None,
 ) -> Remaining:
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
@@ -362,6 +367,12 @@ def _with_sentence(
         text = (
             f"{size}; the fitted runs contradict each other: {left.words}, which is "
             f"{percent(left.share)} of the squared error that the fit leaves there"
+        )
+    elif beside is not None and unsaid:
+        text = (
+            f"{size}; {percent(beside.share)} of its squared error goes with what remains on joint "
+            f"{beside.other + 1}: it pays for what is missing there, or both have one cause. Look "
+            "there first"
         )
     elif isinstance(left, OtherGeometry):
         text = (
