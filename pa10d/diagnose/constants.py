@@ -122,6 +122,10 @@ BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two 
 FARTHEST_AXIS = 0.3  # rad by which an axis may point elsewhere: a URDF is wrong by less or by 90°,
 #   and a first order tells no more
 FARTHEST_ORIGIN = 0.3  # of the arm's longest link, that a joint may sit elsewhere, likewise
+ANGLE_LEAST_TURNS = (
+    8.0  # of a ripple within the way of its joint, as of what rings or hums in time:
+)
+#   fewer are a Fourier part of any curve over the angle
 SEEN_SHARE = 0.2  # of an effect's largest torque; a fit that saw less extrapolates it (a)
 MATERIAL_HARM = 0.01  # a rise of RMS below this is no reason to refuse (a)
 SHARE_OF_GAIN = 0.25  # nor is a loss that is small beside what the candidate gains (a)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from pa10d.diagnose.constants import (
     STANDS_IN,
     USUAL,
 )
+from pa10d.diagnose.evidence.curves import angles_of, parts_of_curves
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import helped_most, reason, sentence
@@ -53,6 +54,10 @@ from pa10d.model import Term, TorqueModel
 from pa10d.model.estimates import no_estimates
 
 Array = NDArray[np.float64]
+ONE_CURVE = (
+    " It may be no more than a part of one curve over joint {joint}'s angle (a cam, a "
+    "compensator): of what is named there, seen over so few turns, any curve can be put together."
+)
 NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
 Progress = Callable[[float, str], None]
 
@@ -155,7 +160,10 @@ def diagnose(
         as_given=given_error,
         left=left,
         cutoff=model.cutoff,
-        findings=tuple(_or_geometry(_beside_more(one, lines), geometry) for one in findings),
+        findings=tuple(
+            _or_geometry(_beside_more(one, lines) if not curve else one, geometry)
+            for one, curve in _of_curves(state, given, findings)
+        ),
         unexplained=over.unexplained,
         remaining=lines,
         model=versions[-1],
@@ -388,6 +396,18 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         )
         + (none and f" But {none}."),
     )
+
+
+def _of_curves(
+    state: SearchState, given: int, findings: Sequence[Finding]
+) -> Iterator[tuple[Finding, bool]]:
+    """With that doubt, and whether they have it, those that may be parts of one curve."""
+    found = list(enumerate(state.terms))[given:]
+    parts = parts_of_curves(found, angles_of(state))
+    for index, finding in enumerate(findings, given):
+        joint = next((j for j, own in parts.items() if index in own), None)
+        text = "" if joint is None else ONE_CURVE.format(joint=joint + 1)
+        yield replace(finding, sentence=finding.sentence + text), joint is not None
 
 
 def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:

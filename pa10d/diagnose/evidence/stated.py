@@ -1,8 +1,8 @@
 """Standard errors as a model states them and as its findings print them: one covariance for both.
 
 Shapes were fitted like coefficients, and make these and all others less certain; what reversals do
-to an effect's estimates (0070, rule 23) is in it, too. So a parameter has one error, whoever tells
-of it.
+to an effect's estimates (0070, rule 23), and what a curve over an angle leaves open, are in it,
+too. So a parameter has one error, whoever tells of it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.evidence.curves import open_to_curves
 from pa10d.diagnose.evidence.errors_of import covariance_under, shape_errors_of
 from pa10d.diagnose.evidence.reversals import moved_by_reversals
 from pa10d.diagnose.regression.shapes import free_shapes
@@ -67,6 +68,7 @@ def stated(state: SearchState, fresh: Collection[int]) -> Stated:
     shapes = slice(count, None)
     whole[shapes] /= size[:, None]
     whole[:, shapes] /= size
+    whole[:count, :count] += open_to_curves(state, fresh)
     return _with_reversals(state, whole, slopes, {i: _after(p, count) for i, p in places.items()})
 
 
