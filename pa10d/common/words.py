@@ -41,6 +41,11 @@ def joint_words(joints: Iterable[int]) -> str:
     return f"joint{'s' if len(numbers) > 1 else ''} {listed([str(one) for one in numbers])}"
 
 
+def sentence(text: str) -> str:
+    """The same with a capital and a full stop: several notes stand one after the other."""
+    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith(('.', '!', '?')) else '.'}"
+
+
 def from_one(last: int) -> str:
     """``1 to 7``, ``1, the only one``: the numbers that there are."""
     return f"1 to {last}" if last > 1 else "1, the only one"

@@ -45,7 +45,8 @@ log = logging.getLogger("pa10d.control")
 
 class Arm:
     """``gravity``: N·m (n,) that hold a pose as far as anybody knows, for opening the brakes;
-    ``heaviest``: N·m (n,) that a joint may weigh at most, None: all that its motor can lift."""
+    ``heaviest``: N·m (n,) that a joint may weigh at most, None: all that its motor can lift;
+    ``inertia``: kg·m² (n,) as presumed, None: nobody knows."""
 
     def __init__(
         self,
@@ -55,10 +56,11 @@ class Arm:
         gravity: Callable[[Array], Array],
         journal: Journal,
         heaviest: Array | None = None,
+        inertia: Array | None = None,
     ) -> None:
         self.backend, self.journal = backend, journal
         compile_motion_check(limits)
-        self.path = TorquePath(limits, backend.period, make_servo, heaviest)
+        self.path = TorquePath(limits, backend.period, make_servo, heaviest, inertia)
         self.whereabouts = Whereabouts(limits, backend.period)
         self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
@@ -364,7 +366,7 @@ class Arm:
         """No torque of ours any more; their own quick stop brakes. Joints that stood until now are
         held again by what held them."""
         if not self.path.limp:
-            self._keep_what_holds(self.path.held_with(self._gravity(self.path.q)))
+            self._keep_what_holds(self.path.held_with(self._thought()))
         self.path.let_go()
         if self._stop is not None and self._stop.by_drives:
             return
@@ -390,7 +392,7 @@ class Arm:
         if self.state == ArmState.HOLDING:
             self._held_at = self.path.reference.q.copy()
         if self.state in (ArmState.HOLDING, ArmState.STOPPING) and not self.path.limp:
-            self._keep_what_holds(self.path.rested_with(self._gravity(self.path.q)))
+            self._keep_what_holds(self.path.rested_with(self._thought()))
         self.motion, self._stop = None, None
         self._switch(ArmState.DISABLING)
         self._ask_off()
@@ -403,11 +405,19 @@ class Arm:
         if self.fault is not None:
             thought = self._gravity(q)
             weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
-            torque = np.where(weight, torque, thought)
+            torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
         if self.path.fell is not None:
             axis, weighed = self.path.fell
             self._held_by[1][axis] = weighed.torque
+
+    def _thought(self) -> Array:
+        """N·m (n,) by the description; of an arm that is being enabled, by all that was known when
+        its brakes opened: another joint that fell before may have told what it weighs."""
+        here = self._gravity(self.path.q)
+        if self.state != ArmState.ENABLING:
+            return here
+        return self.path.thought + here - self._gravity(self._stood_at)
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from backends.protocol import Backend
 from pa10d.control.arm import Arm
 from pa10d.control.gains import burdens, pid_gains
-from pa10d.control.joint_figures import ROUGH, presumed_figures
+from pa10d.control.joint_figures import ROUGH, inertias, presumed_figures
 from pa10d.control.journal import Journal
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
@@ -34,6 +34,7 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
     def gravity(q: Array) -> Array:
         return inverse_dynamics(robot, robot.parameters, q[None], still, still)[0]
 
+    presumed = presumed_figures(robot)
     gravity(np.zeros(robot.n))  # compiled before it is needed
     return Arm(
         backend,
@@ -41,5 +42,6 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
         servo_factory(profile, robot, backend.period),
         gravity,
         Journal(ring),
-        ROUGH * burdens(robot, presumed_figures(robot)),
+        ROUGH * burdens(robot, presumed),
+        inertias(robot, presumed).usual,
     )

@@ -4,6 +4,10 @@ The servo pushes back meanwhile, so that torque changes and tells inertia and we
 J·v' = u - w, so v = b + a·t + c·∫(u - u0)dt with c = 1/J and w = u0 - a/c. Dry friction acts
 against the fall: w is what is lacking beside it, and holds the joint. Viscous friction lets w look
 smaller. Of joints that another one takes along it says nothing.
+
+A joint that is gone within a few cycles leaves inertia open. It may be ``ROUGH`` times off to
+either side, and so may be what was lacking; of all that may have been, the harmonic mean of the
+ends comes nearer whatever it was.
 """
 
 from __future__ import annotations
@@ -13,10 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.control.joint_figures import ROUGH
+
 Array = NDArray[np.float64]
 
 LEFT = 1e-3  # rad from its place, before which a gear's play may be all that moves
-FEWEST = 5  # periods: three numbers are fitted
+FEWEST, FEW = 5, 3  # periods: three numbers are fitted, or two
+WIDEST = 12.0  # times as much may have been lacking as the least: then a sixth is gained at worst
 SURE = 3.0  # standard errors
 LACKING = 0.5  # of what was lacking, that may be lacking or too much next time
 KEPT = 1024  # cycles: falls are shorter
@@ -24,10 +31,26 @@ KEPT = 1024  # cycles: falls are shorter
 
 @dataclass(frozen=True)
 class Weighed:
-    """torque, error: N·m that hold a joint where it fell, and their standard error."""
+    """torque, error: N·m that hold a joint where it fell, and their standard error. between: N·m,
+    where all that is known is what it may be."""
 
     torque: float
     error: float
+    between: tuple[float, float] | None = None
+
+    @property
+    def phrase(self) -> str:
+        """For a person."""
+        if self.between is None:
+            return (
+                f"by the way it fell about {self.torque:.2g} N·m would have held it: the next "
+                "enabling begins with that"
+            )
+        low, high = self.between
+        return (
+            f"by the way it fell {low:.2g} to {high:.2g} N·m would have held it: the next "
+            f"enabling begins with {self.torque:.2g} N·m"
+        )
 
 
 class FallWatch:
@@ -48,35 +71,78 @@ class FallWatch:
         row[0], row[1 : 1 + self._n], row[1 + self._n :] = time, q, sent
         self._count += 1
 
-    def weighed(self, axis: int, thought: float, most: float) -> Weighed | None:
+    def weighed(
+        self, axis: int, thought: float, most: float, inertia: float | None = None
+    ) -> Weighed | None:
         """Of a joint that fell under ``thought`` N·m; None where that is not known well enough to
-        come nearer, or more than the ``most`` that it may weigh."""
+        come nearer, or more than the ``most`` that it may weigh. inertia: kg·m² as presumed, where
+        an answer that is rough is better than none."""
         rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
-        found = weight_of(rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis])
-        if found is None or abs(found.torque) > most:
-            return None
-        near = SURE * found.error <= LACKING * abs(found.torque - thought)
-        return found if near else None
+        seen = rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis]
+        found = weight_of(*seen)
+        if found is not None and SURE * found.error > LACKING * abs(found.torque - thought):
+            found = None
+        if found is None and inertia is not None:
+            found = roughly(*seen, inertia)
+        return None if found is None or abs(found.torque) > most else found
 
 
 def weight_of(time: Array, q: Array, sent: Array) -> Weighed | None:
     """time: (N,) s; q: (N,) rad; sent: (N,) N·m that act from then on. None where it cannot be
     told, or where torque does not push the way it should."""
+    rows = _falling(time, q, sent)
+    if rows is None or len(rows[0]) < FEWEST:
+        return None
+    speed, middle, pushed = rows
+    found, covariance = _fitted(speed, np.stack([np.ones_like(middle), middle, pushed], axis=1))
+    _, a, c = found
+    if not c > SURE * np.sqrt(covariance[2, 2]):
+        return None
+    slope = np.array([0.0, -1.0 / c, a / c**2])
+    return Weighed(float(sent[0] - a / c), float(np.sqrt(slope @ covariance @ slope)))
+
+
+def roughly(time: Array, q: Array, sent: Array, inertia: float) -> Weighed | None:
+    """The same of a joint that is presumed to have this inertia, kg·m². None where its own torque
+    does not push the way it should, or nothing is surely lacking."""
+    rows = _falling(time, q, sent)
+    if rows is None or len(rows[0]) < FEW:
+        return None
+    speed, middle, pushed = rows
+    columns = np.stack([np.ones_like(middle), middle], axis=1)
+    lacking: list[float] = []
+    for body in (inertia / ROUGH, inertia * ROUGH):
+        found, covariance = _fitted(speed - pushed / body, columns)
+        doubt = SURE * np.sqrt(covariance[1, 1])
+        lacking += [float(-body * (found[1] + sign * doubt)) for sign in (-1.0, 1.0)]
+    least, most = sorted([min(lacking), max(lacking)], key=abs)
+    if least * most <= 0.0 or abs(most) > WIDEST * abs(least):
+        return None
+    if len(speed) >= FEWEST:
+        found, covariance = _fitted(speed, np.column_stack([columns, pushed]))
+        if found[2] < -SURE * np.sqrt(covariance[2, 2]):
+            return None
+    taken = 2.0 * least * most / (least + most)
+    error = max(abs(taken - least), abs(most - taken)) / SURE
+    begin = float(sent[0])
+    return Weighed(begin + taken, error, (begin + least, begin + most))
+
+
+def _falling(time: Array, q: Array, sent: Array) -> tuple[Array, Array, Array] | None:
+    """(K,) each of the periods in which it falls: rad/s, s at their middles, and N·m·s by which it
+    was pushed until then beyond what it began with."""
     away = np.flatnonzero(np.abs(q - q[0]) > LEFT) if len(q) else np.zeros(0, dtype=np.int64)
     if not len(away):
         return None
     gap, fall = np.diff(time), slice(int(away[0]), None)
     more = gap * (sent[:-1] - sent[0])
-    pushed = np.cumsum(more) - 0.5 * more
-    middle, speed = 0.5 * (time[1:] + time[:-1]) - time[0], (np.diff(q) / gap)[fall]
-    columns = np.stack([np.ones_like(middle), middle, pushed], axis=1)[fall]
-    if len(columns) < FEWEST:
-        return None
-    found = np.linalg.lstsq(columns, speed, rcond=None)[0]
-    left, (_, a, c) = speed - columns @ found, found
+    middle = 0.5 * (time[1:] + time[:-1]) - time[0]
+    return (np.diff(q) / gap)[fall], middle[fall], (np.cumsum(more) - 0.5 * more)[fall]
+
+
+def _fitted(speed: Array, columns: Array) -> tuple[Array, Array]:
+    """Least squares, and their covariance."""
+    found = np.asarray(np.linalg.lstsq(columns, speed, rcond=None)[0], dtype=float)
+    left = speed - columns @ found
     noise = float(left @ left) / (len(columns) - len(found))
-    covariance = noise * np.linalg.pinv(columns.T @ columns)
-    if not c > SURE * np.sqrt(covariance[2, 2]):
-        return None
-    slope = np.array([0.0, -1.0 / c, a / c**2])
-    return Weighed(float(sent[0] - a / c), float(np.sqrt(slope @ covariance @ slope)))
+    return found, np.asarray(noise * np.linalg.pinv(columns.T @ columns), dtype=float)

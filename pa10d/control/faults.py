@@ -25,7 +25,8 @@ REMEDIES = {
     "where these are right, and it is held in a pose in which gravity does little on it, the "
     "URDF's masses or centres from this joint on are wrong: correct them",
     WEIGHED: "'reset' and enable again. The URDF's masses or centres from this joint on are "
-    "wrong, or this drive's gear_ratio or rated_torque: correct them",
+    "wrong, or this drive's gear_ratio or rated_torque, or, where it falls again and again, its "
+    "sign: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "

@@ -40,8 +40,9 @@ class TorquePath:
         period: float,
         make_servo: Callable[[], Pid],
         heaviest: Array | None = None,
+        inertia: Array | None = None,
     ) -> None:
-        """heaviest: see ``Arm``."""
+        """heaviest, inertia: see ``Arm``."""
         n = len(limits.torque)
         self.limits, self.make_servo = limits, make_servo
         self.controller: Controller = make_servo()
@@ -62,10 +63,11 @@ class TorquePath:
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
         self._caught = False  # a joint that fell is borne by what it weighs
-        self._thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
+        self.thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
         self._stood, self._falls = StoodWith(n), FallWatch(n)
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
+        self._inertia = inertia
         self.fell: tuple[int, Weighed] | None = None  # a joint, as this power-up weighed it
 
     @property
@@ -132,7 +134,7 @@ class TorquePath:
         axis = int(np.argmax(far))
         if self._caught or far[axis] < FELL or not isinstance(self.controller, Pid):
             return
-        thought, most = float(self._thought[axis]), float(self._heaviest[axis])
+        thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         found = self._falls.weighed(axis, thought, most)
         if found is not None:
             self.controller.bear(axis, found.torque)
@@ -141,16 +143,15 @@ class TorquePath:
     def _in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
         it weighs, where that can be told from the way it fell."""
-        thought, sent = self._thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
+        thought, sent = self.thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
         said = f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
-        found = self._falls.weighed(axis, float(thought), float(self._heaviest[axis]))
+        inertia = None if self._inertia is None else float(self._inertia[axis])
+        most = float(self._heaviest[axis])
+        found = self._falls.weighed(axis, float(thought), most, inertia)
         if found is None:
             return said
         self.fell = axis, found
-        return (
-            f"{said}; by the way it fell about {found.torque:.2g} N·m would have held it: the next "
-            "enabling begins with that"
-        )
+        return f"{said}; {found.phrase}"
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -211,7 +212,7 @@ class TorquePath:
     def power_up(self, gravity: Array) -> None:
         """Hold where the arm is, beginning with the torque that gravity is thought to need."""
         self.limp = False
-        self._powered_at, self._thought = self.time, gravity.copy()
+        self._powered_at, self.thought = self.time, gravity.copy()
         self._swings.restart()
         self._wrong_way.restart()
         self._places.restart(self.q)

@@ -9,7 +9,7 @@ from arms import PERIOD, cycles, limits, servo, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import Arm
-from pa10d.control.fall import LACKING, SURE, FallWatch, weight_of
+from pa10d.control.fall import LACKING, SURE, FallWatch, roughly, weight_of
 from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
@@ -68,6 +68,23 @@ def test_only_what_comes_surely_nearer_counts_and_nothing_that_no_weight_can_be(
     assert seen(*early).weighed(0, 0.8, 3.0) is None, "it may be no nearer than what is thought"
 
 
+@pytest.mark.parametrize("times", [1 / 3, 0.5, 1.0, 2.0, 3.0])
+def test_of_a_joint_that_is_gone_at_once_the_next_try_comes_nearer(times):
+    """However wrong the inertia is that is presumed of it, within what it may be wrong by."""
+    fall = falling(8.0, seconds=0.035, period=0.01)
+    assert weight_of(*fall) is None
+    found = roughly(*fall, times * J)
+    low, high = found.between
+    assert 0.3 < low < WEIGHT - RUBS + 1e-3
+    assert high > WEIGHT - RUBS - 1e-3
+    assert abs(found.torque - (WEIGHT - RUBS)) < 0.85 * (WEIGHT - RUBS - 0.3)
+
+
+def test_where_it_is_not_sure_what_lacked_nothing_is_begun_with():
+    assert roughly(*falling(8.0, seconds=0.03, noise=1e-3), J) is None
+    assert roughly(*falling(20.0, seconds=0.06, sign=-1.0), J) is None, "it pushes the wrong way"
+
+
 def wrist(weighs, turns):
     """The PA10's at 100 Hz, without friction, turned to where gravity pulls at it most; turns:
     share of its inertia."""
@@ -106,7 +123,7 @@ def test_the_next_enabling_begins_with_what_no_servo_has_found():
         arm.reset()
         until(arm, ArmState.INACTIVE)
         arm.enable()
-        assert arm.path._thought[0] == pytest.approx(begins, abs=0.2)
+        assert arm.path.thought[0] == pytest.approx(begins, abs=0.2)
 
 
 class Falls(Flywheels):
@@ -134,3 +151,20 @@ def fallen(heaviest):
     arm.enable()
     until(arm, ArmState.FAULT)
     return arm
+
+
+def test_what_one_joint_told_is_not_forgotten_as_another_falls():
+    arm = fallen(10.0)
+    until(arm, ArmState.FAULT)
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+    knew = arm.path.thought[0]
+    cycles(arm, 6)
+    arm.backend.plant.dq[1] = 1.5
+    until(arm, ArmState.FAULT)
+    assert arm.fault.joint == 2
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+    assert arm.path.thought[0] == pytest.approx(knew, abs=0.2)

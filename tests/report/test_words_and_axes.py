@@ -6,7 +6,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from pa10d.common.words import counted, joint_words, times
+from pa10d.common.words import counted, joint_words, sentence, times
 from pa10d.figures.plotly import log_axis
 from pa10d.report.sheet import BLOCKS
 
@@ -49,3 +49,11 @@ def test_the_page_draws_every_block_that_a_sheet_may_have():
     makers = text.partition("const makers = {")[2].partition("\n};")[0]
     inside_a_plot = {"reading"}
     assert set(re.findall(r"^  (\w+): ", makers, re.M)) == set(BLOCKS) - inside_a_plot
+
+
+@pytest.mark.parametrize(
+    ("note", "read"),
+    [("joint 4 fell behind", "Joint 4 fell behind."), ("Slower.", "Slower.")],
+)
+def test_notes_that_follow_each_other_are_sentences(note, read):
+    assert sentence(note) == read

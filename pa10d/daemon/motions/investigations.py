@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pa10d.common.errors import NotNow, Stopped, UserError
 from pa10d.common.jsonable import JsonObject, parsed
+from pa10d.common.words import sentence
 from pa10d.daemon.jobs.jobs import Job, Progress, Report, part
 from pa10d.daemon.motions.kinds import experiment_of
 from pa10d.experiments.request import MotionRequest
@@ -120,7 +121,7 @@ class _Carrier:
         names = [run.name for run in found.recorded]
         advice = found.recommendation or [""]
         said = f"Recorded {', '.join(names)}." if names else advice[0]
-        moved, words = found.seconds or 0.0, " ".join([said, *found.notes])
+        moved, words = found.seconds or 0.0, " ".join([said, *map(sentence, found.notes)])
         course.done(state, step, StepOutcome(runs=found.runs, moved=moved, said=words))
 
     def _told(self, state: Investigation, step: Step) -> Progress:
