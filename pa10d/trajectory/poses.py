@@ -24,10 +24,12 @@ NO_GRAVITY = 0.02  # of the joint's own worst gravity torque, below which gravit
 
 @dataclass(frozen=True)
 class Surroundings:
-    """An arm and what it must not meet. limits: what plans may use."""
+    """An arm and what it must not meet. limits: what plans may use; gravity_share: of their torque,
+    that gravity may use."""
 
     robot: Robot
     limits: MotionLimits
+    gravity_share: float = GRAVITY_SHARE
 
     @classmethod
     def of(cls, robot: Robot) -> Surroundings:
@@ -48,7 +50,7 @@ class Surroundings:
         """(N,) True where bodies keep apart, gravity leaves torque over, limits hold."""
         gaps = self.capsules.clearance(q)
         clear = np.all(gaps >= CLEAR, axis=1)
-        light = np.all(np.abs(self.gravity(q)) <= GRAVITY_SHARE * self.limits.torque, axis=1)
+        light = np.all(np.abs(self.gravity(q)) <= self.gravity_share * self.limits.torque, axis=1)
         inside = np.all((q >= self.limits.lower) & (q <= self.limits.upper), axis=1)
         return np.asarray(clear & light & inside)
 
@@ -97,7 +99,7 @@ class Surroundings:
         j = int(np.argmax(shares))
         return (
             f"gravity takes {shares[j]:.0%} of what joint {j + 1} may give by the URDF's masses, "
-            f"planned with are {GRAVITY_SHARE:.0%} at most"
+            f"planned with are {self.gravity_share:.0%} at most"
         )
 
     def free_share(self, here: Array, there: Array) -> float:
@@ -119,9 +121,13 @@ class Surroundings:
             pose = mid + share * half * rng.uniform(-1, 1, self.robot.n)
             if self.allowed(pose[None])[0] and self.reachable(pose):
                 return pose
+        why = "bodies come near each other on the straight way from the rest pose"
+        if not self.allowed(pose[None])[0]:
+            why = self._taken(pose)
         raise UserError(
             f"none of {tries} random poses is free of collisions and light enough for the torque "
-            "limits; expected wider limits, stronger joints or less around it (environment)"
+            f"limits; of the last: {why}; expected wider limits, stronger joints, other masses in "
+            "the URDF or less around it (environment)"
         )
 
     def load(self, pose: Array, joint: int) -> float:

@@ -12,6 +12,7 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.trajectory.kinds.base import Array, Kind
 from pa10d.trajectory.kinds.strokes import RAMP_SHARE, stroke
+from pa10d.trajectory.limits import TORQUE_SHARE
 from pa10d.trajectory.motions import Drawing
 from pa10d.trajectory.plan import Plan, Segment, joined
 from pa10d.trajectory.poses import Surroundings
@@ -60,7 +61,8 @@ class FirstMotion(Kind):
                 acceleration=CALM * around.limits.acceleration,
             ),
         )
-        joints, home = self.chosen(around), self.home(around)
+        calm = _weighed_by_itself(calm)
+        joints, home = self.chosen(calm), self.home(calm)
         segments: list[Segment] = []
         if self.part in (None, "friction"):
             segments.append(self._nudges(calm, joints, home))
@@ -76,6 +78,7 @@ class FirstMotion(Kind):
         """Whether this part has anything to do on this arm."""
         if self.part != "poses":
             return True
+        around = _weighed_by_itself(around)
         return bool(self._elsewhere(around, self.chosen(around), self.home(around)))
 
     def _nudges(self, around: Surroundings, joints: list[int], home: Array) -> Segment:
@@ -100,6 +103,12 @@ class FirstMotion(Kind):
             if ratio[j] > VARIES
             for part in _shaken(around, heavy, j, self.speed)
         ]
+
+
+def _weighed_by_itself(around: Surroundings) -> Surroundings:
+    """Nobody has weighed the arm yet, and its URDF may be three times off: all that the motors can
+    hold is tried. A joint that is as heavy falls no further than any that is not held."""
+    return replace(around, gravity_share=1.0 / TORQUE_SHARE)
 
 
 def heavy_pose(around: Surroundings, seed: int) -> Array:
