@@ -15,6 +15,7 @@ from pa10d.effects import Coefficient, Effect, ShapeParameter, Value
 from pa10d.model.term import Term
 
 NEAR = 1e-3  # of an end: there a search was stopped by it
+NONE = 1.96  # standard errors within which a size may as well be nothing (5 %, two-sided)
 BEYOND = 3.0  # standard errors below nothing: no accident (0.1 %, one-sided)
 
 
@@ -33,7 +34,7 @@ def as_estimates(term: Term, found: Mapping[str, Value], less: bool) -> dict[str
             out[name] = replace(value, determined=False, beyond=True)
     sizes = [out[name] for name in told if name in out]
     added = less or kind.question != "textbook"
-    if added and sizes and all(v.std_error > abs(v.value) for v in sizes):
+    if added and sizes and all(NONE * v.std_error > abs(v.value) for v in sizes):
         out.update({n: replace(out[n], determined=False) for n in told if n in out})
     for name, needs in kind.derived.items():
         if name in out and not all(out[n].determined for n in needs if n in out):

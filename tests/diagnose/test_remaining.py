@@ -103,6 +103,16 @@ def test_findings_that_follow_the_angle_may_be_parts_of_the_curve_that_is_left()
     assert "parts" not in sentence("q1", found[:1]) + sentence("dq1", found)
 
 
+def test_what_swings_on_beside_a_spring_that_was_found_is_first_of_all_that_spring():
+    """It was "a liquid or a load that is not tight", alone."""
+    ring = Unnamed(0, 0.5, 0.1, 1e-4, "ring", hertz=7.6)
+    shape = {"K": 1000.0, "zeta": 0.02}
+    spring = Term("joint_elasticity", (1,), np.zeros(0), shape)
+    said = remaining(judged(5.0), [None], [ring], ["N·m"], [spring])[0].sentence
+    assert "the spring that was found in joint 2, if it is other than its law has it" in said
+    assert "found in" not in remaining(judged(5.0), [None], [ring], ["N·m"])[0].sentence
+
+
 def test_what_does_not_come_again_or_does_not_matter_is_no_claim():
     assert claims(judged(1.15, 1.9), [SURE, CHANCE]) == []
 

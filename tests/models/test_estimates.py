@@ -24,6 +24,8 @@ def test_a_size_that_may_as_well_be_nothing_is_not_told():
     said = {name: str(value) for name, value in found.items()}
     assert said["F"] == said["sigma0"] == "not determined"
     assert said["zs"] == "0.01 ± 0.001 rad"
+    _, found = told("presliding_hysteresis", [1.0], [0.98], shape, errors)
+    assert str(found["F"]) == "not determined"
     _, found = told("presliding_hysteresis", [0.49], [0.1], shape, errors)
     assert all(value.determined for value in found.values())
 

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject, plain
-from pa10d.common.words import listed, percent, times
+from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.compare.places import Place
 from pa10d.compare.regions import Region
 from pa10d.diagnose.constants import (
@@ -278,6 +278,7 @@ def remaining(
             searched,
             next((p for p in stand_out if p.joint == j), None),
             (beside or {}).get(j),
+            [t.joints[0] for t in found if t.effect.series_spring],
         )
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
@@ -360,7 +361,9 @@ def _with_sentence(
     searched: bool,
     place: Place | None,
     beside: GoesWith | None,
+    springs: Sequence[int],
 ) -> Remaining:
+    """springs: joints (0-based) in which one was found: what swings on may be that one."""
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
     if isinstance(left, Apart):
@@ -428,7 +431,8 @@ def _with_sentence(
     elif isinstance(left, Unnamed) and left.witness == "ring":
         text = (
             f"{size}; {percent(left.share)} of its squared error swings at about {left.hertz:.2g} "
-            "Hz when motion has set it going, and swings on by itself: a liquid or a load that is "
+            f"Hz when motion has set it going, and swings on by itself: {_spring_named(springs)}"
+            "a liquid or a load that is "
             "not tight, a cable, a frame or a gear that gives. Stop quickly and record what swings "
             "on, with the tool and without"
         )
@@ -508,6 +512,14 @@ def _beside(left: Unexplained | None, place: Place | None, text: str) -> str:
     if not isinstance(left, Unnamed) or place is None or _told(place) in text:
         return ""
     return f". {_with_hint(place)}" if place.what.excess > left.share else ""
+
+
+def _spring_named(joints: Sequence[int]) -> str:
+    """What is the first to be thought of where something swings on."""
+    if not joints:
+        return ""
+    named = joint_words(sorted(set(joints)))
+    return f"the spring that was found in {named}, if it is other than its law has it; or else "
 
 
 def _read(joint: int, variables: Sequence[str]) -> str:
