@@ -24,6 +24,8 @@ from pa10d.judgement import (
     in_band,
     judged,
     least_floor,
+    of_own_runs,
+    or_of_own_runs,
     run_residual,
     scores,
     through,
@@ -103,7 +105,7 @@ def compare(
     """
     if not recordings:
         raise UserError("nothing to compare with: expected at least one run")
-    model = in_band(model, cutoff)
+    given, model = model, in_band(model, cutoff)
     residuals = []
     for index, recording in enumerate(recordings):
         progress(0.2 * index / len(recordings), f"run {recording.name}")
@@ -115,6 +117,10 @@ def compare(
         others.append(_apart_and_together(other.name, views) if views else None)
     seen = [_apart_and_together(model.name, residuals), *(one for one in others if one)]
     floors = [least_floor([one.floor for one in each]) for each in zip(*seen, strict=True)]
+    known = of_own_runs([given, *beside], model.cutoff)
+    floors = [
+        or_of_own_runs(floor, known, one.rms) for floor, one in zip(floors, seen[0], strict=True)
+    ]
     own: list[RunScores] = []
     for run, floor in zip(residuals, floors, strict=False):
         progress(0.3 + 0.3 * len(own) / len(recordings), f"run {run.name}")

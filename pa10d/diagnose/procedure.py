@@ -47,7 +47,14 @@ from pa10d.diagnose.unknown.remaining import (
     remaining,
 )
 from pa10d.effects import Effect, Value, effect
-from pa10d.judgement import Judgement, in_band, judged, repeatable
+from pa10d.judgement import (
+    Judgement,
+    in_band,
+    judged,
+    of_own_runs,
+    repeatable,
+    with_known_floor,
+)
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
@@ -87,13 +94,14 @@ def diagnose(
             progress(share, what)
 
     say(0.0, "filtering")
-    model = in_band(model)
+    before, model = model, in_band(model)
+    known = of_own_runs([before], model.cutoff)
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
     state = SearchState.start(model, train, held, frozen)
     given = len(state.terms)
     as_given = held_out(model, state)
-    given_error = judged(model.name, as_given)
+    given_error = with_known_floor(judged(model.name, as_given), known)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     asked = heard(asked, held)
     if frozen:
@@ -119,7 +127,9 @@ def diagnose(
     say(0.85, "looking for structure that the library does not know")
     versions = versions_of(model, state, given, as_given)
     seen = held_out(versions[-1], state)
-    left, again = judged(versions[-1].name, seen), repeatable(seen)
+    known = of_own_runs([before, versions[-1]], model.cutoff)
+    left = with_known_floor(judged(versions[-1].name, seen), known)
+    again = repeatable(seen)
     over = left_over(state, seen, left, again, only is None, [*apart, *geometry.told], given)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]

@@ -9,10 +9,11 @@ from pa10d.judgement.judge import (
     judge,
     judge_alike,
     judged,
+    with_known_floor,
     with_one_floor,
 )
 from pa10d.judgement.noise import NoiseFloor, noise_floor
-from pa10d.judgement.one_floor import least_floor, through
+from pa10d.judgement.one_floor import least_floor, of_own_runs, or_of_own_runs, through
 from pa10d.judgement.repeatable import Repeatable, repeatable
 from pa10d.judgement.residuals import RunResidual, residual_of, run_residual
 from pa10d.judgement.reversing import Reversing, reversing
@@ -39,6 +40,8 @@ __all__ = [
     "judged",
     "least_floor",
     "noise_floor",
+    "of_own_runs",
+    "or_of_own_runs",
     "repeatable",
     "residual_of",
     "reversing",
@@ -46,6 +49,7 @@ __all__ = [
     "scores",
     "through",
     "turning",
+    "with_known_floor",
     "with_one_floor",
     "worse",
     "worse_elsewhere",

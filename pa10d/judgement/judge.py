@@ -12,7 +12,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.judgement.band import common_band, in_band
 from pa10d.judgement.noise import NoiseFloor, noise_floor
-from pa10d.judgement.one_floor import least_floor, through
+from pa10d.judgement.one_floor import least_floor, of_own_runs, or_of_own_runs, through
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
@@ -90,13 +90,19 @@ def judge_alike(
     for other in beside:
         residuals = through(other, recordings, cutoff)
         found += [judged(other.name, residuals, mask)] if residuals else []
-    return with_one_floor(found)[: len(models)]
+    known = of_own_runs([*models, *beside], cutoff)
+    return [with_known_floor(one, known) for one in with_one_floor(found)[: len(models)]]
 
 
 def with_one_floor(found: Sequence[Judgement]) -> list[Judgement]:
     """Judgements on the same runs in one band, all with the least floor that any of them saw."""
     floor = least_floor([one.floor for one in found])
     return [replace(one, floor=floor) for one in found]
+
+
+def with_known_floor(one: Judgement, known: Array | None) -> Judgement:
+    """With the noise of the model's own runs, (n,) N·m, where these runs do not show theirs."""
+    return replace(one, floor=or_of_own_runs(one.floor, known, one.rms))
 
 
 def longest(most: int, recordings: Sequence[Recording]) -> int | None:

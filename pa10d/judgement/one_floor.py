@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
 from pa10d.judgement.band import in_band
@@ -16,6 +17,8 @@ from pa10d.judgement.noise import NoiseFloor
 from pa10d.judgement.residuals import RunResidual, run_residual
 from pa10d.measurement.recording import Recording
 from pa10d.model import TorqueModel
+
+Array = NDArray[np.float64]
 
 
 def least_floor(seen: Sequence[NoiseFloor]) -> NoiseFloor:
@@ -28,6 +31,33 @@ def least_floor(seen: Sequence[NoiseFloor]) -> NoiseFloor:
         tuple(seen[k].methods[j] for j, k in enumerate(least)),
         np.array([seen[k].errors[j] for j, k in enumerate(least)]),
         np.array([seen[k].slow[j] for j, k in enumerate(least)]),
+    )
+
+
+OWN_RUNS = "the model's own runs"
+"""How a floor was found that these runs do not show."""
+CONTRADICTED = 1.2  # times an error: what is above it is no floor of that
+
+
+def of_own_runs(models: Sequence[TorqueModel], cutoff: float) -> Array | None:
+    """(n,) N·m, the least that these models know of the noise of the runs that they were identified
+    from, behind the same low-pass; None where none does."""
+    known = [m.notes.noise_floor for m in models if m.notes.noise_floor and m.cutoff == cutoff]
+    return np.min(known, axis=0) if known else None
+
+
+def or_of_own_runs(seen: NoiseFloor, known: Array | None, rms: Array) -> NoiseFloor:
+    """Where runs do not show their noise, that of the model's own runs: the sensors are the same.
+    Not where the error (n,) N·m contradicts that; and nobody knows how sure it is, or how much
+    slower noise there is, so that no size alone speaks against it."""
+    if known is None:
+        return seen
+    taken = np.isnan(seen.values) & (known <= CONTRADICTED * rms)
+    return NoiseFloor(
+        np.where(taken, np.minimum(known, rms), seen.values),
+        tuple(OWN_RUNS if t else m for t, m in zip(taken, seen.methods, strict=True)),
+        np.where(taken, np.nan, seen.errors),
+        np.where(taken, np.inf, seen.slow),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import compare_arm as arm
@@ -76,3 +77,26 @@ def test_a_model_that_cannot_see_the_runs_shows_nothing(good, runs, monkeypatch)
     np.testing.assert_allclose(found.pooled.noise_floor, judge(good, runs).floor.values)
     (same,) = judge_alike([good], runs, beside=[blind])
     np.testing.assert_allclose(same.floor.values, found.pooled.noise_floor)
+
+
+def test_a_floor_that_runs_do_not_show_is_that_of_the_models_own_runs():
+    """One and the same sensor was "not known" here and known there."""
+    seen = NoiseFloor(np.array([0.5, np.nan, np.nan]), ("c", None, None), np.ones(3), np.ones(3))
+    rms = np.array([0.6, 0.3, 0.05])
+    found = one_floor.or_of_own_runs(seen, np.array([0.4, 0.2, 0.2]), rms)
+    np.testing.assert_array_equal(found.values, [0.5, 0.2, np.nan])
+    assert found.methods == ("c", "the model's own runs", None)
+    assert (found.slow[0], found.slow[1]) == (1.0, np.inf)
+    assert one_floor.or_of_own_runs(seen, None, rms) is seen
+
+
+def test_a_comparison_and_a_judgement_take_it_in_the_same_band_alone(poor, runs, monkeypatch):
+    known = replace(poor, notes=replace(poor.notes, noise_floor=(0.01, 0.01, 0.01)))
+    blind = NoiseFloor(np.full(3, np.nan), (None,) * 3, np.full(3, np.nan), np.full(3, np.inf))
+    monkeypatch.setattr(sys.modules["pa10d.judgement.judge"], "noise_floor", lambda runs: blind)
+    for cutoff, told in ((known.cutoff, True), (0.5 * known.cutoff, False)):
+        for floor in (
+            judge(known, runs, cutoff).floor,
+            compare(known, runs, cutoff=cutoff).pooled.floor,
+        ):
+            assert bool(np.all(np.isfinite(floor.values))) is told

@@ -15,7 +15,7 @@ from pa10d.diagnose.search.delivery import delivery
 from pa10d.diagnose.search.harm import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
-from pa10d.judgement import RunResidual, residual_of
+from pa10d.judgement import RunResidual, noise_floor, residual_of
 from pa10d.model import Term, TorqueModel, vector_of
 from pa10d.regression.told import added_ones, left_open, names_of
 
@@ -76,8 +76,17 @@ def snapshot(
         held_out={"held out": np.array(promise.achieved)},
         notes=replace(model.notes, delivery=promise),
     )
+    if not frozen:
+        model = replace(model, notes=replace(model.notes, noise_floor=_own_noise(model, part)))
     model = with_open(_with_open(model, part), unseen(model, part, len(given.terms)))
     return model if frozen else _with_bodies(model, part)
+
+
+def _own_noise(model: TorqueModel, part: SearchState) -> tuple[float, ...] | None:
+    """(n,) N·m of the runs that it was fitted to, as it sees them: through what it was made from it
+    was more. None where they do not show it of all joints."""
+    floor = noise_floor([residual_of(model, run) for run in part.train.runs]).values
+    return tuple(floor.tolist()) if np.all(np.isfinite(floor)) else None
 
 
 def found_here(part: SearchState, given: int) -> list[int]:
