@@ -108,7 +108,7 @@ def structure_words(s: Unexplained) -> str:
     if isinstance(s, Apart):
         return f"joint {s.joint + 1} {s.words}"
     if isinstance(s, OtherGeometry):
-        return f"{percent(s.share)} of joint {s.joint + 1}'s squared error ({s.words})"
+        return f"{percent(s.share)} of joint {s.joint + 1}'s squared error"
     if isinstance(s, Unnamed) and s.witness == "step":
         return f"{percent(s.share)} of joint {s.joint + 1}'s squared error is {s.step_words}"
     if not s.variables:

@@ -206,8 +206,12 @@ def unexplained(found: Diagnosis) -> str:
         return f"Something is left that {found.only} does not explain; nothing else was looked for"
     if {one.joint for one in found.unexplained} == {one.joint for one in found.contradicted}:
         return "The fitted runs contradict each other: they ask for different parameters"
-    if {one.joint for one in found.unexplained} == {one.joint for one in found.misplaced}:
-        return "No effect of the library, but an arm that is not as its URDF says explains it"
+    misplaced = {one.joint for one in found.misplaced}
+    if misplaced and misplaced == {one.joint for one in found.unexplained}:
+        return (
+            "No effect of the library, but an arm that is not as its URDF says explains it "
+            f"({found.misplaced[0].words})"
+        )
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
     if {one.joint for one in found.unexplained} <= set(found.lacked):
