@@ -23,6 +23,7 @@ from backends.canopen_cia402.other_masters import NMT
 from backends.canopen_cia402.poll import Poll, every
 from backends.canopen_cia402.scales import Scales
 from backends.canopen_cia402.watch import NEVER_FOLLOWED, SILENCE, Watch
+from backends.canopen_cia402.who_answers import NEAR, require_own
 from backends.cia402 import Control
 from backends.eds import eds_path, load_eds
 from backends.error_history import DriveErrors
@@ -346,6 +347,9 @@ class CanopenBackend:
         self._cycle = BusCycle(self._port, self._exchange, self._watch, self._poll, pace)
         self._know_life_signs()
         sequence.prove(self, TRIAL_CYCLES, self.profile.safety.stale_cycles, pacer(self))
+        told = [report.position for report in self.reports]
+        near = [NEAR * axis.counts_per_radian for axis in self.scales.axes]
+        require_own(nodes, told, self._exchange.position.tolist(), near)
         self._watch.clear()
         for axis, report in enumerate(self.reports):
             self._watch.remember(axis, report.error)

@@ -62,6 +62,7 @@ class DriveReport:
     command: Layout
     feedback: Layout
     error: int  # 0x603F when we came
+    position: int | None = None  # counts, in its brake
     shows_mode: bool = True  # by 0x6061
     heard: bool = True  # it tells that it lives, by heartbeats or when it is asked
     guarded: bool = False  # it is asked by remote frames, as it watches no heartbeat
@@ -106,6 +107,7 @@ def configure(node: canopen.RemoteNode, wish: Wish) -> DriveReport:
         command=command,
         feedback=feedback,
         error=remote.read(0x603F) or 0,
+        position=remote.read(0x6064),
         shows_mode=shows_mode,
         heard=lifeline.heard,
         guarded=lifeline.guarded,

@@ -41,6 +41,8 @@ class VirtualArm:
         self.drives = [self._drive(profile, k) for k in range(len(profile.drives))]
         strength = np.array([drive.scaling.rated for drive in self.drives])
         self.mechanics = Mechanics(self.plant, strength)
+        for drive, angle in zip(self.drives, self.mechanics.q.tolist(), strict=True):
+            drive.stands(angle)
         self._all = np.ones(len(self.drives), bool)
         self._powered = ~self._all
         self._routes: dict[int, list[VirtualDrive]] = {}

@@ -65,7 +65,7 @@ class VirtualDrive:
         self._rated_torque, self._gear_ratio = rated_torque, gear_ratio
         self._inside = True  # the software position limits
         self._limited = False
-        self._speed = 0.0  # rad/s
+        self._speed, self._stands_at = 0.0, 0.0  # rad/s, rad
         self._output_alone = False  # by its mask 0x60FE works the brake, and nothing else does
         self._output_set = False
         self._set_for = inf  # s, since the output was set
@@ -109,6 +109,7 @@ class VirtualDrive:
         N·m as the current sensor has it; ``synced``: a SYNC ended it."""
         if synced:
             self.node.sync()
+        self._stands_at = q
         self._measure(q, velocity, torque)
         self._speed = abs(velocity)
         self._set_for += dt
@@ -174,7 +175,13 @@ class VirtualDrive:
             self.values.setdefault(key, 0)
         self._tell_run_time_values()
         self._take_options()
+        self._measure(self._stands_at, 0.0, 0.0)
         self._status()
+
+    def stands(self, q: float) -> None:
+        """rad: an encoder tells its place from the beginning, not from a first SYNC on."""
+        self._stands_at = q
+        self._measure(q, 0.0, 0.0)
 
     # --- inside ---
 
