@@ -110,7 +110,7 @@ def test_a_new_model_never_has_friction_below_nothing():
 
 
 def said(
-    kind: str, frozen: bool, size: float = 1.0, rivals: tuple[str, ...] = (), rms: float = 1.0
+    kind: str, frozen: bool, size: float = 1.0, rivals: tuple[str, ...] = (), rms: float = 0.499
 ) -> str:
     one = effect(kind)
     joints = {"joint": (3,), "pair": (4, 5), "robot": ()}[one.scope]
@@ -149,6 +149,11 @@ def test_what_other_terms_stand_in_for_is_not_called_lacking():
     text = said("presliding_hysteresis", False, rms=0.1)
     assert "about 0.43 N·m, of which the model lacks 0.087 N·m; with it 75 %" in text
     assert "lacks" not in said("backlash", False, rms=0.1)
+
+
+def test_what_bends_the_rest_is_lacking_more_than_itself():
+    text = said("stribeck", False, rms=1.0)
+    assert "about 0.43 N·m, and the model without it lacks 0.87 N·m; with it 75 %" in text
 
 
 def test_the_same_effect_elsewhere_is_a_rival_with_its_place():
