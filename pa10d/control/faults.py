@@ -13,8 +13,6 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.guard import BackendBroke
 from pa10d.control.punctuality import Starved
 
-WEIGHED = "not_held, and weighed"  # of a fall that told the weight: no sign is wrong
-
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
     "torque_state": "report it: torque was asked for in a state that allows none",
@@ -24,9 +22,6 @@ REMEDIES = {
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload; "
     "where these are right, and it is held in a pose in which gravity does little on it, the "
     "URDF's masses or centres from this joint on are wrong: correct them",
-    WEIGHED: "'reset' and enable again. The URDF's masses or centres from this joint on are "
-    "wrong, or this drive's gear_ratio or rated_torque, or, where it falls again and again, its "
-    "sign: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
@@ -39,6 +34,13 @@ REMEDIES = {
     "stop": "look at brakes and drives before the next motion: the arm did not stop as asked",
     "daemon_gone": "look at the daemon's log; systemd starts it again",
 }
+
+# of a joint that fell and told what it weighs
+WEIGHED = (
+    "'reset' and enable again. The URDF's masses or centres from this joint on are "
+    "wrong, or this drive's gear_ratio or rated_torque, or, where it falls again and again, its "
+    "sign: correct them"
+)
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,7 @@ def fault_from(error: Exception, n: int, state: str, time: float, sequence: int)
     elif isinstance(error, LoopFault):
         kind, cause, axis, hertz = error.kind, error.cause, error.axis, error.hertz
         was_there, weighed = error.was_there, error.weighed
-        remedy = REMEDIES[WEIGHED if weighed else kind]
+        remedy = WEIGHED if weighed else REMEDIES[kind]
     elif isinstance(error, BackendBroke | UserError):
         kind, cause, remedy = "backend", str(error), REMEDIES["backend"]
     else:
