@@ -103,7 +103,8 @@ def _clipped(
                 "clipped",
                 f"{label}: the torque stands at its {extreme} value {side * top:.4g} {unit} in "
                 f"{share} of the samples: it is clipped",
-                "widen the sensor's range or move less hard; leave these samples out of a fit",
+                "widen the sensor's range or move less hard; leave these samples out of a fit. "
+                "What an amplifier was told (a duty, a voltage) may stand at its limit: force it",
                 j + 1,
             )
 

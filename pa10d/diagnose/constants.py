@@ -152,6 +152,10 @@ MOSTLY_BEYOND = 0.5  # of the error, beyond the share of time, that lies where t
 #   been, to say so: most of it (policy; a fact of the two sides, no claim)
 CARRIED_FARTHER = 1.5  # times what its coefficients leave open on the fit side: from there the
 #   held-out side asks for what fitted runs do not determine (policy; 0.8 to 1.3 on like motion)
+MOVED_FAR = (
+    2.0  # times what a frozen model leaves where it may move, as it was given: three quarters
+)
+# of the squared error lay in what its own data left open
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it
 #   (policy; two arms that nobody here wrote showed 0.8 to 1.4, decision 0228)
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's

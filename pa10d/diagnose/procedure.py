@@ -37,7 +37,8 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
-from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless
+from pa10d.diagnose.unknown.as_it_stood import moved_far, one_change, stood_words
+from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.geometry import Geometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
@@ -130,6 +131,16 @@ def diagnose(
     known = of_own_runs([before, versions[-1]], model.cutoff)
     left = with_known_floor(judged(versions[-1].name, seen), known)
     again = repeatable(seen)
+    if only is None and not apart:
+        may_change = heard(suspects(True, model.robot.n), state.held)
+        apart = unlike_fitted(state, given, may_change, left.floor.values)
+    far, stood = np.zeros(model.robot.n, dtype=bool), ""
+    if frozen and only is None:
+        alone = rms(state.bare(given).held_residual())
+        far = moved_far(state, alone)
+        if far.any():
+            change = one_change(state, model, heard(suspects(True, model.robot.n), held))
+            stood = stood_words(given_error.rms, alone, far, change)
     over = left_over(state, seen, left, again, only is None, [*apart, *geometry.told], given)
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
@@ -162,6 +173,7 @@ def diagnose(
         over.undetermined,
         lines_above_band(orders, left.cutoff, left.rms),
         over.beside,
+        np.flatnonzero(far).tolist(),
     )
     say(1.0, "done")
     return Diagnosis(
@@ -189,8 +201,9 @@ def diagnose(
         lacked=tuple(
             j
             for j in range(model.robot.n)
-            if state.usual is not None and left.rms[j] <= state.usual[j]
+            if state.usual is not None and left.rms[j] <= state.usual[j] and not far[j]
         ),
+        stood=stood,
     )
 
 

@@ -54,7 +54,7 @@ def unexplained_section(
     unit = found.model.robot.torque_unit(s.joint)
     if isinstance(s, Apart):
         said = [Text(found.remaining[s.joint].sentence), Text(APART)]
-        name = f"Joint {s.joint + 1}: the fitted runs contradict each other"
+        name = f"Joint {s.joint + 1}: {s.who}"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, OtherGeometry):
         said = [Text(found.remaining[s.joint].sentence), Text(MISPLACED)]

@@ -168,7 +168,11 @@ class Header:
 
     def _missing(self, missing: list[str], n: int, robot: str) -> str:
         have = {name.lower() for name in self.names}
-        wanted = f"time, q1..q{n}, tau1..tau{n} for the {n} joints of {robot}"
+        wanted = (
+            f"time, q1..q{n}, tau1..tau{n} for the {n} joints of {robot}"
+            if n > 1
+            else f"time, q1, tau1 for the joint of {robot}"
+        )
         hint = ""
         lowered = {name.lower(): name for name in self.names}
         for name in missing:
@@ -187,6 +191,12 @@ class Header:
         fields = {choice.field for choice in chosen}
         if "i1" in fields and "tau1" in missing and "tau1" not in fields:
             hint += "; motor currents need 'torque_constants' in the profile"
+        open_ = [] if "i1" in fields else [f for f in ("q1", "tau1") if f in missing]
+        if "--map" in hint and (unknown := [f for f in open_ if f not in fields]):
+            asked_for = " ".join(f"COLUMN={f if n == 1 else f[:-1]}" for f in unknown)
+            hint += f" {asked_for}, with what the columns are called" + ", {n} for the joint" * (
+                n > 1
+            )
         some = ", ".join(missing[:8]) + (" …" if len(missing) > 8 else "")
         if "tau1" in missing and "tau1" not in fields and "i1" not in fields:
             asked = guessed(self.names, n, self._joints, demanded=True)

@@ -11,7 +11,7 @@ from two_links import recordings, robot, state_of, textbook
 from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.candidates import suspects
-from pa10d.diagnose.unknown.between_runs import contradiction
+from pa10d.diagnose.unknown.between_runs import contradiction, unlike_fitted
 from pa10d.dynamics import inverse_dynamics
 from pa10d.report.finding_section import Asked
 from pa10d.report.unexplained_section import unexplained_section
@@ -99,3 +99,31 @@ def test_a_spring_that_stood_in_for_a_payload_is_dropped():
     found = asked(changed_between(more_mass))
     assert found.findings == ()
     assert [one.joint for one in found.contradicted] == [0, 1]
+
+
+def held_out_with(change, seed=7):
+    """The held-out runs alone have it."""
+    plain, other = recordings(seed), recordings(seed, change)
+    return {name: (other if name.startswith("valid") else plain)[name] for name in plain}
+
+
+def unlike(runs):
+    state = state_of(runs)
+    return unlike_fitted(state, len(state.terms), suspects(True, 2), np.zeros(2))
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_the_held_out_runs_alone_have_is_told(name):
+    """A kilogram on a real arm left 4.8 N·m on its shoulder: "motion does not predict it"."""
+    change, joints = CHANGES[name]
+    told = unlike(held_out_with(change))
+    assert tuple(one.joint for one in told) == joints
+    for one in told:
+        assert (one.effects, one.held_out) == ((name,), True)
+        assert (one.others, one.runs) == (("fit_a", "fit_b"), ("valid_a", "valid_b"))
+        assert one.who == "the runs held out contradict the fitted ones"
+
+
+@pytest.mark.parametrize("law", [None, stress_that_relaxes(np.random.default_rng(1))])
+def test_held_out_runs_of_the_same_arm_do_not_contradict_the_fitted_ones(law):
+    assert unlike(recordings(41, law)) == ()

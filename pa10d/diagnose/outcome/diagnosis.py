@@ -100,6 +100,7 @@ class Diagnosis:
     nothing changed
     beside: what the given model lacks of its own data, where the change was sought beside that
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
+    stood: of a frozen model that was moved far, within its own doubt: what it left as it was given
     """
 
     verdict: Verdict
@@ -122,6 +123,7 @@ class Diagnosis:
     only: str = ""
     lacked: tuple[int, ...] = ()
     beside: str = ""
+    stood: str = ""
 
     @property
     def begins(self) -> str:
@@ -159,7 +161,7 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """What is to be known before the model is used."""
         found = [finding.term for finding in self.findings]
-        beside = [self.beside] if self.beside else []
+        beside = [said for said in (self.beside, self.stood if found else "") if said]
         own = (
             *self._apart(),
             *self._misplaced(),
@@ -179,6 +181,12 @@ class Diagnosis:
             return ()
         one = self.contradicted[0]
         joints = joint_words([a.joint for a in self.contradicted])
+        if one.held_out:
+            return (
+                f"{listed(one.runs)} ask for other parameters of {joints} than the fitted runs; "
+                f"look what was changed between {listed(one.others)} and {listed(one.runs)}, and "
+                "ask of them what has changed (frozen)",
+            )
         return (
             f"the fitted runs ask for different parameters of {joints}, so one model of all of "
             f"them is right in none; look what was changed between {listed(one.others)} and "

@@ -196,6 +196,8 @@ def none_found(found: Diagnosis) -> str:
     """The verdict where nothing was found; of one suspicion it says nothing of all others."""
     if found.only:
         return f"This data does not show {found.only}; nothing else was looked for."
+    if found.stood:
+        return f"Whether something has changed this data cannot say: {found.stood}."
     given = found.rms if found.beside else found.as_given.rms  # else its values were off
     return nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
 
@@ -204,16 +206,19 @@ def unexplained(found: Diagnosis) -> str:
     """What to say where something is left that was not found, without its end."""
     if found.only:
         return f"Something is left that {found.only} does not explain; nothing else was looked for"
-    if {one.joint for one in found.unexplained} == {one.joint for one in found.contradicted}:
-        return "The fitted runs contradict each other: they ask for different parameters"
-    misplaced = {one.joint for one in found.misplaced}
-    if misplaced and misplaced == {one.joint for one in found.unexplained}:
+    named = {one.joint for one in found.unexplained}
+    if found.contradicted and named == {one.joint for one in found.contradicted}:
+        who = found.contradicted[0].who
+        return f"{who[0].upper()}{who[1:]}: they ask for different parameters"
+    if found.misplaced and named == {one.joint for one in found.misplaced}:
         return (
             "No effect of the library, but an arm that is not as its URDF says explains it "
             f"({found.misplaced[0].words})"
         )
+    if found.stood:
+        return f"Something has changed, or was never known: {found.stood}"
     if not found.frozen:
         return "Something is missing that no effect of the library explains"
-    if {one.joint for one in found.unexplained} <= set(found.lacked):
+    if named <= set(found.lacked):
         return "The model keeps an error that it had before: something is missing, not changed"
     return "Something has changed that no effect of the library explains"

@@ -38,9 +38,9 @@ Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 @dataclass(frozen=True)
 class Apart:
-    """Of a joint (0-based): fitted runs ask for something of which the others have none, or less.
+    """Of a joint (0-based): runs ask for something of which the others have none, or less.
 
-    share: of the squared error that the fit leaves there, which is gone if they may have it; rms:
+    share: of the squared error that a fit leaves there, which is gone if they may have it; rms:
     N·m of that; p_value: of all that was tried; effects: as people call them
     """
 
@@ -52,6 +52,14 @@ class Apart:
     others: tuple[str, ...]
     effects: tuple[str, ...]
     variables: tuple[str, ...] = ()
+    held_out: bool = False  # it is the held-out runs that ask for it
+
+    @property
+    def who(self) -> str:
+        """What contradicts what, as the subject and verb of a sentence."""
+        if self.held_out:
+            return "the runs held out contradict the fitted ones"
+        return "the fitted runs contradict each other"
 
     @property
     def words(self) -> str:
@@ -94,11 +102,39 @@ class _Own(OwnPart):
     runs: tuple[str, ...]
 
 
-def contradiction(state: SearchState, suspects: Suspects, floor: Array) -> Contradiction:
+def unlike_fitted(
+    state: SearchState, given: int, suspects: Suspects, floor: Array
+) -> tuple[Apart, ...]:
+    """What the held-out runs ask for that the fitted ones refuse, where they leave more: a fit to
+    all of them, with all findings, is asked as fitted runs are. Nothing where runs are on both
+    sides. given: terms that the model had before any finding"""
+    held = tuple(dict.fromkeys(run.name for run in state.held.runs))
+    fitted = {run.name for run in state.train.runs}
+    worse = _left_of_held(state) > MATERIAL_REST * np.maximum(state.fit.rms(), np.nan_to_num(floor))
+    if state.frozen or fitted & {*held} or not worse.any():
+        return ()
+    side = Side.of([*state.train.runs, *state.held.runs])
+    whole = SearchState.start(state.model, side, state.held)
+    for index, term in enumerate(state.terms):
+        if index < given:
+            whole.replace_term(index, term)
+        else:
+            whole.push(term)
+    whole.refit()
+    told = contradiction(whole, suspects, floor, [held]).told
+    return tuple(replace(one, held_out=True) for one in told if worse[one.joint])
+
+
+def contradiction(
+    state: SearchState,
+    suspects: Suspects,
+    floor: Array,
+    parts: Sequence[tuple[str, ...]] | None = None,
+) -> Contradiction:
     """What runs of the fit side ask for by themselves, on joints that keep more than noise.
 
     suspects: what may change; floor: (n,) N·m; nan where it is not known: what changed has to stand
-    out from slow noise anyway
+    out from slow noise anyway; parts: the names of runs that may (None: any)
     """
     fit, least = state.fit, MATERIAL_REST * np.nan_to_num(floor)
     names = tuple(dict.fromkeys(run.name for run in state.train.runs))
@@ -107,7 +143,7 @@ def contradiction(state: SearchState, suspects: Suspects, floor: Array) -> Contr
     for _ in range(state.train.n if len(names) > 1 else 0):
         if not np.any(fit.rms() > least):
             break
-        tried = list(_tried(state, suspects, fit, names))
+        tried = list(_tried(state, suspects, fit, _parts(names) if parts is None else parts))
         best = _plainest(tried)
         if best is None:
             break
@@ -118,6 +154,16 @@ def contradiction(state: SearchState, suspects: Suspects, floor: Array) -> Contr
         fit = _beside(fit, best)
     told = _told(taken, names, concerned, state.fit, fit) if taken else ()
     return Contradiction(tuple(told), fit.rms())
+
+
+def _left_of_held(state: SearchState) -> Array:
+    """(n,) N·m RMS; nothing of a joint of which no sample counts."""
+    left = state.held_residual()
+    return np.array([_rms(left[j]) for j in range(state.held.n)])
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
 def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -> SearchState:
@@ -139,11 +185,10 @@ def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -
 
 
 def _tried(
-    state: SearchState, suspects: Suspects, fit: LeastSquares, names: Sequence[str]
+    state: SearchState, suspects: Suspects, fit: LeastSquares, groups: Sequence[tuple[str, ...]]
 ) -> Iterator[_Own]:
-    """Each that may have changed, in each part of the runs."""
+    """Each that may have changed, in each group of the runs."""
     side = state.train
-    groups = _parts(names)
     for effect, joints in suspects:
         if not all(s.smoothing or s.optional for s in effect.shapes):
             continue  # what has a shape of its own bends to what a model lacks

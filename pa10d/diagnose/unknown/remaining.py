@@ -234,6 +234,7 @@ def remaining(
     undetermined: Collection[int] = (),
     faster: Mapping[int, str] | None = None,
     beside: Mapping[int, GoesWith] | None = None,
+    moved: Collection[int] = (),
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -245,7 +246,7 @@ def remaining(
     slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
     joints of which the fitted runs leave open as much as they keep, for the motion held out;
     faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
-    own goes with."""
+    own goes with; moved: joints on which a frozen model leaves so little because it was moved."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -291,7 +292,8 @@ def remaining(
         if line.material is not False and faster and j in faster:
             text = f" {faster[j][0].upper()}{faster[j][1:]}."
             line = replace(line, sentence=line.sentence + text)
-        if usual is not None and line.material is not False and line.rms <= usual[j]:
+        kept = usual is not None and line.material is not False and line.rms <= usual[j]
+        if kept and j not in moved:
             line = replace(line, sentence=line.sentence + NOT_NEW)
         if parts := _of_one_curve(line, found):
             line = replace(line, sentence=line.sentence + parts)
@@ -367,9 +369,10 @@ def _with_sentence(
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
     if isinstance(left, Apart):
+        fit = "a fit to all" if left.held_out else "the fit"
         text = (
-            f"{size}; the fitted runs contradict each other: {left.words}, which is "
-            f"{percent(left.share)} of the squared error that the fit leaves there"
+            f"{size}; {left.who}: {left.words}, which is {percent(left.share)} of the squared "
+            f"error that {fit} leaves there"
         )
     elif beside is not None and unsaid:
         text = (

@@ -1,0 +1,40 @@
+"""A frozen model whose doubt is wide takes a payload up in silence: it is said what it had left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from test_between_runs import more_mass
+from two_links import recordings, textbook
+
+from pa10d.diagnose.outcome.words import none_found
+from pa10d.diagnose.procedure import diagnose
+
+DOUBT = 1e7
+"""Of the covariance: as wide as after a short run of an arm that lacks much."""
+
+
+def changed_since(change, doubt):
+    runs = recordings(5, change)
+    model = textbook(recordings(4))
+    model = replace(model, covariance=doubt * model.covariance)
+    fit, held = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    return diagnose(model, fit, held, frozen=True)
+
+
+def test_a_payload_within_the_doubt_of_a_model_is_told_as_what_would_do_alone():
+    found = changed_since(more_mass, DOUBT)
+    assert (found.verdict, found.findings) == ("none", ())
+    said = none_found(found)
+    assert said.startswith("Whether something has changed this data cannot say: as it was given ")
+    assert "; a payload alone, all else as it was, takes more than 99 % of it" in said
+    assert "joints 1 and 2" in said
+
+
+@pytest.mark.parametrize(("change", "doubt"), [(None, DOUBT), (more_mass, 1.0)])
+def test_nothing_is_said_where_nothing_changed_or_the_change_is_named(change, doubt):
+    found = changed_since(change, doubt)
+    assert found.stood == ""
+    named = [finding.term.effect_id for finding in found.findings]
+    assert named == ([] if change is None else ["payload"])
