@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from pa10d.compare.places import Place, failing, places
 from pa10d.compare.unexplained import map_warnings
 from pa10d.compare.whiteness import Whiteness, whiteness
 from pa10d.judgement import (
+    MATERIAL,
     Judgement,
     NoiseFloor,
     RunResidual,
@@ -160,8 +161,23 @@ def _apart_and_together(model: str, residuals: Sequence[RunResidual]) -> list[Ju
 def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloor) -> RunScores:
     found = scores(runs)
     where = places(runs, model.robot, floor.values, judged=found)
+    where += _clear_places(runs, found, floor, model, {place.joint for place in where})
     spread = failing(found, floor.values, model.robot, where)
     return RunScores(name, found, floor, tuple(where), tuple(spread))
+
+
+def _clear_places(
+    runs: list[RunResidual],
+    found: Scores,
+    floor: NoiseFloor,
+    model: TorqueModel,
+    told: Collection[int],
+) -> list[Place]:
+    """Of joints that keep more than noise, of which none was told: places clear of reversals, as a
+    diagnosis looks for them."""
+    keeps = np.flatnonzero(found.rms > MATERIAL * floor.values).tolist()
+    silent = [j for j in keeps if j not in told]
+    return places(runs, model.robot, floor.values, joints=silent, clear=True) if silent else []
 
 
 def _above_band(orders: Sequence[OrderSpectrum | None], cutoff: float, rms: Array) -> list[str]:

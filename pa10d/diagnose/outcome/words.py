@@ -93,8 +93,10 @@ def nothing(
     large = np.flatnonzero(ratio > MATERIAL_REST)
     first = "Nothing has changed" if frozen else "Nothing is missing"
     if not len(large) and not np.all(np.isfinite(ratio)):
+        asked = "has changed" if frozen else "is missing"
         return (
-            f"{first} that this data can show; but it does not show how strong the noise is. "
+            f"Nothing that was looked for shows itself; whether something {asked} this data cannot "
+            "say, for it does not show how strong the noise is. "
             "Record one motion twice: what differs is noise, and what comes again is none."
         )
     if not len(large):
