@@ -42,7 +42,7 @@ def found(*terms, parameters, **more):
         for term, sizes in zip(terms, parameters, strict=True)
     ]
     told = {"verdict": "missing", "frozen": False, "unexplained": (), "lacked": (), "only": ""}
-    told |= {"contradicted": (), "misplaced": ()}
+    told |= {"contradicted": (), "misplaced": (), "stood": ""}
     left = SimpleNamespace(mask="in motion")
     told |= {"findings": findings, "judged_on": "valid", "cutoff": 12.0, "left": left}
     return SimpleNamespace(**(told | more))
