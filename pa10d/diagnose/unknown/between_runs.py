@@ -122,7 +122,9 @@ def unlike_fitted(
             whole.push(term)
     whole.refit()
     told = contradiction(whole, suspects, floor, [held]).told
-    return tuple(replace(one, held_out=True) for one in told if worse[one.joint])
+    # more than all that the fitted runs leave by themselves, slow noise of theirs among it
+    least = np.where(worse, MATERIAL_REST * state.fit.rms(), np.inf)
+    return tuple(replace(one, held_out=True) for one in told if one.rms > least[one.joint])
 
 
 def contradiction(

@@ -79,7 +79,8 @@ def left_over(
     fitted runs contradict each other in, or lengths and axes that are not the URDF's; given: terms
     that the model had before."""
     maps, slight = material(left, find_structure(state) if searched else [])
-    apart = _more_than_maps(apart, maps)
+    far = _farther(state, left, COMES_AGAIN_LEVEL / state.held.n, given)
+    apart = [one for one in _more_than_maps(apart, maps) if not _undetermined(one, far)]
     contradicted = {one.joint for one in apart}
     maps = [m for m in maps if m.joint not in contradicted]
     slight = [m for m in slight if m.joint not in contradicted]
@@ -95,7 +96,6 @@ def left_over(
     moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
     level = COMES_AGAIN_LEVEL / state.held.n
     doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
-    far = _farther(state, left, level, given)
     doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
     open_ = [j for j in open_ if j not in humming]
@@ -120,6 +120,11 @@ def _more_than_maps(
     between runs that move differently."""
     shares = {m.joint: m.share for m in maps}
     return [one for one in apart if one.share > shares.get(one.joint, 0.0)]
+
+
+def _undetermined(one: Apart | OtherGeometry, far: Array) -> bool:
+    """Held-out runs that ask for what the fitted ones leave open contradict nobody."""
+    return isinstance(one, Apart) and one.held_out and bool(far[one.joint])
 
 
 def _farther(state: SearchState, left: Judgement, level: float, given: int) -> Array:
