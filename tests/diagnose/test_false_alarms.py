@@ -93,6 +93,7 @@ def _alarms(noise: str, seeds: range, frozen: bool) -> dict[str, list[str]]:
     return said
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["spring"])
 def test_the_short_sets_can_show_something(name):
     """The counterpart: with as little data, an effect is found."""
