@@ -68,6 +68,8 @@ def demo(options: argparse.Namespace) -> Answer:
 
 def in_words(told: Told, report: Path, seconds: float) -> str:
     """The end of the story, for the terminal."""
+    from pa10d.investigation.words import units_of
+
     last, known = told.last, told.hidden.in_words()
     labels = [f"{f['effect']} {f['joints'] or ''}".strip() for f in last["findings"]]
     judged = last["judged"]
@@ -81,7 +83,7 @@ def in_words(told: Told, report: Path, seconds: float) -> str:
             f"\nhidden: {known}",
             f"found:  {', '.join(labels) or last['verdict']}",
             "",
-            "Error in N·m on runs that the fit has not seen:",
+            f"Error in {units_of(judged)} on runs that the fit has not seen:",
             table(["joint", "RMS before", "RMS after", "noise floor"], rows),
             "",
             f"{seconds:.0f} s. Report: {report}",

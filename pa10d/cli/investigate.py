@@ -179,7 +179,7 @@ def _motions_in_words(found: JsonObject) -> str:
 
 def in_words(found: JsonObject) -> str:
     """How it ended, for the terminal."""
-    from pa10d.investigation.words import judged_where
+    from pa10d.investigation.words import judged_where, units_of
 
     if found["status"] != "done":
         why = f": {found['error']}" if found["error"] else ""
@@ -202,7 +202,10 @@ def in_words(found: JsonObject) -> str:
         there = judged_where(
             listed(judged.get("run_names", [])), judged["cutoff_hz"], judged["mask"]
         )
-        lines += [f"Error in N·m on runs that {judged['seen']} ({there}):", table(head, rows)]
+        lines += [
+            f"Error in {units_of(judged)} on runs that {judged['seen']} ({there}):",
+            table(head, rows),
+        ]
     for doubt in found["doubts"]:
         lines.append(doubt["says"])
         lines += [f"   {doubt[key]}" for key in ("plan", "motion") if doubt[key]]

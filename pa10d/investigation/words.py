@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import listed, percent, times
 from pa10d.compare.comparison import RunScores
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
@@ -17,6 +18,11 @@ from pa10d.report.verdict import answer, finding_words, more_or_less, place_word
 from pa10d.trajectory.kinds import KINDS
 
 RISE = 0.1  # of the squared error that is worth a word
+
+
+def units_of(judged: JsonObject) -> str:
+    """``N or N·m``: of a last word's errors, for the head of a table."""
+    return " or ".join(sorted({*(judged.get("units") or ["N·m"])}))
 
 
 def named(finding: NamedEffect, frozen: bool = False) -> str:

@@ -13,7 +13,7 @@ from pa10d.diagnose.unknown.remaining import Unnamed
 from pa10d.effects import Value
 from pa10d.investigation import course
 from pa10d.investigation.results import LastWord
-from pa10d.investigation.words import compared_words, fall_words, found_words
+from pa10d.investigation.words import compared_words, fall_words, found_words, units_of
 from pa10d.judgement import NoiseFloor
 from pa10d.model import Term
 
@@ -104,3 +104,8 @@ def test_without_fresh_motion_nothing_is_judged_on_it():
     assert title(investigation(minutes=3.0)) == "Judge all versions on the runs to judge by"
     assert title(investigation(motions=SET[:-1])) == "Judge all versions on the runs to judge by"
     assert title(investigation(motions=[])) == "Judge all versions on the runs to judge by"
+
+
+def test_errors_of_slides_stand_in_newtons():
+    assert units_of({"units": ["N·m", "N", "N"]}) == "N or N·m"
+    assert units_of({"units": []}) == "N·m", "an older version wrote none"
