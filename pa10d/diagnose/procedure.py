@@ -204,6 +204,7 @@ def diagnose(
             if state.usual is not None and left.rms[j] <= state.usual[j] and not far[j]
         ),
         stood=stood,
+        told=_told(model),
     )
 
 
@@ -299,6 +300,15 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
 def heard(suspects: Suspects, held: Side) -> Suspects:
     """Without those of joints of which no sample counts."""
     return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
+
+
+def _told(model: TorqueModel) -> tuple[str, ...]:
+    """Of which parameters somebody knew something when the model was identified."""
+    prior = model.notes.prior
+    if prior is None:
+        return ()
+    names = tuple(one.name for one in prior.given)
+    return names if prior.percent is None else ("all bodies", *names)
 
 
 def _between_runs(search: Search, given: int, as_given: Judgement) -> tuple[Apart, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject, plain
-from pa10d.common.words import joint_words, listed
+from pa10d.common.words import joint_words, listed, percent
 from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
@@ -101,6 +101,7 @@ class Diagnosis:
     beside: what the given model lacks of its own data, where the change was sought beside that
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     stood: of a frozen model that was moved far, within its own doubt: what it left as it was given
+    told: of what somebody knew when the given model was identified, which a search does not know
     """
 
     verdict: Verdict
@@ -124,6 +125,7 @@ class Diagnosis:
     lacked: tuple[int, ...] = ()
     beside: str = ""
     stood: str = ""
+    told: tuple[str, ...] = ()
 
     @property
     def begins(self) -> str:
@@ -167,6 +169,8 @@ class Diagnosis:
             *self._misplaced(),
             *self._no_estimates(),
             *self._own_runs(),
+            *self._forgotten(),
+            *self._lighter(),
             *beside,
         )
         return (
@@ -202,6 +206,31 @@ class Diagnosis:
             f"the arm may not be as its URDF says: {self.misplaced[0].words}; compare both, and "
             "identify anew once they agree: bodies and effects bend to what is wrong",
         )
+
+    def _forgotten(self) -> tuple[str, ...]:
+        """What the versions do without."""
+        if not (self.told and self.findings) or self.frozen:
+            return ()
+        return (
+            f"the given model was identified beside what was known of {listed(self.told)}; these "
+            "versions are fitted to the data alone",
+        )
+
+    def _lighter(self) -> tuple[str, ...]:
+        """What friction of a load hides of the weight that no other joint feels."""
+        carries = self.model.robot.carries()
+        shared = (carries.astype(int) @ carries.T.astype(int)).sum(axis=1) - carries.sum(axis=1)
+        said = []
+        for term in (finding.term for finding in self.findings):
+            if not term.effect.reads_as_load or shared[term.joints[0]] or self.frozen:
+                continue
+            most = percent(min(float(term.coefficients[0]), 1.0))
+            said.append(
+                f"what joint {term.joints[0] + 1} carries may be up to {most} lighter: friction "
+                "that is larger while the motor drives reads as load. Weigh it, or measure torque "
+                "behind the gear"
+            )
+        return tuple(said)
 
     def _no_estimates(self) -> tuple[str, ...]:
         """Terms that the model has besides what was found, whose values nothing can have."""
