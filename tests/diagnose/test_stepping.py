@@ -60,6 +60,12 @@ def test_no_noise_changes_at_one_moment(phi):
     assert steps_in_time(state_of(runs), [0, 1]) == []
 
 
+def test_what_is_there_from_the_beginning_is_no_step():
+    """An offset of a real arm changed "at t = 2.55 s of every run", as early as was looked."""
+    runs = recordings(12, lambda t, q, dq, ddq: np.outer(np.ones(len(t)), [0.8, 0.0]))
+    assert steps_in_time(state_of(runs), [0]) == []
+
+
 def test_what_changes_in_no_other_run_is_no_step_of_the_joint():
     runs = {**recordings(12), "fit_a": recordings(12, let_go)["fit_a"]}
     assert steps_in_time(state_of(runs), [0, 1]) == []

@@ -78,10 +78,12 @@ class JudgedCandidate:
         """Significant, of the predicted size, material, itself, and harmful to no joint; of a model
         that is kept as it was, more than it lacked before."""
         e = self.evidence
-        own = self.speaks_on
-        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
-        if self.usual is not None and np.all(e.before[own] <= self.usual[own]):
+        own = np.arange(len(e.before))[self.speaks_on]
+        if self.usual is not None:
+            own = own[e.before[own] > self.usual[own]]
+        if not len(own):
             return False
+        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
         return bool(
             self.is_itself
             and self.p_corrected < SEARCH_LEVEL

@@ -51,10 +51,11 @@ def stood_words(given: Array, left: Array, far: NDArray[np.bool_], change: OneCh
     if not far.any():
         return ""
     worst = int(np.argmax(np.where(far, given / np.maximum(left, 1e-300), 0.0)))
-    where = joint_words(np.flatnonzero(far).tolist())
+    alike = [j for j in np.flatnonzero(far).tolist() if j != worst]
     said = (
         f"as it was given the model leaves {given[worst]:.3g} where moving within its own doubt "
-        f"it leaves {left[worst]:.3g} on joint {worst + 1} ({where} alike)"
+        f"it leaves {left[worst]:.3g} on joint {worst + 1}"
+        + (f" ({joint_words(alike)} alike)" if alike else "")
     )
     if change is not None and change.shares[worst] >= BROKEN_SHARE:
         took = [j for j in np.flatnonzero(far).tolist() if change.shares[j] >= BROKEN_SHARE]

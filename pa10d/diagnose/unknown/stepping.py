@@ -85,13 +85,9 @@ def _of(state: SearchState, joint: int) -> StepInTime | None:
     near = np.arange(about.seconds - STEP_EVERY, about.seconds + STEP_EVERY, STEP_CLOSELY)
     fine = [_Step(float(at), about.runs, about.before) for at in near]
     best = max(fine, key=gain)
-    weighted = best.columns(state.train, joint, train, some=True) / state.fit.sigma[joint]
-    part = own_part(state.fit, {joint: weighted})
-    if part is None:
+    change = _foretold(state, joint, best, train, held)
+    if change is None:
         return None
-    own = best.columns(state.held, joint, held, some=False)
-    seen = state.fit.basis[joint].T @ weighted
-    change = state.change(state.fit, {joint: own}, seen, part.theta)[joint]
     residual = state.held_residual()
     found = judge(state.held, residual, {joint: change}, doubt_of(state))
     p_value = min(1.0, found.p_value * (len(coarse) + len(fine)) * state.train.n)
@@ -101,8 +97,28 @@ def _of(state: SearchState, joint: int) -> StepInTime | None:
     fits = SLOPES[0] < found.slope < SLOPES[1]
     if p_value > STEP_LEVEL or not (lasting and fits and share > BROKEN_SHARE):
         return None
+    steady = _foretold(state, joint, _Step(0.0, names, before=False), train, held)
+    if steady is not None and left**2 > (1.0 - BROKEN_SHARE) * rms(residual[joint] - steady) ** 2:
+        return None  # it is there from the beginning, or as good
     where = () if best.runs == names else (*best.runs, *(run.name for run in state.held.runs))
     return StepInTime(joint, best.seconds, where, share, float(np.sqrt(share)) * had, left, p_value)
+
+
+def _foretold(
+    state: SearchState,
+    joint: int,
+    step: _Step,
+    train: tuple[Array, Array],
+    held: tuple[Array, Array],
+) -> Array | None:
+    """(m_j,) N·m on the held-out side by what the fit side asks for."""
+    weighted = step.columns(state.train, joint, train, some=True) / state.fit.sigma[joint]
+    part = own_part(state.fit, {joint: weighted})
+    if part is None:
+        return None
+    own = step.columns(state.held, joint, held, some=False)
+    seen = state.fit.basis[joint].T @ weighted
+    return state.change(state.fit, {joint: own}, seen, part.theta)[joint]
 
 
 def _steps(times: Array, names: tuple[str, ...]) -> Iterator[_Step]:
