@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from two_links import V0, recordings, textbook, textbook_torque
 from pa10d.diagnose.outcome.diagnosis import Confusion
 from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search.judging import JudgedCandidate
 from pa10d.effects import Value, all_effects, effect
 from pa10d.effects.base import smooth_sign
 from pa10d.model import Term
@@ -197,3 +199,16 @@ def test_what_came_of_the_rest_of_the_library_is_named_too():
     for name, true in (("N", 9.0), ("amplitude", 0.4)):
         value = finding.parameters[name]
         assert abs(value.value - true) < 4 * value.std_error + 0.002 * true
+
+
+@pytest.mark.parametrize(
+    ("helped", "counts"), [((0.2, 0.29), False), ((0.2, 0.1), True), ((0.85, 0.1), True)]
+)
+def test_what_helps_only_where_the_model_lacked_as_much_before_is_no_change(helped, counts):
+    """A base that leans, of an arm that did not change: joint 2 alone keeps more than usual."""
+    seen = SimpleNamespace(
+        before=np.array([0.85, 0.3]), after=np.array(helped), p_value=1e-9, slope=1.0, worse=()
+    )
+    leans = SimpleNamespace(effect=effect("base_tilt"), joints=(), shape={})
+    judged = JudgedCandidate(leans, seen, 1e-9, usual=np.array([1.65, 0.25]))
+    assert judged.acceptable == counts
