@@ -95,6 +95,7 @@ def test_it_is_said_on_the_joint_in_the_headline_and_what_to_do():
     assert "fit to one side alone" in what
 
 
+@pytest.mark.long
 def test_a_spring_that_stood_in_for_a_payload_is_dropped():
     found = asked(changed_between(more_mass))
     assert found.findings == ()

@@ -103,7 +103,7 @@ def recording(
     [
         pytest.param(0, 1.0, marks=pytest.mark.long),
         pytest.param(1, 1.0, marks=pytest.mark.long),
-        (1, 1e-3),
+        pytest.param(1, 1e-3, marks=pytest.mark.long),
     ],
 )
 def test_a_spring_that_swings_after_reversals_is_found(tmp_path, joint, size):
