@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import canopen
 from canopen import SdoAbortedError, SdoCommunicationError
 from canopen.objectdictionary import ODVariable
 
 from backends.canopen_cia402.objects import ABSENT
+
+T = TypeVar("T")
+
+NO_ANSWER = "No SDO response received"  # as canopen says it
+LATE_ANSWERS = 3  # to what was given up: as many as a request is tried, and one to an abort
 
 
 class SetupError(Exception):
@@ -39,7 +47,7 @@ class Remote:
         if variable is None:
             return "absent"
         try:
-            self.node.sdo.download(index, sub, variable.encode_raw(value))
+            _asked(lambda: self.node.sdo.download(index, sub, variable.encode_raw(value)))
         except SdoAbortedError as refusal:
             return "absent" if refusal.code in ABSENT else f"refused: {refusal}"
         except SdoCommunicationError as error:
@@ -63,7 +71,7 @@ class Remote:
         if variable is None or not variable.readable:
             return None
         try:
-            data = self.node.sdo.upload(index, sub)
+            data = _asked(lambda: self.node.sdo.upload(index, sub))
         except SdoAbortedError as refusal:
             if refusal.code in ABSENT:
                 return None
@@ -76,3 +84,15 @@ class Remote:
 
     def _variable(self, index: int, sub: int) -> ODVariable | None:
         return self.node.object_dictionary.get_variable(index, sub)
+
+
+def _asked(ask: Callable[[], T]) -> T:
+    """Once more where an answer came that is of no use: a request that was given up may be answered
+    yet, and that answer is taken for the next one's. Who does not answer was asked often enough."""
+    for _ in range(LATE_ANSWERS):
+        try:
+            return ask()
+        except SdoCommunicationError as error:
+            if str(error) == NO_ANSWER:
+                raise
+    return ask()
