@@ -131,7 +131,7 @@ def diagnose(
     known = of_own_runs([before, versions[-1]], model.cutoff)
     left = with_known_floor(judged(versions[-1].name, seen), known)
     again = repeatable(seen)
-    if only is None and not apart:
+    if only is None and not (apart or geometry.told):
         may_change = heard(suspects(True, model.robot.n), state.held)
         apart = unlike_fitted(state, given, may_change, left.floor.values)
     far, stood = np.zeros(model.robot.n, dtype=bool), ""

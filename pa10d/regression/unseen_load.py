@@ -4,7 +4,8 @@ A gear loses more while its motor drives the load than while the load drives the
 and harmonic drives alike). Half the sum of both losses is friction; half their difference is, to
 the last sample, a load that is larger by that share, and the bodies take it in. Of one joint alone
 no motion tells it; of an arm, what no other joint contradicts. The difference is anything between
-none and half the sum (nothing lost while the load drives): uniform, hence the third.
+none and half the sum (nothing lost while the load drives, and then the load is less by just the
+share of what is read that rubs): uniform, hence the third.
 """
 
 from __future__ import annotations

@@ -52,3 +52,11 @@ def test_who_does_not_answer_is_not_asked_again():
     with pytest.raises(SetupError):
         remote(sdo).read(0x603F)
     assert sdo.asked == 1
+
+
+def test_silence_is_what_the_library_calls_it():
+    client = canopen.sdo.SdoClient(0x601, 0x581, canopen.ObjectDictionary())
+    client.RESPONSE_TIMEOUT = 0.001
+    with pytest.raises(SdoCommunicationError) as told:
+        client.read_response()
+    assert str(told.value) == NO_ANSWER

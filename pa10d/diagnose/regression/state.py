@@ -21,6 +21,8 @@ from pa10d.regression.problem import Knowledge, LinearProblem
 from pa10d.regression.winding import seen_by
 
 Array = NDArray[np.float64]
+Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
+"""What may be missing or have changed, and on which joints (0-based)."""
 
 
 @dataclass

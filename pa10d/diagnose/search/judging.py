@@ -21,7 +21,7 @@ from pa10d.diagnose.evidence.errors_of import doubt_of
 from pa10d.diagnose.evidence.held_out import Evidence, ModelUncertainty, fit_side_power, judge
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.partial import partials
-from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.search.candidates import Candidate, held_columns
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
 from pa10d.effects import Effect, Shape
@@ -29,7 +29,6 @@ from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 Place = tuple[str, tuple[int, ...]]
-Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 
 @dataclass

@@ -9,7 +9,6 @@ do, they can.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,14 +16,12 @@ from numpy.typing import NDArray
 
 from pa10d.common.words import joint_words, percent
 from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MOVED_FAR
-from pa10d.diagnose.regression.state import SearchState
-from pa10d.effects import Effect
+from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.model import TorqueModel
 from pa10d.model.unknowns import vector_of
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
-Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 
 @dataclass(frozen=True)

@@ -28,12 +28,11 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.held_out import fit_side_power, judge
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import Side
-from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.effects import Effect, Shape
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
-Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 
 @dataclass(frozen=True)

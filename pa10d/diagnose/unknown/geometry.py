@@ -35,16 +35,14 @@ from pa10d.diagnose.evidence.held_out import fit_side_power, judge, rivalry
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import Side
-from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.unknown.between_runs import OwnPart, own_part
 from pa10d.diagnose.unknown.structure import find_structure
 from pa10d.dynamics import Freedom, Robot, freedoms
-from pa10d.effects import Effect
 from pa10d.model import Term
 from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
-Suspects = Sequence[tuple[Effect, tuple[int, ...]]]
 
 
 @dataclass(frozen=True)
