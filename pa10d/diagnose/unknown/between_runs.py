@@ -17,20 +17,18 @@ from numpy.typing import NDArray
 
 from pa10d.common.words import listed
 from pa10d.diagnose.constants import (
-    ABSORBED,
     BROKEN_SHARE,
     CLAIMED_SHARE,
-    CLUSTERS,
     CONTRADICTED_LEVEL,
     MATERIAL_GAIN,
     MATERIAL_REST,
 )
-from pa10d.diagnose.evidence.held_out import fit_side_power, judge
+from pa10d.diagnose.evidence.held_out import fit_side_power
 from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState, Suspects
+from pa10d.diagnose.unknown.own_part import OwnPart, beside, lasting, own_part
 from pa10d.effects import Effect, Shape
-from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
 
@@ -74,23 +72,6 @@ class Contradiction:
 
     told: tuple[Apart, ...]
     left: Array
-
-
-@dataclass(frozen=True)
-class OwnPart:
-    """What a part of the samples has for itself, beside the fit: theta (k,) of its columns; change,
-    joint -> (m_j,) weighted, of what the fit leaves; basis, joint -> (m_j, d) orthonormal, of all
-    that it could change."""
-
-    gain: float
-    theta: Array
-    change: PerJoint
-    basis: PerJoint
-
-    @property
-    def size(self) -> int:
-        """Free numbers that it spends."""
-        return int(next(iter(self.basis.values())).shape[1])
 
 
 @dataclass(frozen=True)
@@ -149,10 +130,10 @@ def contradiction(
         if best is None:
             break
         p_value = _chance(state.train, fit, best) * len(tried)
-        if p_value > CONTRADICTED_LEVEL or not _lasting(state.train, fit, best):
+        if p_value > CONTRADICTED_LEVEL or not lasting(state.train, fit, best):
             break
         taken.append((best, p_value))
-        fit = _beside(fit, best)
+        fit = beside(fit, best)
     told = _told(taken, names, concerned, state.fit, fit) if taken else ()
     return Contradiction(tuple(told), fit.rms())
 
@@ -179,8 +160,8 @@ def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -
         rest.drop(index)
         rest.refit()
         alone = contradiction(rest, suspects, floor)
-        beside = contradiction(state, suspects, floor)
-        if alone.told and np.all(alone.left[joints] <= (1.0 + MATERIAL_GAIN) * beside.left[joints]):
+        kept = contradiction(state, suspects, floor)
+        if alone.told and np.all(alone.left[joints] <= (1.0 + MATERIAL_GAIN) * kept.left[joints]):
             state = rest
     return state
 
@@ -215,28 +196,6 @@ def _shape(state: SearchState, effect: Effect, joints: tuple[int, ...]) -> Shape
     return there[0].shape if there else effect.starts(state.train.contexts[0], joints)[0]
 
 
-def own_part(fit: LeastSquares, own: PerJoint) -> OwnPart | None:
-    """Of weighted columns (m_j, k), whatever scale they have; None where all of it is in the fit
-    already."""
-    power = np.sum([np.sum(c**2, axis=0) for c in own.values()], axis=0)
-    scale = np.sqrt(np.where(power > 0.0, power, 1.0))
-    seen = np.sum([fit.basis[j].T @ c for j, c in own.items()], axis=0) / scale
-    gram = np.sum([c.T @ c for c in own.values()], axis=0) / np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(gram - seen.T @ seen)
-    there = values > ABSORBED
-    if not there.any():
-        return None
-    turn = vectors[:, there] / np.sqrt(values[there])
-    basis = {}
-    for j, q in fit.basis.items():
-        basis[j] = -(q @ (seen @ turn))
-        if j in own:
-            basis[j] = basis[j] + own[j] @ (turn / scale[:, None])
-    along = np.sum([b.T @ fit.residual[j] for j, b in basis.items()], axis=0)
-    change = {j: b @ along for j, b in basis.items()}
-    return OwnPart(float(along @ along), turn @ along / scale, change, basis)
-
-
 def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
     """(m_j,) 1 where a joint's row is of these runs."""
     counts = [int(keep[:, joint].sum()) for keep in side.keep]
@@ -252,26 +211,6 @@ def _plainest(tried: Sequence[_Own]) -> _Own | None:
 
 def _chance(side: Side, fit: LeastSquares, own: _Own) -> float:
     return float(scipy.stats.chi2.sf(fit_side_power(side, fit.residual, own.change), own.size))
-
-
-def _lasting(side: Side, fit: LeastSquares, own: _Own) -> bool:
-    """Does it hold from one stretch of time to the next? What a model lacks bends to it here and
-    away from it there."""
-    evidence = judge(
-        side,
-        {j: r * fit.sigma[j] for j, r in fit.residual.items()},
-        {j: c * fit.sigma[j] for j, c in own.change.items()},
-    )
-    return evidence.cluster_t > CLUSTERS
-
-
-def _beside(fit: LeastSquares, own: _Own) -> LeastSquares:
-    """The fit with that in it; its coefficients stay as they were."""
-    return replace(
-        fit,
-        basis={j: np.column_stack([q, own.basis[j]]) for j, q in fit.basis.items()},
-        residual={j: r - own.change[j] for j, r in fit.residual.items()},
-    )
 
 
 def _told(

@@ -10,7 +10,7 @@ without are dropped or doubted.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -36,7 +36,7 @@ from pa10d.diagnose.regression.least_squares import LeastSquares
 from pa10d.diagnose.regression.shapes import free_shapes
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState, Suspects
-from pa10d.diagnose.unknown.between_runs import OwnPart, own_part
+from pa10d.diagnose.unknown.own_part import OwnPart, beside, lasting, own_part
 from pa10d.diagnose.unknown.structure import find_structure
 from pa10d.dynamics import Freedom, Robot, freedoms
 from pa10d.model import Term
@@ -219,12 +219,12 @@ class _Asked:
                 break
             power = fit_side_power(state.train, fit.residual, best[1].change)
             chance = float(scipy.stats.chi2.sf(power, best[1].size)) * len(self.tried)
-            if chance > GEOMETRY_LEVEL or not _lasting(state.train, fit, best[1]):
+            if chance > GEOMETRY_LEVEL or not lasting(state.train, fit, best[1]):
                 break
             if best[0].freedom is not None:
                 p_value = min(p_value, chance)
             taken.append(best[0])
-            fit = _beside(fit, best[1])
+            fit = beside(fit, best[1])
         return _account(state, taken, p_value)
 
 
@@ -256,24 +256,6 @@ def _plainest(found: Sequence[tuple[_Tried, OwnPart]]) -> tuple[_Tried, OwnPart]
     most = max((part.gain for _, part in found), default=0.0)
     near = [pair for pair in found if pair[1].gain > (1.0 - MATERIAL_GAIN) * most]
     return min(near, key=lambda p: (p[0].freedom is not None, p[1].size, -p[1].gain), default=None)
-
-
-def _lasting(side: Side, fit: LeastSquares, part: OwnPart) -> bool:
-    """Does it hold from one stretch of time to the next?"""
-    evidence = judge(
-        side,
-        {j: r * fit.sigma[j] for j, r in fit.residual.items()},
-        {j: c * fit.sigma[j] for j, c in part.change.items()},
-    )
-    return evidence.cluster_t > CLUSTERS
-
-
-def _beside(fit: LeastSquares, part: OwnPart) -> LeastSquares:
-    return replace(
-        fit,
-        basis={j: np.column_stack([q, part.basis[j]]) for j, q in fit.basis.items()},
-        residual={j: r - part.change[j] for j, r in fit.residual.items()},
-    )
 
 
 def _account(state: SearchState, taken: Sequence[_Tried], p_value: float) -> Account | None:
