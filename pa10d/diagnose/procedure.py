@@ -174,6 +174,7 @@ def diagnose(
         lines_above_band(orders, left.cutoff, left.rms),
         over.beside,
         np.flatnonzero(far).tolist(),
+        state.as_given,
     )
     say(1.0, "done")
     return Diagnosis(

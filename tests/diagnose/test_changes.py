@@ -212,3 +212,19 @@ def test_what_helps_only_where_the_model_lacked_as_much_before_is_no_change(help
     leans = SimpleNamespace(effect=effect("base_tilt"), joints=(), shape={})
     judged = JudgedCandidate(leans, seen, 1e-9, usual=np.array([1.65, 0.25]))
     assert judged.acceptable == counts
+
+
+@pytest.mark.parametrize(("as_given", "counts"), [((0.149, 0.3), False), ((0.5, 0.3), True)])
+def test_what_leaves_as_much_as_the_model_that_nothing_was_done_to_is_no_change(as_given, counts):
+    """Moved within its own doubt to suit a few seconds it did worse on the others, and a base that
+    leans takes that back."""
+    seen = SimpleNamespace(
+        before=np.array([0.326, 0.3]),
+        after=np.array([0.147, 0.3]),
+        p_value=1e-9,
+        slope=1.0,
+        worse=(),
+    )
+    leans = SimpleNamespace(effect=effect("base_tilt"), joints=(), shape={})
+    judged = JudgedCandidate(leans, seen, 1e-9, usual=np.zeros(2), as_given=np.array(as_given))
+    assert judged.acceptable == counts

@@ -228,3 +228,12 @@ def test_what_is_there_around_reversals_is_told_unless_the_fit_leaves_as_much_op
     (told,) = remaining(left, [None], said, ["N·m"])
     assert "50 % of its squared error is there around reversals and gone" in told.sentence
     assert unnamed(left, [None], [], np.full(1, 2.0), turned=[around]) == []
+
+
+@pytest.mark.parametrize(("as_given", "told"), [(0.15, True), (0.3, False)])
+def test_a_frozen_model_that_was_moved_away_from_the_held_out_runs_says_what_it_left(
+    as_given, told
+):
+    left = judged(3.26)
+    (said,) = remaining(left, [None], [], ["N·m"], as_given=np.array([as_given]))
+    assert ("As it was given the model leaves 0.15 N·m there" in said.sentence) is told

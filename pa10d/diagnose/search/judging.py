@@ -41,6 +41,7 @@ class JudgedCandidate:
     change: PerJoint = field(repr=False, default_factory=dict)
     usual: Array | None = None
     is_itself: bool = True
+    as_given: Array | None = None  # (n,) N·m RMS that a frozen model leaves as it was
 
     @property
     def place(self) -> Place:
@@ -75,14 +76,16 @@ class JudgedCandidate:
     @property
     def _holds(self) -> bool:
         """Significant, of the predicted size, material, itself, and harmful to no joint; of a model
-        that is kept as it was, more than it lacked before."""
+        that is kept as it was, more than it lacked before, and less is left than it leaves as it
+        is: moved within its own doubt to suit the fit side alone it may do worse than that."""
         e = self.evidence
         own = np.arange(len(e.before))[self.speaks_on]
         if self.usual is not None:
             own = own[e.before[own] > self.usual[own]]
         if not len(own):
             return False
-        drop = 1.0 - np.min(e.after[own] / np.maximum(e.before[own], 1e-300))
+        before = e.before if self.as_given is None else np.minimum(e.before, self.as_given)
+        drop = 1.0 - np.min(e.after[own] / np.maximum(before[own], 1e-300))
         return bool(
             self.is_itself
             and self.p_corrected < SEARCH_LEVEL
@@ -120,6 +123,7 @@ class Judging:
             self._usual(),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(columns, partial.theta, change),
+            self.state.as_given,
         )
 
     def _evidence(
@@ -181,6 +185,7 @@ class Judging:
             self._usual(but=index),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(held, partial.theta, change),
+            self.state.as_given,
         )
 
     def is_itself(self, kind: Effect, joints: Sequence[int], shape: Shape) -> bool:

@@ -22,6 +22,7 @@ from pa10d.diagnose.constants import (
     CLAIMED_SHARE,
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
+    MUCH_WORSE,
 )
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
@@ -235,6 +236,7 @@ def remaining(
     faster: Mapping[int, str] | None = None,
     beside: Mapping[int, GoesWith] | None = None,
     moved: Collection[int] = (),
+    as_given: Array | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -246,7 +248,8 @@ def remaining(
     slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
     joints of which the fitted runs leave open as much as they keep, for the motion held out;
     faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
-    own goes with; moved: joints on which a frozen model leaves so little because it was moved."""
+    own goes with; moved: joints on which a frozen model leaves so little because it was moved;
+    as_given (n,) N·m: what a frozen model leaves as it was."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -295,6 +298,9 @@ def remaining(
         kept = usual is not None and line.material is not False and line.rms <= usual[j]
         if kept and j not in moved:
             line = replace(line, sentence=line.sentence + NOT_NEW)
+        if as_given is not None and line.rms > (1.0 + MUCH_WORSE) * as_given[j]:
+            text = MOVED_AWAY.format(given=f"{as_given[j]:.3g}", unit=units[j])
+            line = replace(line, sentence=line.sentence + text)
         if parts := _of_one_curve(line, found):
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
@@ -309,6 +315,10 @@ def _not_judged(joint: int, rms: float, why: str) -> Remaining:
 NOT_DETERMINED = (
     ": the fitted runs do not determine the arm for this motion, and what they leave open of it "
     "may be as much. Fit to motion like this one."
+)
+MOVED_AWAY = (
+    " As it was given the model leaves {given} {unit} there: within its own doubt it was moved to "
+    "suit the fitted runs."
 )
 NOT_NEW = (
     " The model lacked about as much on the data that it was identified from: ask what is missing, "
