@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from pa10d.dynamics.regressor import inverse_dynamics
 from pa10d.dynamics.robot import Robot
@@ -45,7 +45,7 @@ class Freedom:
             translation[j] += to
             return replace(robot, translation=translation)
         rotation = robot.rotation.copy()
-        rotation[j] = rotation[j] @ Rotation.from_rotvec(to).as_matrix()
+        rotation[j] = rotation[j] @ scipy.spatial.transform.Rotation.from_rotvec(to).as_matrix()
         return replace(robot, rotation=rotation)
 
     def torque(self, robot: Robot, bodies: Array, motion: Sequence[Array]) -> Array:
