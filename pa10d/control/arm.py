@@ -39,6 +39,7 @@ NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it
 CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its weight be as much
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
+CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 
 log = logging.getLogger("pa10d.control")
 
@@ -71,6 +72,7 @@ class Arm:
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
+        self._by_thought = np.zeros(backend.n, dtype=bool)  # … of these as far as anybody knew
         self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
@@ -196,6 +198,13 @@ class Arm:
         self.cycle()
         return found
 
+    def weigh(self, gravity: Callable[[Array], Array]) -> None:
+        """What holds a pose is known otherwise from now on: N·m (n,)."""
+        self._gravity = gravity
+        if self._held_by is not None:
+            there, torque = self._held_by
+            self._held_by = there, np.where(self._by_thought, gravity(there), torque)
+
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque, or refused."""
         require("controller", self.state, ArmState.INACTIVE, ArmState.HOLDING)
@@ -277,11 +286,13 @@ class Arm:
         if self.state == ArmState.ENABLING:
             if under_way:
                 self._open_since = self.path.time
+                self.path.still_in_brakes()
                 return
             share = min((self.path.time - self._open_since) / STANDS, 1.0)
             self._take_up(share)
             self.path.catch()
-            if share == 1.0:
+            calm = self.path.stands_for(STANDS) or self.path.time > self._open_since + CALMS
+            if share == 1.0 and calm:
                 self._hold()
         elif under_way:
             return
@@ -406,10 +417,10 @@ class Arm:
             thought = self._gravity(q)
             weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
             torque = np.where(weight, torque, self._thought())
-        self._held_by = q, torque.copy()
+        self._held_by, self._by_thought = (q, torque.copy()), torque == self._thought()
         if self.path.fell is not None:
             axis, weighed = self.path.fell
-            self._held_by[1][axis] = weighed.torque
+            self._held_by[1][axis], self._by_thought[axis] = weighed.torque, False
 
     def _thought(self) -> Array:
         """N·m (n,) by the description; of an arm that is being enabled, by all that was known when

@@ -27,14 +27,15 @@ def servo_factory(profile: Profile, robot: Robot, period: float) -> Callable[[],
     return lambda: Pid(gains, limits.torque, period)
 
 
+def weight_of(robot: Robot, bodies: Array) -> Callable[[Array], Array]:
+    """N·m (n,) that hold bodies (n, 10) in a pose (n,) rad."""
+    still = np.zeros((1, robot.n))
+    return lambda q: inverse_dynamics(robot, bodies, q[None], still, still)[0]
+
+
 def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> Arm:
     """The arm of a profile on a backend; offline until ``connect``."""
-    still = np.zeros((1, robot.n))
-
-    def gravity(q: Array) -> Array:
-        return inverse_dynamics(robot, robot.parameters, q[None], still, still)[0]
-
-    presumed = presumed_figures(robot)
+    presumed, gravity = presumed_figures(robot), weight_of(robot, robot.parameters)
     gravity(np.zeros(robot.n))  # compiled before it is needed
     return Arm(
         backend,

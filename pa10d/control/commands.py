@@ -10,6 +10,7 @@ import numpy as np
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.admission import wrong_with_model
 from pa10d.control.arm import Arm
+from pa10d.control.build import weight_of
 from pa10d.control.computed_torque import BY_NAME, ComputedTorque
 from pa10d.control.gains import PidGains
 from pa10d.control.messages import (
@@ -67,6 +68,8 @@ class Commands:
                 self._arm.use(self._controller(command))
             case UseGains():
                 self._take_gains(command.gains)
+                if command.bodies is not None:
+                    self._arm.weigh(weight_of(self._robot, command.bodies))
             case AskErrors():
                 found = self._arm.drive_errors(clear=command.clear)
                 return {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}

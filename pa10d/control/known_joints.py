@@ -37,6 +37,11 @@ class KnownJoints:
     resonance: Array
     sentences: tuple[str, ...]
 
+    @property
+    def felt(self) -> Array | None:
+        """(n, 10) standard parameters of bodies, where these are not the URDF's alone."""
+        return self.figures.bodies[0] if len(self.figures.bodies) else None
+
     def document(self) -> JsonObject:
         """For files, clients and other processes; null for what is infinite."""
         return {

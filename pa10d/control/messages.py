@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pa10d.control.gains import PidGains
 from pa10d.control.laws import Law
 from pa10d.control.live_model import LiveModel
@@ -34,9 +37,11 @@ class UseLaw:
 
 @dataclass(frozen=True)
 class UseGains:
-    """Other gains for every servo from now on."""
+    """Other gains for every servo from now on; bodies: (n, 10) standard parameters as they were
+    felt, which tell what the arm weighs; None: as before."""
 
     gains: PidGains
+    bodies: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,9 @@ def read_command(message: Mapping[str, Any]) -> Command:
                 name, None if name == "pid" else LiveModel.from_document(message["model"])
             )
         case "gains":
-            return UseGains(PidGains.from_document(message["gains"]))
+            felt = message.get("bodies")
+            bodies = None if felt is None else np.array(felt, dtype=float)
+            return UseGains(PidGains.from_document(message["gains"]), bodies)
         case "errors":
             return AskErrors(bool(message.get("clear")))
         case "connect":

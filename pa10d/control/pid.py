@@ -14,6 +14,7 @@ from pa10d.control.reference import Reference
 Array = NDArray[np.float64]
 
 AWAY, STILL, STUCK = 5e-3, 5e-3, 0.3  # rad from its place, rad/s, for so many s: a joint sticks
+GROWS = 0.1  # s in which a push grows by itself at most, and by what the error presses with
 FAR, LET_GO = 0.07, 0.1  # rad beyond its place, where a push ends within so many s
 
 
@@ -48,7 +49,8 @@ class Pid:
         self._limit, self._period = limit, period
         self._integral = np.zeros_like(limit)
         self._pushed = np.zeros_like(limit)  # N·m of the integral that pushes gave
-        self._still = np.zeros_like(limit)  # s
+        self._still, self._patience = np.zeros_like(limit), np.full_like(limit, STUCK)  # s
+        self._side = np.zeros_like(limit)  # of its place, on which a joint was last
         self._held = HeldFriction(gains.friction, period)
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
@@ -62,7 +64,8 @@ class Pid:
         error, error_rate = reference.q - q, reference.dq - dq
         rest = torque - reference.extra - self.gains.kp * error - self.gains.kd * error_rate
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
-        self._pushed[:] = self._still[:] = 0.0
+        self._pushed[:] = self._still[:] = self._side[:] = 0.0
+        self._patience[:] = STUCK
         self._held.start(q)
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
@@ -70,22 +73,30 @@ class Pid:
         error = reference.q - q
         self._integral += self._period * self.gains.ki * error
         if self.pushes:
-            self._integral += self._push(error, dq)
+            self._integral += self._push(error, dq, reference.dq != 0.0)
         if self._held.known:
             self._integral -= self._held.let_go(q, dq, reference.dq != 0.0)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
         return self.gains.kp * error + damping + self._integral + reference.extra
 
-    def _push(self, error: Array, dq: Array) -> Array:
-        """N·m more for joints that stick; one that sways stands for moments only, and is not to be
-        driven on. One that goes far beyond its place under a push that
-        outweighs its gains is not brought back by them: the push is let go."""
+    def _push(self, error: Array, dq: Array, led: NDArray[np.bool_]) -> Array:
+        """N·m more for joints that stick, gently at first: one that hardly rubs comes loose at
+        once. led: whether its place moves. One that sways stands for moments only, and is not to be
+        driven on: each time it crosses its place it has to stand twice as long. One that goes far
+        beyond its place under a push that outweighs its gains is not brought back by them: the push
+        is let go."""
+        away = np.abs(error) > AWAY
+        side = np.where(away, np.sign(error), self._side)
+        self._patience = np.where(led, STUCK, self._patience * (1 + (side * self._side < 0)))
+        self._side = np.where(led, 0.0, side)
         self._still = np.where(np.abs(dq) < STILL, self._still + self._period, 0.0)
-        stuck = (np.abs(error) > AWAY) & (self._still > STUCK)
+        stuck = away & (self._still > self._patience)
         leaves = (np.abs(error) > FAR) & (self._pushed * error < 0) & (dq * error < 0)
         leaves &= self.gains.kp * np.abs(error) < np.abs(self._pushed)
-        more = self.gains.push * np.sign(error) * stuck - self._pushed / LET_GO * leaves
+        gently = (self.gains.kp * np.abs(error) + np.abs(self._pushed)) / GROWS
+        push = np.minimum(self.gains.push, gently) * np.sign(error)
+        more = push * stuck - self._pushed / LET_GO * leaves
         self._pushed += self._period * more
         return np.asarray(self._period * more)
 

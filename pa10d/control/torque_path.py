@@ -82,7 +82,7 @@ class TorquePath:
 
     @property
     def _new(self) -> bool:
-        """Whether the arm is held for the first seconds."""
+        """Whether the arm is held for the first seconds, its brakes being open."""
         return self.time - self._powered_at < FIRST_SECONDS
 
     @property
@@ -118,7 +118,7 @@ class TorquePath:
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
         except LoopFault as violation:
-            if violation.kind == "stale":
+            if violation.kind == "stale" or not self._new:  # what swayed up has not fallen
                 raise
             axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
             if axis is not None:
@@ -130,9 +130,8 @@ class TorquePath:
     def catch(self) -> None:
         """Of an arm whose brakes have opened, the joint that falls farthest is borne by what it is
         seen to weigh, once. Of others, which it takes along, nothing is believed."""
-        far = np.abs(self.q - self.reference.q) / self.limits.following_error
-        axis = int(np.argmax(far))
-        if self._caught or far[axis] < FELL or not isinstance(self.controller, Pid):
+        axis, far = self._farthest()
+        if self._caught or far < FELL or not isinstance(self.controller, Pid):
             return
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         found = self._falls.weighed(axis, thought, most)
@@ -143,15 +142,27 @@ class TorquePath:
     def _in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
         it weighs, where that can be told from the way it fell."""
+        first, _ = self._farthest()  # what carries a joint takes it along, not the other way round
+        if first < axis and (found := self._weighed(first)) is not None:
+            self.fell = first, found
+            return f"; joint {first + 1} has fallen farther and taken it along, and {found.phrase}"
         thought, sent = self.thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
         said = f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
-        inertia = None if self._inertia is None else float(self._inertia[axis])
-        most = float(self._heaviest[axis])
-        found = self._falls.weighed(axis, float(thought), most, inertia)
-        if found is None:
+        if (found := self._weighed(axis)) is None:
             return said
         self.fell = axis, found
         return f"{said}; {found.phrase}"
+
+    def _farthest(self) -> tuple[int, float]:
+        """The joint that is farthest from its place, and how far, of what it may be."""
+        far = np.abs(self.q - self.reference.q) / self.limits.following_error
+        return int(np.argmax(far)), float(far.max())
+
+    def _weighed(self, axis: int) -> Weighed | None:
+        """This joint, by the way it fell, be it roughly."""
+        inertia = None if self._inertia is None else float(self._inertia[axis])
+        most = float(self._heaviest[axis])
+        return self._falls.weighed(axis, float(self.thought[axis]), most, inertia)
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -224,10 +235,18 @@ class TorquePath:
         self.reference.rest(self.q.copy())
         self.controller.start(self.reference, self.q, self.dq, gravity)
 
+    def still_in_brakes(self) -> None:
+        """The first seconds of being held have not begun."""
+        self._powered_at = self.time
+
     def let_go(self) -> None:
         """Zero torque from now on, whatever the controller asks for."""
         self.limp = True
         self.exit.restart()
+
+    def stands_for(self, seconds: float) -> bool:
+        """Whether no joint has moved for so long."""
+        return bool((self.time - self._moved_at >= seconds)[self.live].all())
 
     def held_with(self, thought: Array) -> Array:
         """(n,) N·m: what was sent to joints that have stood for a while, and what is ``thought`` to

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pa10d.common.errors import UserError
 from pa10d.control.gains import PidGains, gravity_slope
 from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
-from pa10d.dynamics import Robot
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
 from pa10d.experiments.felt_bodies import felt_bodies
 from pa10d.experiments.joint_response import (
@@ -69,6 +69,44 @@ def measured_figures(
     whole = with_response(with_friction(presumed, friction), fits)
     shaken = [(j, one.q[-1]) for j in responses for one in _strokes(parts, j, "shaken")]
     return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
+
+
+def felt_again(
+    robot: Robot, figures: JointFigures, parts: Mapping[str, Seen], more: Sequence[Seen]
+) -> JointFigures:
+    """The same joints, their bodies as ``more`` motions felt them, too."""
+    seen = [(one.q, one.torque, one.rate) for one in (*parts.values(), *more)]
+    shaken = [(j, one.q[-1]) for j in range(robot.n) for one in _strokes(parts, j, "shaken")]
+    return figures.but(bodies=felt_bodies(robot, figures, seen, shaken))
+
+
+def felt_on_the_way(robot: Robot, one: Seen, before: JointFigures) -> JointFigures:
+    """What is known of bodies after a ``friction`` part that a joint ended by falling behind. What
+    a joint rubbed by counts as doubt alone: it may be all of the torque that it stuck under."""
+    usual = inertias(robot, presumed_figures(robot)).usual
+    rubbed = {
+        j: friction_of(one.q[:, j], one.torque[:, j], one.rate, float(usual[j]))
+        for j in range(robot.n)
+    }
+    felt = felt_bodies(robot, with_friction(before, rubbed), [(one.q, one.torque, one.rate)])
+    here = one.q[-1:]
+    heavier = own_inertia(replace(robot, parameters=felt[0]), here) / own_inertia(robot, here)
+    return before.but(bodies=felt, link=np.clip(heavier, 1.0 / ROUGH, ROUGH))
+
+
+def weighed_more(robot: Robot, q: Array, felt: JointFigures, before: JointFigures) -> Array:
+    """(n,) N·m at most, by which bodies as they are felt now weigh other than before, in poses q
+    (N, n) and beyond what was lacking in the first of them."""
+    still = np.zeros_like(q)
+    now, then = (inverse_dynamics(robot, one.bodies[0], q, still, still) for one in (felt, before))
+    return np.abs((now - then) - (now - then)[0]).max(axis=0)
+
+
+def own_inertia(robot: Robot, q: Array) -> Array:
+    """(n,) kg·m² of links about their joints in one pose (1, n), with a trifle where there are
+    none."""
+    own = np.diagonal(mass_matrices(robot, q)[0])
+    return np.asarray(np.maximum(own, 1e-9))
 
 
 LOWERED = 0.9  # of the bandwidth asked for: less is worth a sentence

@@ -21,7 +21,7 @@ from pa10d.dynamics import Robot
 from pa10d.experiments.checks import Check, Level
 from pa10d.experiments.motion import Whole, measured_torque, whole_motion
 from pa10d.experiments.prediction import DOUBT, PACES, Predicted, predicted
-from pa10d.experiments.slower import AS_ASKED, Slower
+from pa10d.experiments.slower import AS_ASKED, SLOWEST, Slower
 from pa10d.trajectory.motions import MotionSamples
 from pa10d.trajectory.plan import Plan
 
@@ -34,7 +34,13 @@ UNKNOWN = (
 LOOK = 100.0  # Hz
 LEAST = 0.5  # of its way that a joint turns at least
 SMALLER = 0.9  # of what a joint may be off, that is aimed at where it turns less far for that
+SMALLER_YET = (0.7, 0.5, 0.35, 0.25, 0.15, 0.1)  # shares of a motion that first weighs the arm
+UNHURRIED = (1.0, 2.0, SLOWEST)  # paces at which those are looked at
 STILL = 1e-6  # rad: a joint that does not leave its middle
+IN_DOUBT = (
+    "{}: what the arm weighs is too much in doubt for the whole of it; {:.0%} of it is run before, "
+    "which tells"
+)
 REMEDY = "use computed torque with a model, a smaller motion, or raise control.rate"
 
 
@@ -87,12 +93,14 @@ class Adjusted:
 
 @dataclass(frozen=True)
 class Paced:
-    """The plan as it can be run, its whole motion, and what is to be said of it."""
+    """The plan as it can be run, its whole motion, and what is to be said of it. weighs: of a plan
+    that nothing bars but what the arm may weigh, the share of it that can be run, and tell."""
 
     plan: Plan
     whole: Whole
     check: Check
     adjusted: Adjusted | None = None
+    weighs: float | None = None
 
 
 def paced(
@@ -136,6 +144,8 @@ def paced(
         )
 
     first = slower.why
+    if slower.small < 1.0:
+        plan = plan.narrowed(np.full(robot.n, slower.small), start)
     for pace in (pace for pace in PACES if pace >= slower.pace):
         slowed = plan if pace == 1.0 else plan.slowed(pace)
         whole, found = looked_at(slowed, pace)
@@ -154,8 +164,35 @@ def paced(
         if not (found.over(limits) > 1.0).any():
             break
     whole = whole_motion(plan, start, robot, rate)
+    if slower.small == 1.0:
+        weighs = _weighing_share(plan, start, robot, limits, rate, joints)
+        if weighs is not None:
+            said = Check("warning", "tracking", IN_DOUBT.format(first, weighs))
+            return Paced(plan, as_felt(whole_motion(plan, start, robot, rate)), said, weighs=weighs)
     text = f"{first}, and at a quarter of the speed {answer}; {remedy()}"
     return Paced(plan, whole, Check("error", "tracking", text))
+
+
+def _weighing_share(
+    plan: Plan, start: Array, robot: Robot, limits: ArmLimits, rate: float, joints: Joints
+) -> float | None:
+    """See ``Paced.weighs``; None where the likeliest bodies are not followed, or no share is."""
+
+    def followed(tried: Plan, pace: float, known: Joints) -> bool:
+        whole = _without_torque(whole_motion(tried, start, robot, rate, pace))
+        found = _predicted(tried, whole, robot, limits, rate, known)
+        room, _ = _room(whole, limits, found, AS_ASKED)
+        return not found.problem(limits) and not whole.violations and bool((room >= LEAST).all())
+
+    bodies = joints.figures.bodies
+    likeliest = replace(joints, figures=joints.figures.but(bodies=bodies[:1]))
+    if len(bodies) < 2 or not followed(plan.slowed(SLOWEST), SLOWEST, likeliest):
+        return None
+    for share in SMALLER_YET:
+        small = plan.narrowed(np.full(robot.n, share), start)
+        if any(followed(small.slowed(pace), pace, joints) for pace in UNHURRIED):
+            return share
+    return None
 
 
 def _without_torque(whole: Whole) -> Whole:

@@ -45,7 +45,8 @@ class PlannedMotion:
 @dataclass(frozen=True)
 class Prepared:
     """The pre-check and the motions. adjusted: what was changed of the plan, or None; live: the
-    part of the model that the loop evaluates; start: rad, the pose that was checked.
+    part of the model that the loop evaluates; start: rad, the pose that was checked; weighs: see
+    ``Paced``.
 
     adjusted, margins, preview and live pass through as JSON, to clients and to control."""
 
@@ -56,6 +57,7 @@ class Prepared:
     start: tuple[float, ...]
     live: JsonObject | None
     motions: tuple[PlannedMotion, ...]
+    weighs: float | None = None
 
     @classmethod
     def from_document(cls, told: Mapping[str, Any]) -> Prepared:
@@ -68,6 +70,7 @@ class Prepared:
             tuple(told["start"]),
             told["live"],
             tuple(PlannedMotion(**one) for one in told["motions"]),
+            told["weighs"],
         )
 
     @property

@@ -18,12 +18,14 @@ SLIDES_ON = 0.05  # of the speed that was asked for: slower, it stuck
 
 @dataclass(frozen=True)
 class Seen:
-    """rate Hz; q rad, sent torque N·m, (N, n); sample k was taken at (k + 1)/rate s of the plan."""
+    """rate Hz; q rad, sent torque N·m, (N, n); sample k was taken at (k + 1)/rate s of the plan;
+    part: of the first motion that it was, None: of another one."""
 
     plan: Plan
     rate: float
     q: Array
     torque: Array
+    part: str | None = None
 
     def between(self, begin: float, end: float) -> slice:
         """Samples of this stretch of the plan, s."""

@@ -18,11 +18,13 @@ ENDS = ("following_error", "velocity_limit", "position_limit")  # of what its sp
 @dataclass(frozen=True)
 class Slower:
     """A motion is run at 1/pace of its speed at most, and ``why``; room: times as much of it as
-    predicted that each joint keeps to its position limits, (n,) or empty for once."""
+    predicted that each joint keeps to its position limits, (n,) or empty for once; small: as small
+    a share of the whole, about where it begins."""
 
     pace: float = 1.0
     why: str = ""
     room: Sequence[float] = ()
+    small: float = 1.0
 
 
 AS_ASKED = Slower()
@@ -45,4 +47,6 @@ def slower_after(
     room = np.array(before.room) if len(before.room) else np.ones(len(figures.stiffness))
     if fault.kind == "position_limit":
         room[fault.axis] *= MORE
-    return Slower(min(2.0 * pace, SLOWEST), why, tuple(room.tolist())) if pace < SLOWEST else None
+    if pace >= SLOWEST:
+        return None
+    return Slower(min(2.0 * pace, SLOWEST), why, tuple(room.tolist()), before.small)

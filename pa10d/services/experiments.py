@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,9 @@ from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.experiments.slower import Slower
 from pa10d.identify.scale import Body
+from pa10d.profile import Profile
 from pa10d.services.faster import ways_to_follow
+from pa10d.services.joints import Data, kept_joints
 from pa10d.services.library import open_library
 from pa10d.services.memory import refuse_endless_motion
 from pa10d.services.responses import steps_in
@@ -60,11 +63,13 @@ def refuse_impossible_motion(robot: Robot, kind: str, parameters: Mapping[str, A
     read_request({"kind": kind, "parameters": parameters}).build(Surroundings.of(robot))
 
 
-def make_plan(profile: str, kind: str, parameters: Mapping[str, Any], folder: str) -> JsonObject:
+def make_plan(
+    data: str, profile: str, kind: str, parameters: Mapping[str, Any], folder: str
+) -> JsonObject:
     """Plan an experiment into a folder → what there is to know of it."""
     found, robot = load_robot(profile)
     asked = read_request({"kind": kind, "parameters": parameters})
-    plan = asked.build(Surroundings.of(robot))
+    plan = asked.build(Surroundings.of(weighed_arm(data, found, robot)))
     refuse_endless_motion(plan.kind, plan.duration, found.control.rate, robot.n)
     text = json.dumps({"parameters": dict(parameters), **plan.to_dict()})
     with sharing(Path(folder) / PLAN):
@@ -77,6 +82,14 @@ def make_plan(profile: str, kind: str, parameters: Mapping[str, Any], folder: st
         "spans": [vars(span) for span in plan.spans],
         "parameters": dict(parameters),
     }
+
+
+def weighed_arm(data: Data, profile: Profile, robot: Robot) -> Robot:
+    """The arm with its bodies as they were felt, where a first motion has measured it: what poses
+    its motors hold is no matter of a rough URDF any more."""
+    kept = kept_joints(data, profile)
+    felt = None if kept is None else kept.known.felt
+    return robot if felt is None else replace(robot, parameters=felt)
 
 
 def prepare_motion(
@@ -106,7 +119,7 @@ def prepare_motion(
     plan, limits = Plan.from_dict(json.loads(text)), limits_of(robot)
     rate, bounds = found.control.rate, arm_limits(found, robot)  # says which limit is missing
     said: list[Check] = []
-    adjusted = None
+    adjusted, weighs = None, None
     figures = None if joints is None else JointFigures.from_document(joints["figures"])
     told = json.loads(text)
     under_way = joints is not None and "gains" not in joints
@@ -123,7 +136,7 @@ def prepare_motion(
         asked_as, at = Slower(**slower or {}), np.array(start)
         ways = partial(ways_to_follow, found, robot, plan, at, known, asked_as)
         chosen = paced(plan, at, robot, bounds, rate, known, asked_as, ways)
-        whole, said = chosen.whole, [chosen.check]
+        whole, said, weighs = chosen.whole, [chosen.check], chosen.weighs
         adjusted = None if chosen.adjusted is None else chosen.adjusted.document()
         if chosen.plan is not plan:
             plan = chosen.plan
@@ -171,6 +184,7 @@ def prepare_motion(
                 plan_file=str(to_keep),
             ),
         ),
+        weighs=weighs,
     )
 
 

@@ -36,10 +36,17 @@ from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.control.servo_design import SENSITIVITY, SLOW
 from pa10d.dynamics import Robot
-from pa10d.experiments.measured_joints import bandwidths, measured_figures, sentences
+from pa10d.experiments.measured_joints import (
+    bandwidths,
+    felt_again,
+    felt_on_the_way,
+    measured_figures,
+    sentences,
+    weighed_more,
+)
 from pa10d.experiments.seen import Seen
 from pa10d.profile import Profile
-from pa10d.services.library import open_library
+from pa10d.services.library import Library, open_library
 from pa10d.services.robots import load_robot
 from pa10d.store.folders import write_json
 from pa10d.store.location import data_folder
@@ -53,6 +60,7 @@ Data = str | os.PathLike[str] | None
 
 FASTER = (125.0, 200.0, 250.0, 333.0, 400.0, 500.0, 1000.0)  # Hz that are offered
 SOFTEST = 0.01  # of the inertia that is known, that a swing may be explained by
+EXPLAINS = 0.3  # of what pressed on a joint that fell behind: weight that was lacking on its way
 FIRMER = 1.1  # times as firm: less is the same
 NEARER = (2.0, 1.5, MEASURED)  # times lighter than is thought, that are met where more cannot be
 SLOWER, SLOWEST = 0.5, 0.25  # share of the strokes' speed, at once and at last, where no gains help
@@ -122,20 +130,24 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
     """Figures and gains from the parts recorded so far; known: what was learnt before them."""
     found, robot = load_robot(profile)
     library = open_library(data)
-    seen = {}
-    for part, run in runs.items():
-        stored = library.runs.read(library.runs.find(run))
-        sent = stored.samples.commands
-        if sent is None:
-            raise UserError(f"run {run}: no commands in it; expected a run of a first motion")
-        plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
-        seen[part] = Seen(Plan.from_dict(plan), found.control.rate, stored.samples.q, sent.tau)
+    seen = {part: _seen(library, found, run) for part, run in runs.items()}
     before = KnownJoints.from_document(known).figures
     figures = measured_figures(robot, seen, torque_steps(found, robot), before)
     learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)
     return learned.document()
+
+
+def _seen(library: Library, profile: Profile, run: str) -> Seen:
+    """A part of a first motion, as it was recorded."""
+    stored = library.runs.read(library.runs.find(run))
+    sent = stored.samples.commands
+    if sent is None:
+        raise UserError(f"run {run}: no commands in it; expected a run of a first motion")
+    plan = json.loads(stored.metadata["pa10d.plan"]["plan"])
+    part = plan["parameters"].get("part") if plan["kind"] == "first_motion" else None
+    return Seen(Plan.from_dict(plan), profile.control.rate, stored.samples.q, sent.tau, part)
 
 
 def begun(profile: Profile, robot: Robot, figures: JointFigures) -> tuple[KnownJoints, str]:
@@ -262,16 +274,22 @@ def keep_for(data: Data, profile: Profile, measured: MeasuredJoints) -> Measured
     return own
 
 
-def calmer(data: str, profile: str, known: JsonObject, fault: JsonObject) -> JsonObject | None:
+def calmer(
+    data: str, profile: str, known: JsonObject, fault: JsonObject, run: str | None = None
+) -> JsonObject | None:
     """What is learnt from a joint that swung, or fell behind: gains with which it does not, and a
     ``note`` of what was changed. None where gains would become too soft to hold anything, or firm
     enough to shake it.
 
-    known: what was learnt before, with the gains that let it swing.
+    known: what was learnt before, with the gains that let it swing; run: of the ``friction`` part
+    that ended so.
     """
     before, what = KnownJoints.from_document(known), Fault.from_document(fault)
     if what.kind == "following_error":
-        found = firmed(*load_robot(profile), before, what)
+        own, robot = load_robot(profile)
+        seen = None if run is None else _seen(open_library(data), own, run)
+        found = None if seen is None else weighed(own, robot, before, what, seen)
+        found = found or firmed(own, robot, before, what)
     else:
         found = _calmed_after(profile, before, what)
     return None if found is None else {**found.known.document(), "note": found.note}
@@ -293,6 +311,27 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
     note = (
         f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
         f"alone: gains {share:.2g} times as firm were set, and it is tried again"
+    )
+    return Calmer(again, note)
+
+
+def weighed(
+    profile: Profile, robot: Robot, known: KnownJoints, fault: Fault, seen: Seen
+) -> Calmer | None:
+    """See ``calmer``, of a joint that fell behind because it weighs other than was thought, by what
+    was recorded until then. None where that does not explain it."""
+    axis = fault.axis
+    if axis is None or not len(seen.q) or not _met_nothing(profile, robot, known, fault):
+        return None
+    felt = felt_on_the_way(robot, seen, known.figures)
+    pressed = float(known.gains.kp[axis] * arm_limits(profile, robot).following_error[axis])
+    more = float(weighed_more(robot, seen.q, felt, known.figures)[axis])
+    again, _ = begun(profile, robot, felt)
+    if more < EXPLAINS * pressed or not np.isfinite(again.sensitivity[axis]):
+        return None
+    note = (
+        f"joint {axis + 1} fell behind: on its way up to {more:.2g} N·m more or less than its URDF "
+        "says held it; what the arm weighs was taken from that, and it is tried again"
     )
     return Calmer(again, note)
 
@@ -363,6 +402,35 @@ def calmed(
         f"{share:.2g} times as high), and it is tried again"
     )
     return Calmer(again, note)
+
+
+def keep_felt(data: str, profile: str, runs: Sequence[str]) -> JsonObject:
+    """What is known of an arm that was measured and moved on since, kept: what it weighs by these
+    runs, too."""
+    own, robot = load_robot(profile)
+    kept, library = kept_joints(data, own), open_library(data)
+    if kept is None:
+        raise UserError("the joints have not been measured; run first_motion before")
+    every = (*kept.runs, *runs)
+    seen = [_seen(library, own, run) for run in every]
+    parts = {str(one.part): one for one in seen if one.part is not None}
+    more = [one for one in seen if one.part is None]
+    known = felt_more(own, robot, kept.known, parts, more)
+    return keep_learnt(data, own, every, known).document()
+
+
+def felt_more(
+    profile: Profile,
+    robot: Robot,
+    known: KnownJoints,
+    parts: Mapping[str, Seen],
+    more: Sequence[Seen],
+) -> KnownJoints:
+    """What is learnt from the parts of a first motion and more motions, of what the arm weighs; as
+    before where no gains would hold that."""
+    felt = felt_again(robot, known.figures, parts, more)
+    learned, _ = begun(profile, robot, felt)
+    return known if not_held(profile, robot, learned) else learned
 
 
 def keep_calmer(data: str, profile: str, fault: JsonObject) -> JsonObject | None:

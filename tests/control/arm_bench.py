@@ -4,12 +4,13 @@ with the encoder's counts, the drives' per mille and the bus's cycle of delay.""
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 from fake_backend import FakeBackend
 from rough_plant import make
 
-from pa10d.control.build import build_arm
+from pa10d.control.build import build_arm, weight_of
 from pa10d.control.gains import PidGains
 from pa10d.control.joint_figures import first_figures
 from pa10d.control.limits import arm_limits
@@ -19,16 +20,26 @@ from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
 from pa10d.daemon.motions.experiment import TRIES as HELD_WITHIN
+from pa10d.daemon.motions.experiment import WEIGHINGS
 from pa10d.daemon.motions.first_motion import TRIES
 from pa10d.dynamics import robot_from_profile
 from pa10d.experiments.measured_joints import measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
-from pa10d.experiments.slower import AS_ASKED, slower_after
+from pa10d.experiments.slower import AS_ASKED, Slower, slower_after
 from pa10d.experiments.way_back import rows_back
 from pa10d.profile import load_profile
-from pa10d.services.joints import begun, calmed, firmed, not_held, slowed, torque_steps
+from pa10d.services.joints import (
+    begun,
+    calmed,
+    felt_more,
+    firmed,
+    not_held,
+    slowed,
+    torque_steps,
+    weighed,
+)
 from pa10d.trajectory.kinds import read_request
 from pa10d.trajectory.kinds.first_motion import PARTS
 from pa10d.trajectory.poses import Surroundings
@@ -50,7 +61,11 @@ class BusLike(FakeBackend):
 
 
 class Refused(Exception):
-    """The pre-check did not let a motion run."""
+    """The pre-check did not let a motion run; weighs: see ``Paced``."""
+
+    def __init__(self, text, weighs=None):
+        super().__init__(text)
+        self.weighs = weighs
 
 
 class ArmBench:
@@ -73,6 +88,7 @@ class ArmBench:
         self.arm.connect()
         self.arm.cycle()
         self.joints: Joints | None = None
+        self.parts, self.felt = {}, []
         self.notes: list[str] = []
         self.beyond = np.zeros(self.robot.n)  # rad, that joints were beyond their limits
 
@@ -89,6 +105,8 @@ class ArmBench:
     def enable(self):
         """→ the fault, or None once it is held for a second."""
         self.arm.enable()
+        while self.arm.state == ArmState.ENABLING:
+            self.arm.cycle()
         for _ in range(int(self.rate) + 50):
             self.arm.cycle()
         return self.arm.fault
@@ -116,8 +134,8 @@ class ArmBench:
         start = self.arm.path.reference.q.copy()
         if self.joints is not None:
             chosen = paced(plan, start, self.robot, self.limits, self.rate, self.joints, slower)
-            if chosen.check.level == "error":
-                raise Refused(chosen.check.sentence)
+            if chosen.check.level == "error" or chosen.weighs is not None:
+                raise Refused(chosen.check.sentence, chosen.weighs)
             if chosen.check.level == "warning":
                 self.notes.append(f"{plan.kind}: {chosen.check.sentence}")
             plan, whole, ahead = chosen.plan, chosen.whole, self.joints.figures
@@ -142,8 +160,25 @@ class ArmBench:
         return taken[self.ring.layout.get(taken, "recording") > 0], self.arm.fault
 
     def run_on(self, plan):
-        """As an experiment does: with calmer gains where a joint swings, or slower."""
-        slower = AS_ASKED
+        """As an experiment does: a smaller motion before where the arm's weight is in doubt; with
+        calmer gains where a joint swings, or slower."""
+        for left in range(WEIGHINGS, -1, -1):
+            try:
+                return self._run_on(plan)
+            except Refused as refused:
+                if refused.weighs is None or not left:
+                    raise
+                rows, fault = self._run_on(plan, Slower(small=refused.weighs))
+                if fault is not None:
+                    return rows, fault
+                self.notes.append(f"{refused.weighs:.0%} of it before, to weigh the arm")
+                seen = (self.ring.layout.get(rows, k) for k in ("q", "torque"))
+                self.felt.append(Seen(plan, self.rate, *seen))
+                self.known = felt_more(self.profile, self.robot, self.known, self.parts, self.felt)
+                self._use_known()
+                self._take_joints()
+
+    def _run_on(self, plan, slower=AS_ASKED):
         for _ in range(TRIES):
             rows, fault = self.run(plan, slower=slower)
             if fault is None:
@@ -183,6 +218,7 @@ class ArmBench:
                 raise Refused(reason)
             self._use_known()
         self._take_joints()
+        self.parts = parts
         return None
 
     def _measured_part(self, part, asked):
@@ -194,7 +230,9 @@ class ArmBench:
             if fault is None:
                 return plan, rows, None
             tried[fault.axis] += 1
-            if tried[fault.axis] < TRIES and self._calm(fault):
+            cut = Seen(plan, self.rate, *(self.ring.layout.get(rows, k) for k in ("q", "torque")))
+            cut = cut if part == "friction" else None
+            if tried[fault.axis] < TRIES and self._calm(fault, cut):
                 continue
             now = asked["parameters"].get("speed", 1.0)
             speed = slowed(self.profile, self.robot, self.known, fault, part, now)
@@ -205,14 +243,20 @@ class ArmBench:
 
     def _use_known(self):
         self.use(self.known.gains)
+        if self.known.felt is not None:
+            self.arm.weigh(weight_of(self.robot, self.known.felt))
 
     def _take_joints(self):
+        self.around = Surroundings.of(replace(self.robot, parameters=self.known.felt))
         self.joints = Joints(self.known.figures, self.known.gains, ahead=True)
 
-    def _calm(self, fault) -> bool:
-        """Reset with calmer gains, if it swung."""
+    def _calm(self, fault, cut=None) -> bool:
+        """Reset with calmer gains, if it swung. cut: what was recorded of a part that tells
+        weights."""
+        asked = self.profile, self.robot, self.known, fault
         if fault.kind == "following_error" and self.joints is None:
-            calmer = firmed(self.profile, self.robot, self.known, fault)
+            calmer = weighed(*asked, cut) if cut is not None else None
+            calmer = calmer or firmed(*asked)
         elif fault.kind == "oscillation":
             calmer = calmed(self.profile, self.robot, self.known, fault.axis, fault.hertz)
         else:

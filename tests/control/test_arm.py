@@ -294,3 +294,21 @@ def test_orphaned_arm_rests_and_is_latched():
     until(arm, FAULT)
     assert arm.fault.kind == "daemon_gone"
     assert not backend.powered
+
+
+@pytest.mark.parametrize(("seconds", "held"), [(3.0, 3.5), (99.0, 11.0)])
+def test_an_arm_that_sways_is_not_held_before_it_rests_or_has_had_its_time(seconds, held):
+    """A motion that begins in a sway ends beside its path."""
+    arm, backend = flywheel_arm(capacity=8192)
+    arm.connect()
+    cycles(arm, 3)
+    arm.enable()
+    began = arm.path.time
+    while arm.state == ArmState.ENABLING:
+        t = arm.path.time - began
+        swings = t < seconds
+        backend.plant.q[0] = 0.02 * np.sin(4.0 * t) if swings else 0.0
+        backend.plant.dq[0] = 0.0
+        arm.cycle()
+    assert arm.state == ArmState.HOLDING
+    assert min(seconds, 9.0) < arm.path.time - began < held

@@ -44,10 +44,10 @@ def test_gains_that_bring_a_joint_back_are_left_alone():
     stiff = PidGains(*(np.array([k]) for k in (40.0, 60.0, 2.0)), push=0.12 * LIMIT)
     servo = Pid(stiff, LIMIT, PERIOD)
     servo._pushed[:] = 2.0
-    assert servo._push(np.array([-0.08]), np.array([0.2])) == 0.0
+    assert servo._push(np.array([-0.08]), np.array([0.2]), np.zeros(1, dtype=bool)) == 0.0
     soft = Pid(PidGains(np.array([0.8]), stiff.ki, stiff.kd, stiff.push), LIMIT, PERIOD)
     soft._pushed[:] = 2.0
-    assert soft._push(np.array([-0.08]), np.array([0.2])) < 0.0
+    assert soft._push(np.array([-0.08]), np.array([0.2]), np.zeros(1, dtype=bool)) < 0.0
 
 
 def test_a_joint_that_sways_is_not_driven_on():
@@ -62,3 +62,35 @@ def test_a_joint_that_sways_is_not_driven_on():
     for _ in range(round(1.0 / PERIOD)):
         servo.torque(at, np.array([0.02]), np.zeros(1))
     assert servo._pushed[0] < -0.05 * LIMIT[0], "one that sticks is pushed"
+
+
+def test_a_light_joint_that_hardly_rubs_is_not_shoved():
+    """Of a strong motor: one cycle of a full push was 0.1 rad of its gains."""
+    gains = PidGains(*(np.array([k]) for k in (0.02, 0.004, 0.002)), push=0.12 * np.array([2.0]))
+    servo, q, dq, seen, worst = Pid(gains, np.array([2.0]), 0.01), 0.01, 0.0, 0.0, 0.0
+    at = SimpleNamespace(q=np.zeros(1), dq=np.zeros(1), extra=np.zeros(1))
+    servo.start(at, np.array([q]), np.zeros(1), np.zeros(1))  # it stands there, and creeps back
+    for _ in range(2000):
+        torque = float(servo.torque(at, np.array([q]), np.array([seen]))[0])
+        dq += 0.01 * (torque - 1e-3 * dq) / 3e-4
+        q += 0.01 * dq
+        seen += 0.6 * (dq - seen)
+        worst = max(worst, abs(q))
+    assert worst < 0.02, "0.11 rad where a push begins with all of its strength"
+
+
+def test_a_slow_sway_is_pushed_less_each_time_it_crosses_its_place():
+    gains = PidGains(*(np.array([k]) for k in (264.0, 0.0, 17.0)), push=0.12 * LIMIT)
+    servo, pushes = Pid(gains, LIMIT, PERIOD), []
+    at = SimpleNamespace(q=np.zeros(1), dq=np.zeros(1), extra=np.zeros(1))
+    for t in np.arange(0.0, 30.0, PERIOD):
+        before = servo._pushed[0]
+        servo.torque(at, np.array([0.006 * np.sin(2.0 * t)]), np.array([0.012 * np.cos(2.0 * t)]))
+        pushes.append(abs(servo._pushed[0] - before))
+    assert sum(pushes[len(pushes) // 2 :]) == 0.0
+    at.dq = np.full(1, 0.1)  # it is led elsewhere
+    servo.torque(at, np.array([0.02]), np.array([0.1]))
+    at.dq = np.zeros(1)
+    for _ in range(round(1.0 / PERIOD)):
+        servo.torque(at, np.array([0.02]), np.zeros(1))
+    assert abs(servo._pushed[0]) > 0.03 * LIMIT[0], "one that sticks there is pushed"

@@ -14,6 +14,7 @@ from pa10d.experiments.measured_joints import lowered
 from pa10d.experiments.motion import whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.prediction import PACES
+from pa10d.experiments.slower import AS_ASKED, Slower
 from pa10d.profile import load_profile
 from pa10d.services.joints import learnt
 from pa10d.trajectory.plan import Plan, Segment, move
@@ -181,3 +182,33 @@ def test_a_motion_that_would_throw_a_link_about_on_its_spring_is_slowed(arm):
     assert chosen.check.level == "warning", chosen.check.sentence
     assert re.search(r"joint 1's link would swing by 0\.\d+ rad", chosen.adjusted.why)
     assert chosen.adjusted.pace > free.adjusted.pace
+
+
+def test_where_weights_alone_are_in_doubt_a_smaller_motion_is_run_before(arm):
+    """None of its own; its carrier falls behind by what the others may weigh."""
+    profile, robot, limits, _ = arm
+    there = np.zeros(robot.n)
+    there[[1, 3, 5]] = 0.7, 0.9, 0.8
+    plan = Plan("point_to_point", (2, 4, 6), (
+        Segment(move(0.0 * there, there, Surroundings.of(robot).limits)),))  # fmt: skip
+    joints = measured(profile, robot, HEAVIER)
+    soft = replace(joints, gains=replace(joints.gains, ki=0.0 * joints.gains.ki))
+    bound = limits.following_error
+
+    def tried(share, joints, slower=AS_ASKED):
+        tight = replace(limits, following_error=share * bound)
+        return paced(plan, plan.start, robot, tight, RATE, joints, slower)
+
+    shares = np.geomspace(0.5, 0.01, 16)
+    share, first = next(
+        (share, one) for share in shares if (one := tried(share, soft)).weighs is not None
+    )
+    assert first.check.level == "warning"
+    assert f"{first.weighs:.0%} of it is run before" in first.check.sentence
+    small = tried(share, soft, Slower(small=first.weighs))
+    assert small.check.level != "error"
+    turned = np.abs(small.plan.sample(RATE).q).max(axis=0)
+    assert (turned[[1, 3, 5]] <= first.weighs * there[[1, 3, 5]] + 1e-9).all()
+    alone = soft.figures.but(bodies=soft.figures.bodies[1:])  # it is sure to weigh as much
+    sure = tried(share, replace(soft, figures=alone, ahead=False))
+    assert (sure.check.level, sure.weighs) == ("error", None)

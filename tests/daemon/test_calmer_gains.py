@@ -35,7 +35,7 @@ class Robot:
     def pose(self):
         return np.zeros(2)
 
-    async def use_gains(self, gains, keep):
+    async def use_gains(self, gains, keep, felt=None):
         self.used.append((gains.kd[0], keep))
 
     async def reset(self):
@@ -80,7 +80,7 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(
     robot.speeds = []
 
     class Experiment:
-        falls = ()
+        falls, result = (), Outcome("first_motion")
 
         def __init__(self, daemon, request, report, figures):
             self.request = request

@@ -11,8 +11,9 @@ from known_joints import measured_joints
 
 from pa10d.common.errors import Stopped, UserError
 from pa10d.control.faults import Fault
-from pa10d.daemon.motions.experiment import TRIES, Experiment
+from pa10d.daemon.motions.experiment import TRIES, WEIGHINGS, Experiment, WeightsInDoubt
 from pa10d.daemon.robot.stops import Stops
+from pa10d.experiments.checks import Check
 from pa10d.experiments.request import MotionRequest
 
 FAST = Fault("velocity_limit", "moves at 2.1 rad/s, more than it may", axis=1)
@@ -107,3 +108,60 @@ def test_it_falls_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
 def test_nor_after_a_stop(monkeypatch, tmp_path):
     paces, error = tried(monkeypatch, [FELL], MotionRequest("x"), tmp_path, stopped_at=1)
     assert (len(paces), type(error)) == (1, Stopped)
+
+
+def weighed(monkeypatch, tmp_path, enough):
+    """→ which share was run in each try, which runs told weights, and the outcome or the error.
+    enough: smaller motions after which the whole of it is taken."""
+    shares, told, used = [], [], []
+
+    class Workers:
+        async def run(self, what, _, **asked):
+            told.append((what.partition(":")[2], asked["runs"]))
+            return measured_joints(kd=7.0).document()
+
+    async def use_gains(gains, keep, felt):
+        used.append((gains.kd[0], keep))
+
+    async def once(self):
+        share = 1.0 if self._slower is None else self._slower.small
+        if share == 1.0 and len(told) < enough:
+            raise WeightsInDoubt([Check("warning", "tracking", "joint 7 would be off")], 0.25)
+        shares.append(share)
+        self.result.runs.append(f"run{len(shares)}")
+        return self.result
+
+    monkeypatch.setattr(Experiment, "_once", once)
+    law = SimpleNamespace(name="pid")
+    robot = SimpleNamespace(
+        fault=None, joints=measured_joints(), law=law, stops=Stops(), use_gains=use_gains
+    )
+    profile = SimpleNamespace(path="arm.yaml")
+    daemon = SimpleNamespace(
+        robot=robot, runtime=tmp_path, workers=Workers(), data="data", profile=profile
+    )
+    experiment = Experiment(daemon, MotionRequest("excitation"), lambda *_: None)
+    try:
+        with robot.stops.heard_by(robot.stops.count):
+            found = asyncio.run(experiment.carry_out())
+    except UserError as error:
+        found = error
+    return shares, told, used, robot, found
+
+
+def test_a_smaller_motion_weighs_the_arm_before(monkeypatch, tmp_path):
+    shares, told, used, robot, found = weighed(monkeypatch, tmp_path, enough=1)
+    assert shares == [0.25, 1.0]
+    assert told == [("keep_felt", ["run1"])]
+    assert used == [(7.0, True)]
+    assert robot.joints.known.gains.kd[0] == 7.0
+    assert found.runs == ["run2"], "what was run before is not what was asked for"
+    assert "25% of the motion was run before" in found.notes[0]
+
+
+def test_not_for_ever(monkeypatch, tmp_path):
+    shares, _, _, _, found = weighed(monkeypatch, tmp_path, enough=99)
+    assert shares == [0.25] * WEIGHINGS
+    assert isinstance(found, UserError)
+    assert "joint 7 would be off" in str(found)
+    assert "a smaller motion" in str(found)

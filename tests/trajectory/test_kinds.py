@@ -236,5 +236,5 @@ def test_a_motion_that_fits_into_no_memory_is_refused_before_its_rows_are_made(t
     with pytest.raises(
         UserError, match=r"tracking: a motion of 2.78e\+05 h needs about 3.5e\+05 GB"
     ):
-        make_plan("pa10-sim", "tracking", asked, str(tmp_path))
-    assert make_plan("pa10-sim", "tracking", {}, str(tmp_path))["duration"] < 60.0
+        make_plan(str(tmp_path), "pa10-sim", "tracking", asked, str(tmp_path))
+    assert make_plan(str(tmp_path), "pa10-sim", "tracking", {}, str(tmp_path))["duration"] < 60.0

@@ -150,7 +150,7 @@ async def check_experiment(
         await daemon.shelf(folder.mkdir)
         try:
             where = {"profile": str(daemon.profile.path), "folder": str(folder)}
-            plan = await planned(daemon.workers, asked, where, report)
+            plan = await planned(daemon, asked, where, report)
             found = await prepare(daemon, where, carried_by(daemon.robot, asked))
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, True)

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -23,18 +23,20 @@ from pa10d.daemon.motions.way_back import bring_inside
 from pa10d.daemon.robot.readiness import readiness
 from pa10d.daemon.robot.refusals import CommandRefused
 from pa10d.daemon.robot.robot import RobotProcess
+from pa10d.experiments.checks import Check
 from pa10d.experiments.outcome import Outcome, RecordedRun
+from pa10d.experiments.pacing import REMEDY
 from pa10d.experiments.prepared import CarriedBy, PlannedMotion, Prepared, wrong_in
 from pa10d.experiments.request import MotionRequest
 from pa10d.experiments.slower import AS_ASKED, Slower, slower_after
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
-    from pa10d.daemon.processes.workers import Workers
     from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
 TRIES = 3  # with calmer gains, or slower, each; of one joint, to be held at all
+WEIGHINGS = 3  # by smaller motions, each of which lets the next be larger
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 PASSING = ("disk",)  # subjects of what a plan is checked for that are no lack of its own
@@ -67,11 +69,11 @@ def _told(measured: MeasuredJoints | None) -> JsonObject | None:
 
 
 async def planned(
-    workers: Workers, request: MotionRequest, where: Mapping[str, str], report: Progress
+    daemon: Daemon, request: MotionRequest, where: Mapping[str, str], report: Progress
 ) -> JsonObject:
     """Make the plan, in its folder → what there is to know of it. where: profile, folder."""
-    told: JsonObject = await workers.run(
-        "pa10d.services.experiments:make_plan", report,
+    told: JsonObject = await daemon.workers.run(
+        "pa10d.services.experiments:make_plan", report, data=str(daemon.data),
         kind=request.kind, parameters=request.parameters, **where,
     )  # fmt: skip
     return told
@@ -87,6 +89,15 @@ async def prepare(
         weight=None if weight is None else weight.text,
     )  # fmt: skip
     return Prepared.from_document(told)
+
+
+class WeightsInDoubt(UserError):
+    """What bars a motion is what the arm may weigh; ``share`` of it would tell."""
+
+    def __init__(self, checks: Sequence[Check], share: float) -> None:
+        said = [one.sentence for one in checks if one.subject == "tracking"]
+        super().__init__(f"the pre-check refused the motion: {'; '.join(said)}, and was; {REMEDY}")
+        self.share = share
 
 
 class Experiment:
@@ -115,12 +126,19 @@ class Experiment:
     async def carry_out(self) -> Outcome:
         """To the end; the arm is left as it was found. An arm that was measured is tried with
         calmer gains where it swings, and slower where it was predicted to follow and did not."""
-        tries, fell = 1, Counter[int | None]()
+        tries, fell, weighings = 1, Counter[int | None](), 0
         while True:
             try:
-                return await self._once()
+                found = await self._once()
+                if self._small is None:
+                    return found
+                await self._weigh(found.runs, self._small)
             except Stopped:
                 raise
+            except WeightsInDoubt as doubt:
+                if (weighings := weighings + 1) > WEIGHINGS or self._robot.joints is None:
+                    raise
+                self._slower = Slower(small=doubt.share)
             except UserError:
                 self._robot.stops.refuse()
                 if await self._weighed(fell):
@@ -144,6 +162,30 @@ class Experiment:
         self._begin_again()
         return True
 
+    @property
+    def _small(self) -> float | None:
+        """Which share of the motion is run, to weigh the arm; None: all of it, as it was asked."""
+        small = 1.0 if self._slower is None else self._slower.small
+        return small if small < 1.0 else None
+
+    async def _weigh(self, runs: list[str], small: float) -> None:
+        """A smaller motion has ended well: the arm weighs what that has shown from now on."""
+        kept = await self._daemon.workers.run(
+            "pa10d.services.joints:keep_felt",
+            lambda *_: None,
+            data=str(self._daemon.data),
+            profile=str(self._daemon.profile.path),
+            runs=runs,
+        )
+        self.result.notes.append(
+            f"what the arm weighs was too much in doubt: {small:.0%} of the motion was run before, "
+            "and told"
+        )
+        measured = MeasuredJoints.from_document(kept)
+        await self._robot.use_gains(measured.known.gains, keep=True, felt=measured.known.felt)
+        self._robot.joints, self._slower = measured, None
+        self._begin_again()
+
     async def _calmed(self) -> bool:
         """Whether the arm swung, and has got calmer gains; the fault is left for that."""
         fault, robot = self._robot.fault, self._robot
@@ -161,7 +203,7 @@ class Experiment:
         self.result.notes.append(kept["note"])
         measured = MeasuredJoints.from_document(kept)
         await robot.reset()
-        await robot.use_gains(measured.known.gains, keep=True)
+        await robot.use_gains(measured.known.gains, keep=True, felt=measured.known.felt)
         robot.joints = measured
         self._begin_again()
         return True
@@ -203,7 +245,7 @@ class Experiment:
             await self._use_controller(prepared)
             await self._move(prepared)
             await self._analyse()
-            if prepared.sentence is not None:
+            if prepared.sentence is not None and self._small is None:
                 self.result.notes.append(prepared.sentence)
         except CommandRefused as refusal:  # the arm's state is another in a while
             raise NotNow(str(refusal)) from refusal
@@ -215,7 +257,7 @@ class Experiment:
         self._report(0.0, "planning")
         told = part(self._report, 0.0, PLANNED)
         self.result.plan = await self._robot.stops.unless(
-            planned(self._daemon.workers, self._request, self._where, told)
+            planned(self._daemon, self._request, self._where, told)
         )
 
     @property
@@ -234,6 +276,8 @@ class Experiment:
             own = wrong_in([one for one in found.checks if one.subject not in PASSING])
             kind = UserError if own else NotNow
             raise kind("the pre-check refused the motion: " + "; ".join(wrong[:3]))
+        if found.weighs is not None:
+            raise WeightsInDoubt(found.checks, found.weighs)
         return found
 
     async def _power_up(self, prepared: Prepared) -> Prepared:

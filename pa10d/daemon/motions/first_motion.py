@@ -77,7 +77,7 @@ class FirstMotion:
             known = KnownJoints.from_document(told)
         made = await self._ask("keep_joints", runs=list(runs.values()), known=known.document())
         kept = MeasuredJoints.from_document(made)
-        await self._robot.use_gains(kept.known.gains, keep=True)
+        await self._robot.use_gains(kept.known.gains, keep=True, felt=kept.known.felt)
         self._robot.joints = kept
         self.result.joints, self.result.recommendation = made, list(kept.known.sentences)
         if (slower := lowered(kept.known.asked, kept.known.bandwidth.tolist())) is not None:
@@ -91,7 +91,7 @@ class FirstMotion:
         parameters = {**self._request.parameters, "part": name}
         tried: Counter[int | None] = Counter()
         while True:
-            await self._robot.use_gains(known.gains, keep=False)
+            await self._robot.use_gains(known.gains, keep=False, felt=known.felt)
             request = replace(
                 self._request, parameters=parameters, controller="pid", model=None, name=None
             )
@@ -105,7 +105,10 @@ class FirstMotion:
                 if fault is None or fault.kind not in STILL:
                     raise
                 tried[fault.joint] += 1
-                calmer = await self._calmer(known, fault) if tried[fault.joint] < TRIES else None
+                cut = experiment.result.runs[-1] if experiment.result.runs else None
+                cut = cut if name == "friction" else None
+                again = tried[fault.joint] < TRIES
+                calmer = await self._calmer(known, fault, cut) if again else None
                 if calmer is not None:
                     known = calmer
                 elif (speed := await self._slower(name, known, fault, parameters)) is not None:
@@ -123,9 +126,13 @@ class FirstMotion:
             self.result.runs += found.runs
             return found.runs[0], known
 
-    async def _calmer(self, known: KnownJoints, fault: Fault) -> KnownJoints | None:
-        """What is known after a joint swung or fell behind; None where no gains would help."""
-        calmer = await self._ask("calmer", known=known.document(), fault=fault.document())
+    async def _calmer(
+        self, known: KnownJoints, fault: Fault, run: str | None
+    ) -> KnownJoints | None:
+        """What is known after a joint swung or fell behind; None where no gains would help. run: of
+        the part that it ended, of one that can tell weights."""
+        told = {"known": known.document(), "fault": fault.document(), "run": run}
+        calmer = await self._ask("calmer", **told)
         if calmer is None:
             return None
         self.result.notes.append(calmer["note"])

@@ -304,9 +304,13 @@ class RobotProcess:
     async def _take_up_law(self) -> None:
         await self.law.take_up(self.state)
 
-    async def use_gains(self, gains: PidGains, keep: bool) -> None:
-        """Gains for every servo from now on; keep: also after control's death."""
-        await self.command("gains", gains=gains.document())
+    async def use_gains(
+        self, gains: PidGains, keep: bool, felt: NDArray[np.float64] | None = None
+    ) -> None:
+        """Gains for every servo from now on; keep: also after control's death. felt: (n, 10) bodies
+        that the arm is known to have."""
+        bodies = None if felt is None else felt.tolist()
+        await self.command("gains", gains=gains.document(), bodies=bodies)
         if keep:
             self.keep_gains(gains)
 
