@@ -16,6 +16,11 @@ Array = NDArray[np.float64]
 
 OVER = 0.02  # s over which a speed is taken: encoders are coarse
 FASTER = 1.5  # times its limit the median joint moves, which no arm does for long
+WAY = 0.1  # s over which speeds are added up to the way gone: no encoder is coarse beside that
+FURTHEST = 0.2  # of one: more is another unit
+TOGETHER = 0.98  # of their squares that speeds and ways share
+COMMON = 0.02  # by which speeds may differ from that; of real arms' 0.0025
+ALIKE = 0.005  # by which the joints of an arm with a wrong clock differ from each other
 MUCH = 10.0  # times: no limit of a URDF is so wrong at most joints
 
 
@@ -48,6 +53,7 @@ def check_units(recording: Recording, robot: Robot | None) -> Iterator[CheckFind
     """Findings from sizes alone."""
     if recording.dq is not None:
         yield from _speeds(recording, robot)
+        yield from _clock(recording)
     if robot is not None:
         yield from _torques(np.abs(recording.tau).max(axis=0), robot)
 
@@ -102,6 +108,42 @@ def _speeds(recording: Recording, robot: Robot | None) -> Iterator[CheckFinding]
             j + 1,
             (mend,) if mend else (),
         )
+
+
+def _clock(recording: Recording) -> Iterator[CheckFinding]:
+    """Speeds that differ from the slope of the positions by one factor in every joint."""
+    found = [_speed_over_way(recording, j) for j in range(recording.joints)]
+    known = np.array([one for one in found if one is not None])
+    middle = float(np.median(known)) if len(known) else 1.0
+    if len(known) < 2 or not COMMON < abs(middle - 1.0) < FURTHEST:
+        return
+    if np.any(np.abs(known / middle - 1.0) > ALIKE):
+        return
+    mend = Mend("time", f"1/{middle:.4g}")
+    yield CheckFinding(
+        "warning",
+        "clock",
+        f"dq of every joint that moves is {middle:.3g} times the slope of q: the stamps stand "
+        f"{percent(abs(middle - 1.0))} too {'far apart' if middle > 1.0 else 'close'}, or all "
+        "speeds are scaled alike",
+        "accelerations of q, and what is fitted to them, are wrong with a wrong clock: compare the "
+        f"recording's length with a watch; where the stamps are wrong: --map {mend.option}",
+        mends=(mend,),
+    )
+
+
+def _speed_over_way(recording: Recording, j: int) -> float | None:
+    """dq added up over the way gone meanwhile; None where they do not go together."""
+    span = max(1, round(WAY * recording.rate))
+    if recording.dq is None or len(recording.t) <= 2 * span or np.ptp(recording.q[:, j]) <= 0.05:
+        return None
+    step = 0.5 * (recording.dq[1:, j] + recording.dq[:-1, j]) / recording.rate
+    told = np.convolve(step, np.ones(span), "valid")
+    gone = recording.q[span:, j] - recording.q[:-span, j]
+    both = float(told @ gone)
+    if both**2 < TOGETHER * float(told @ told) * float(gone @ gone):
+        return None
+    return both / max(float(gone @ gone), 1e-300)
 
 
 def _torques(largest: Array, robot: Robot) -> Iterator[CheckFinding]:

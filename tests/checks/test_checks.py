@@ -97,6 +97,8 @@ FLAWS = {
     "counts": ({"q": lambda q: np.round(q / 7.67e-6)}, {"counts", "limits", "velocity_unit"}, None),
     "speed in degrees": ({"dq": _joint(0, np.degrees)}, {"velocity_unit", "limits"}, 1),
     "speed reversed": ({"dq": _joint(0, lambda v: -v)}, {"velocity_unit"}, 1),
+    "a clock that runs slow": ({"t": lambda t: t * 1.1}, {"clock"}, None),
+    "a clock that runs fast": ({"t": lambda t: t * 0.96}, {"clock"}, None),
     "motor-side torque": ({"tau": lambda tau: tau / 50}, {"torque_small", "torque_scale"}, None),
     "millinewtonmetres": (
         {"tau": lambda tau: tau * 1e3},
