@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import listed
 from pa10d.compare.orders import OrderSpectrum
 
 Array = NDArray[np.float64]
@@ -22,10 +23,16 @@ def lines_above_band(
         above = found.above(cutoff) if found else []
         if not found or sum(size**2 for _, size in above) / 2.0 <= rms[j] ** 2:
             continue
-        largest, size = above[0]
+        often = [f"{order:.4g} ({size:.2g} N·m)" for order, size in above]
+        largest = found.frequency(above[0][0])
         said[j] = (
-            f"an error that comes again {largest:.4g} times a turn ({size:.2g} N·m) lies above the "
-            f"low-pass of {cutoff:g} Hz, at about {found.frequency(largest):.0f} Hz, and is not "
-            "judged; only a fit with a higher cut-off can look at it"
+            f"an error that comes again {listed(often)} times a turn lies above the low-pass of "
+            f"{cutoff:g} Hz, the largest at about {largest:.0f} Hz, and is not judged; a fit with "
+            f"a higher cut-off can look at it: identify … --cutoff {_well_above(largest)}"
         )
     return said
+
+
+def _well_above(frequency: float) -> str:
+    """Hz, two digits: what lies at the edge of a low-pass is half gone."""
+    return f"{float(f'{1.5 * frequency:.2g}'):g}"

@@ -154,6 +154,7 @@ def diagnose(
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
+    faster = lines_above_band(orders, left.cutoff, left.rms)
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
     lines = remaining(
@@ -171,7 +172,7 @@ def diagnose(
         stand_out,
         held.silent,
         over.undetermined,
-        lines_above_band(orders, left.cutoff, left.rms),
+        faster,
         over.beside,
         np.flatnonzero(far).tolist(),
         state.as_given,
@@ -198,6 +199,7 @@ def diagnose(
         frozen=frozen,
         identified_from=model.runs,
         with_reversals=scores(seen).rms_with_reversals,
+        above_band=faster,
         only="" if only is None else effect(only[0]).named,
         lacked=tuple(
             j

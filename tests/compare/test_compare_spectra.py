@@ -52,7 +52,10 @@ def test_what_the_low_pass_hides_is_told():
         compare(arm.model(), [arm.recording(1, 40.0, 0.1, more)]).warnings for more in (extra, None)
     ]
     (said,) = (w for w in warnings[0] if "comes again" in w)
-    assert said.startswith("joint 2: an error that comes again 130.5 times a turn (0.5")
+    assert said.startswith("joint 2: an error that comes again 130.5 (0.5")
+    higher = float(said.partition("--cutoff ")[2])
+    frequency = float(said.partition("at about ")[2].partition(" Hz")[0])
+    assert higher == pytest.approx(1.5 * frequency, rel=0.05)
     assert not [w for w in warnings[1] if "comes again" in w]
 
 

@@ -131,3 +131,21 @@ def test_a_spring_whose_torque_is_not_its_own_may_stand_in_for_another():
         finding = Finding(term, {}, *values, 1e-9, 1.0, size, (), None, "Joint 1 gives.")
         said = _beside_more(finding, [line]).sentence
         assert said.endswith("for what is missing there.") == doubted
+
+
+def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():
+    """0.18 N·m of cogging above the low-pass, beside 0.012 that were judged."""
+    alone = SimpleNamespace(
+        only="",
+        stood="",
+        beside="",
+        frozen=False,
+        rms=[0.1, 0.1],
+        as_given=SimpleNamespace(rms=[0.1, 0.1]),
+        noise_floor=[0.1, 0.1],
+        with_reversals=None,
+        above_band={1: "an error that comes again 72 times a turn"},
+    )
+    assert none_found(alone).endswith(
+        " That is what the low-pass lets through: above it there is more on joint 2."
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -101,6 +102,8 @@ class Diagnosis:
     beside: what the given model lacks of its own data, where the change was sought beside that
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     stood: of a frozen model that was moved far, within its own doubt: what it left as it was given
+    above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
+    that it leaves
     told: of what somebody knew when the given model was identified, which a search does not know
     """
 
@@ -125,6 +128,7 @@ class Diagnosis:
     lacked: tuple[int, ...] = ()
     beside: str = ""
     stood: str = ""
+    above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
 
     @property

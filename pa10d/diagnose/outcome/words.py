@@ -201,7 +201,11 @@ def none_found(found: Diagnosis) -> str:
     if found.stood:
         return f"Whether something has changed this data cannot say: {found.stood}."
     given = found.rms if found.beside else found.as_given.rms  # else its values were off
-    return nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
+    said = nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
+    if found.above_band:
+        joints = joint_words(sorted(found.above_band))
+        said += f" That is what the low-pass lets through: above it there is more on {joints}."
+    return said
 
 
 def unexplained(found: Diagnosis) -> str:
