@@ -240,6 +240,11 @@ def in_words(found: Diagnosis) -> str:
         given = ", ".join(f"{v:.4g}" for v in found.as_given.rms)
         first = found.begins if found.beside else "fitted anew"
         lines.append(f"RMS is that of the model {first}; as it was given it leaves {given}")
+    elif not found.findings:
+        lines.append(
+            "RMS is that of the model as it was given; the lines on its joints are of it moved, "
+            "within its own doubt, to suit the fitted runs"
+        )
     return "\n".join(lines)
 
 

@@ -199,7 +199,7 @@ def _fitted_too(model: TorqueModel, residuals: Sequence[RunResidual]) -> list[st
 def _warnings(residuals: Sequence[RunResidual]) -> list[str]:
     return [
         f"run {run.name}: joint {j + 1} {_rests(run, j)}; its error there is friction at rest, "
-        "which no model knows"
+        "which no model knows, or a brake holds it, or its torque is not measured"
         for run in residuals
         for j in run.rested
     ]
