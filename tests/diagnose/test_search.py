@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from two_links import V0, recordings, robot, state_of, textbook
 
 from pa10d.diagnose.constants import MUCH_WORSE
@@ -13,7 +15,7 @@ from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.regression.partial import PartialFit
 from pa10d.diagnose.search.candidates import Candidate, scan
-from pa10d.diagnose.search.harm import harmful, rms
+from pa10d.diagnose.search.harm import harmful, less_likely, rms
 from pa10d.diagnose.search.judging import JudgedCandidate
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
@@ -155,3 +157,16 @@ def test_a_corner_that_is_clearly_too_blunt_is_made_sharper():
     state.refit()
     refine(state, len(state.terms), coulomb)
     assert state.terms[coulomb].shape["v0"] < 0.5 * blunt
+
+
+@given(st.lists(st.floats(0.01, 100.0), min_size=1, max_size=7))
+def test_errors_that_came_cannot_be_as_welcome_as_those_that_went(ratios):
+    """Of an arm that went from one model to another, and back, one way is worse."""
+    ratio = np.array(ratios)
+    assert not (less_likely(ratio) and less_likely(1.0 / ratio))
+
+
+def test_one_joint_that_shared_bodies_left_does_not_outweigh_the_others():
+    """A real arm's second joint went from 0.95 to 0.42 N·m, three others along with it."""
+    assert not less_likely(np.array([0.80, 0.45, 0.69, 0.55, 2.47, 1.07, 1.29]))
+    assert less_likely(np.array([1.0, 0.98, 1.2]))

@@ -28,7 +28,7 @@ def spoils(before: SearchState, after: SearchState) -> bool:
     """
     r0, r1 = before.held_residual(), after.held_residual()
     ratio = _times(rms(r1), rms(r0))
-    if np.sum(ratio**2 - 1.0) > 0:
+    if less_likely(ratio):
         return True
     if np.max(ratio) > 1.0 + MUCH_WORSE:
         moved = {j: r0[j] - r1[j] for j in r0}
@@ -43,7 +43,14 @@ def turns_worse(before: SearchState, after: SearchState) -> bool:
     ratio = _times(rms(after.held_residual()), rms(before.held_residual()))
     everywhere = _times(after.moving_rms(), before.moving_rms())
     beyond = everywhere / np.maximum(ratio, 1.0)
-    return bool(np.sum(everywhere**2 - 1.0) > 0 or np.max(beyond) > 1.0 + MUCH_WORSE)
+    return less_likely(everywhere) or bool(np.max(beyond) > 1.0 + MUCH_WORSE)
+
+
+def less_likely(ratio: Array) -> bool:
+    """Of errors that became so many times (n,) as large: is the data less likely on the whole, each
+    joint's noise unknown (profile likelihood: the sum of the logarithms)? By squares one joint that
+    the shared bodies left would outweigh all others, however much they gained."""
+    return bool(np.sum(np.log(np.maximum(ratio, 1e-12))) > 0)
 
 
 def _times(after: Array, before: Array) -> Array:

@@ -47,7 +47,7 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
     elif term.effect.reaches_other_joints:  # links thrown about, and dear to compute
         shape = refined(term.effect, term.shape, gain, evaluations=10)
     else:
-        shape = approach(term.effect, term.shape, gain, move)
+        shape = approach(term.effect, _begun_from(state, index, rest, falls), gain, move)
     if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
         return  # how sharp a corner is shows only on what passes it slowly: no guessing
     plain = _turning_as_dry_friction(state, term, shape)
@@ -56,6 +56,22 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
     if shape != term.shape:
         state.replace_term(index, replace(term, shape=shape))
         state.refit()
+
+
+def _begun_from(
+    state: SearchState, index: int, rest: LeastSquares, falls: bool
+) -> dict[str, float]:
+    """Where the way to the best shape begins. What passes a corner faster than it is wide does not
+    say which way it lies: a sign that was sharp beside what is now explained may be blunt."""
+    term, train = state.terms[index], state.train
+    if not only_rounds(term):
+        return dict(term.shape)
+    starts = term.effect.starts(train.contexts[0], term.joints)
+    shapes = [dict(term.shape), *({**term.shape, **start} for start in starts)]
+    columns = train.columns(term.effect, term.joints, shapes)
+    width = len(term.effect.coefficients)
+    gains = [p.gain for p in partials(rest, columns, term.effect, width, falls=falls)]
+    return shapes[int(np.argmax(gains))] if max(gains) > gains[0] + LEAST_GAIN else shapes[0]
 
 
 def _turning_as_dry_friction(

@@ -12,6 +12,7 @@ from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.evidence.tails import tails, with_open
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.delivery import delivery
+from pa10d.diagnose.search.first_terms import with_first
 from pa10d.diagnose.search.harm import rms
 from pa10d.identify.feasibility import nearest_feasible
 from pa10d.identify.outcome import feasible_note
@@ -42,7 +43,7 @@ def snapshot(
 ) -> TorqueModel:
     """The model with the first ``size`` terms, as the search fitted and judged it. Its note
     ``delivery`` has what the search promised and what the model as it is stored achieves."""
-    part = state if size == len(state.terms) else state.bare(size, own_weights=True)
+    part = state if size == len(state.terms) else with_first(state, size, given.terms)
     refitted = size == len(given.terms)
     frozen = state.frozen
     known = stated(part, found_here(part, len(given.terms)))

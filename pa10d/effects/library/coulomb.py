@@ -22,7 +22,7 @@ class Coulomb(Effect):
     live = True
     coefficients = (Coefficient("Fc", "N·m", lower=0.0),)
     shapes = (
-        ShapeParameter("v0", "rad/s", 1e-4, 0.3, "log", smoothing=True),
+        ShapeParameter("v0", "rad/s", 1e-4, 1.0, "log", smoothing=True),
         ShapeParameter("elsewhere", "1", 0.0, 1.0, "choice", optional=True),
     )
     signature = (
@@ -47,4 +47,4 @@ class Coulomb(Effect):
         return (here * context.sign(context.dq[:, joints[0]], shape["v0"]))[:, None]
 
     def starts(self, context, joints):
-        return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1)]
+        return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1, 0.3)]
