@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pa10d.compare.curves import Curve
 from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
 
+NEGLIGIBLE = 1e-6  # of a range's other end: the rounding of a zero
 MOST_DIGITS = 6  # of a range's ends, where fewer are the same
 
 
@@ -60,6 +63,12 @@ def _range(joint: int, region: Region) -> str:
 
 def _span(region: Region) -> str:
     unit = region.quantity.unit
+    far = NEGLIGIBLE * max(abs(region.low), abs(region.high))
+    region = replace(
+        region,
+        low=0.0 if abs(region.low) < far else region.low,
+        high=0.0 if abs(region.high) < far else region.high,
+    )
     if region.open_low:
         return f"below {_number(region.high)} {unit}"
     if region.open_high:

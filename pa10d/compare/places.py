@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.words import joint_words, times
 from pa10d.compare.curves import Curve
+from pa10d.compare.knocks import knocks
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Values, quantities
 from pa10d.compare.regions import Region
@@ -43,15 +44,29 @@ class Place:
         return self.what.quantity.name if self.what.quantity else "constant"
 
 
-def failing(judged: Scores, floor: Array, robot: Robot, found: Sequence[Place]) -> list[str]:
+def failing(
+    judged: Scores,
+    floor: Array,
+    robot: Robot,
+    found: Sequence[Place],
+    runs: Sequence[RunResidual] = (),
+) -> list[str]:
     """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
-    place of its error stands out, and one for all joints whose noise is not known."""
+    place of its error stands out, or all of it lies in a few moments of the runs, and one for all
+    joints whose noise is not known."""
     told, said = {place.joint for place in found}, []
     for j, (rms, noise) in enumerate(zip(judged.rms, floor, strict=True)):
-        if j not in told and noise > 0 and rms > MATERIAL * noise:
+        known = noise > 0
+        if j in told or (known and rms <= MATERIAL * noise):
+            continue
+        size = f"Joint {j + 1} keeps {rms:.3g} {robot.torque_unit(j)}"
+        if (knocked := knocks(runs, j)) is not None:
+            told.add(j)
+            said.append(f"{size}; {knocked.words}.")
+        elif known:
             said.append(
-                f"Joint {j + 1} keeps {rms:.3g} {robot.torque_unit(j)}, {times(rms / noise)} its "
-                "noise floor, and no region stands out: the error is spread over all of its motion."
+                f"{size}, {times(rms / noise)} its noise floor, and no region stands out: the "
+                "error is spread over all of its motion."
             )
     blind = [j for j in range(robot.n) if j not in told and not np.isfinite(floor[j])]
     if blind:

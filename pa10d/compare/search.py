@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.compare.curves import Curve, curve_values, find_constant, follows
+from pa10d.compare.knocks import concentrated, stretches
 from pa10d.compare.regions import Region, find_region, pile
 from pa10d.compare.samples import Bins, JointSamples, bins
-from pa10d.compare.surrogates import chance, surrogates
+from pa10d.compare.surrogates import chance, shifted, surrogates
 
 Array = NDArray[np.float64]
 Found = tuple[Region | Curve, float]
@@ -37,6 +38,9 @@ class PlaceSearch:
         self._seed = seed
         self._error = samples.error
         self._total = float(np.sum(self._error**2))
+        power, time = zip(*(stretches(e, m, samples.rate) for e, m in samples.parts), strict=True)
+        judged = (seconds := np.concatenate(time)) > 0.0
+        self._clumped = concentrated(np.concatenate(power)[judged], seconds[judged]) is not None
         self._everything = np.ones(len(self._error), dtype=bool)
 
     def run(self) -> list[Found]:
@@ -93,7 +97,7 @@ class PlaceSearch:
         if not tables:
             return np.empty(0), np.empty((0, 0))
         rng = np.random.default_rng(self._seed)
-        drawn = surrogates(self._as_parts(error), rng)
+        drawn = (shifted if self._clumped else surrogates)(self._as_parts(error), rng)
         seen = np.array([figure(table, error[:, None])[0] for table in tables])
         return seen, np.array([figure(table, drawn) for table in tables])
 

@@ -13,6 +13,7 @@ from pa10d.common.errors import Cancelled, UserError
 from pa10d.common.parallel import one_thread
 from pa10d.common.words import from_one, times
 from pa10d.compare.above_band import lines_above_band
+from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
@@ -88,11 +89,15 @@ def diagnose(
     progress: called with (share done, what is being done); cancel: True raises ``Cancelled``.
     """
 
+    reached = 0.0
+
     def say(share: float, what: str) -> None:
+        nonlocal reached
         if cancel is not None and cancel():
             raise Cancelled("the diagnosis was cancelled")
+        reached = max(reached, share)  # a search that goes on begins to count its steps anew
         if progress is not None:
-            progress(share, what)
+            progress(reached, what)
 
     say(0.0, "filtering")
     before, model = model, in_band(model)
@@ -176,6 +181,7 @@ def diagnose(
         over.beside,
         np.flatnonzero(far).tolist(),
         state.as_given,
+        {j: found.words for j in open_ if (found := knocks(seen, j)) is not None},
     )
     say(1.0, "done")
     return Diagnosis(

@@ -34,6 +34,7 @@ APART = (
     "to one side alone, and ask of the other what has changed since."
 )
 
+ALL_ALONG = "Fit to motion of both kinds: then it can be told, and named."
 
 MISPLACED = (
     "Bodies and effects bend to a length, an axis or an angle that is wrong. Compare the URDF with "
@@ -53,7 +54,7 @@ def unexplained_section(
     """One joint's map; unless the model was frozen, also the command that removes it."""
     unit = found.model.robot.torque_unit(s.joint)
     if isinstance(s, Apart):
-        said = [Text(found.remaining[s.joint].sentence), Text(APART)]
+        said = [Text(found.remaining[s.joint].sentence), Text(ALL_ALONG if s.all_along else APART)]
         name = f"Joint {s.joint + 1}: {s.who}"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, OtherGeometry):

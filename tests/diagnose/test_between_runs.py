@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from bare_sides import ar1
 from foreign_laws import stress_that_relaxes
-from two_links import recordings, robot, state_of, textbook
+from two_links import RATE, recordings, robot, state_of, textbook, textbook_torque
 
 from pa10d.diagnose.outcome.words import unexplained
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.candidates import suspects
 from pa10d.diagnose.unknown.between_runs import contradiction, unlike_fitted
 from pa10d.dynamics import inverse_dynamics
+from pa10d.measurement.recording import Recording
 from pa10d.report.finding_section import Asked
 from pa10d.report.unexplained_section import unexplained_section
 from pa10d.report.verdict import headline
@@ -128,3 +129,30 @@ def test_what_the_held_out_runs_alone_have_is_told(name):
 @pytest.mark.parametrize("law", [None, stress_that_relaxes(np.random.default_rng(1))])
 def test_held_out_runs_of_the_same_arm_do_not_contradict_the_fitted_ones(law):
     assert unlike(recordings(41, law)) == ()
+
+
+def at_one_frequency(name: str, seed: int) -> Recording:
+    """Motion in which a spring and an inertia are one torque; the spring is on the second joint."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(round(30.0 * RATE)) / RATE
+    w, amplitude = 2 * np.pi * 0.3, rng.uniform(0.5, 0.9, 2)
+    angle = w * t[:, None] + rng.uniform(0, 2 * np.pi, 2)
+    q, dq, ddq = (
+        amplitude * x for x in (np.sin(angle), w * np.cos(angle), -(w**2) * np.sin(angle))
+    )
+    tau = textbook_torque(q, dq, ddq) + sprung(t, q, dq, ddq)
+    return Recording(name, t, q, tau + 0.05 * rng.standard_normal(tau.shape))
+
+
+def sprung(t, q, dq, ddq):
+    return np.outer(q[:, 1] - 0.2, [0.0, 4.0])
+
+
+def test_what_all_runs_have_came_and_went_in_none():
+    """A real arm's spring, for which the fitted run's one frequency let a rotor stand in."""
+    runs = recordings(7, sprung)
+    runs |= {name: at_one_frequency(name, k) for k, name in enumerate(("fit_a", "fit_b"))}
+    told = {one.joint: one for one in unlike(runs)}
+    assert all(one.all_along for one in told.values())
+    assert told[1].effects == ("a spring",)
+    assert told[1].words == "as if a spring were there in all of them"

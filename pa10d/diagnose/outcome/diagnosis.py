@@ -189,6 +189,11 @@ class Diagnosis:
             return ()
         one = self.contradicted[0]
         joints = joint_words([a.joint for a in self.contradicted])
+        if one.all_along:
+            return (
+                f"of {joints} the fitted runs alone do not tell {listed(one.effects)} from what "
+                "the model has in its place: fit to motion like the held-out one, too",
+            )
         if one.held_out:
             return (
                 f"{listed(one.runs)} ask for other parameters of {joints} than the fitted runs; "

@@ -214,8 +214,9 @@ def unexplained(found: Diagnosis) -> str:
         return f"Something is left that {found.only} does not explain; nothing else was looked for"
     named = {one.joint for one in found.unexplained}
     if found.contradicted and named == {one.joint for one in found.contradicted}:
-        who = found.contradicted[0].who
-        return f"{who[0].upper()}{who[1:]}: they ask for different parameters"
+        one = found.contradicted[0]
+        asks = one.words if one.all_along else "they ask for different parameters"
+        return f"{one.who[0].upper()}{one.who[1:]}: {asks}"
     if found.misplaced and named == {one.joint for one in found.misplaced}:
         return (
             "No effect of the library, but an arm that is not as its URDF says explains it "

@@ -52,8 +52,15 @@ class Apart:
     held_out: bool = False  # it is the held-out runs that ask for it
 
     @property
+    def all_along(self) -> bool:
+        """Would it do to have it in all runs? The fitted ones alone then do not show it."""
+        return not self.runs
+
+    @property
     def who(self) -> str:
         """What contradicts what, as the subject and verb of a sentence."""
+        if self.all_along:
+            return "the fitted runs alone do not show what those held out ask for"
         if self.held_out:
             return "the runs held out contradict the fitted ones"
         return "the fitted runs contradict each other"
@@ -61,6 +68,8 @@ class Apart:
     @property
     def words(self) -> str:
         """``as if Coulomb friction came or went between mon and tue``."""
+        if self.all_along:
+            return f"as if {listed(self.effects)} were there in all of them"
         between = f"{listed(self.others)} and {listed(self.runs)}"
         return f"as if {listed(self.effects)} came or went between {between}"
 
@@ -126,9 +135,13 @@ def contradiction(
         if not np.any(fit.rms() > least):
             break
         tried = list(_tried(state, suspects, fit, _parts(names) if parts is None else parts))
-        best = _plainest(tried)
+        best = _plainest([one for one in tried if one.runs])
         if best is None:
             break
+        always = _all_along(tried, best)
+        if always is not None and parts is None:
+            break
+        best = always or best
         p_value = _chance(state.train, fit, best) * len(tried)
         if p_value > CONTRADICTED_LEVEL or not lasting(state.train, fit, best):
             break
@@ -169,17 +182,16 @@ def needless(state: SearchState, suspects: Suspects, fixed: int, floor: Array) -
 def _tried(
     state: SearchState, suspects: Suspects, fit: LeastSquares, groups: Sequence[tuple[str, ...]]
 ) -> Iterator[_Own]:
-    """Each that may have changed, in each group of the runs."""
+    """Each that may have changed, in each group of the runs, and (no runs) in all of them."""
     side = state.train
     for effect, joints in suspects:
         if not all(s.smoothing or s.optional for s in effect.shapes):
             continue  # what has a shape of its own bends to what a model lacks
         columns = side.columns(effect, joints, [_shape(state, effect, joints)])
         weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
-        for runs in groups:
-            own = own_part(
-                fit, {j: c * rows_of(side, j, runs)[:, None] for j, c in weighted.items()}
-            )
+        for runs in [*groups, ()]:
+            rows = {j: rows_of(side, j, runs) if runs else 1.0 for j in weighted}
+            own = own_part(fit, {j: (c.T * rows[j]).T for j, c in weighted.items()})
             if own is not None:
                 yield _Own(own.gain, own.theta, own.change, own.basis, effect, runs)
 
@@ -200,6 +212,14 @@ def rows_of(side: Side, joint: int, runs: Sequence[str]) -> Array:
     """(m_j,) 1 where a joint's row is of these runs."""
     counts = [int(keep[:, joint].sum()) for keep in side.keep]
     return np.repeat([float(run.name in runs) for run in side.runs], counts)
+
+
+def _all_along(tried: Sequence[_Own], best: _Own) -> _Own | None:
+    """What would do as well where it is in all runs: then nothing came or went, and some of them
+    alone do not tell it from what the model has in its place."""
+    always = [one for one in tried if not one.runs]
+    most = max(always, key=lambda one: one.gain, default=None)
+    return None if most is None or most.gain <= (1.0 - MATERIAL_GAIN) * best.gain else most
 
 
 def _plainest(tried: Sequence[_Own]) -> _Own | None:

@@ -237,6 +237,7 @@ def remaining(
     beside: Mapping[int, GoesWith] | None = None,
     moved: Collection[int] = (),
     as_given: Array | None = None,
+    knocked: Mapping[int, str] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -249,7 +250,8 @@ def remaining(
     joints of which the fitted runs leave open as much as they keep, for the motion held out;
     faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
     own goes with; moved: joints on which a frozen model leaves so little because it was moved;
-    as_given (n,) N·m: what a frozen model leaves as it was."""
+    as_given (n,) N·m: what a frozen model leaves as it was; knocked: by joint, in words, of those
+    whose error lies in a few moments of the runs."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -283,6 +285,7 @@ def remaining(
             next((p for p in stand_out if p.joint == j), None),
             (beside or {}).get(j),
             [t.joints[0] for t in found if t.effect.series_spring],
+            (knocked or {}).get(j, ""),
         )
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
@@ -374,8 +377,10 @@ def _with_sentence(
     place: Place | None,
     beside: GoesWith | None,
     springs: Sequence[int],
+    knocked: str,
 ) -> Remaining:
-    """springs: joints (0-based) in which one was found: what swings on may be that one."""
+    """springs: joints (0-based) in which one was found: what swings on may be that one; knocked:
+    where in time its error lies, if it lies in a few moments."""
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
     if isinstance(left, Apart):
@@ -502,6 +507,8 @@ def _with_sentence(
         text = f"{size}: explained to the floor"
     elif not searched:
         text = f"{size}; what it depends on was not looked for"
+    elif knocked:
+        text = f"{size}; {knocked}"
     elif line.material is None:
         text = (
             f"{size}, and motion does not predict it: this data cannot say how much of it is "

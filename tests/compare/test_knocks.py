@@ -1,0 +1,69 @@
+"""Errors of a few moments are told from those of all the time."""
+
+import compare_arm as arm
+import numpy as np
+import pytest
+
+from pa10d.compare import compare, places, run_residual
+from pa10d.compare.knocks import FEWEST, STRETCH, concentrated, knocks, stretches
+from pa10d.compare.phrases import sentence
+from pa10d.compare.quantities import Quantity
+from pa10d.compare.regions import Region
+
+SECONDS = 30.0
+WHEN = (4.1, 9.7, 15.2, 21.3, 26.6)
+
+
+def bumped(t, q, dq):
+    """15 N·m for 0.15 s, five times, wherever joint 2 is."""
+    there = sum((t >= at) & (t < at + 0.15) for at in WHEN)
+    return arm.on_joint(1, 15.0 * there)
+
+
+def recorded(extra, seed=1):
+    return arm.recording(seed, SECONDS, 0.2, extra)
+
+
+def test_knocks_are_told_with_the_moment_and_what_to_do():
+    run = run_residual(arm.model(), recorded(bumped))
+    found = knocks([run], 1)
+    assert found.share > 0.8
+    assert found.seconds < 0.1 * found.of
+    assert min(abs(found.at - at) for at in WHEN) <= STRETCH + 0.15
+    assert knocks([run], 0) is None
+    (said,) = compare(arm.model(), [recorded(bumped)]).runs[0].spread
+    assert said.startswith("Joint 2 keeps ")
+    assert found.words in said
+    assert "--robust" in said
+
+
+def test_what_acts_in_a_few_moments_by_the_motion_is_found_there():
+    def contact(t, q, dq):
+        return arm.on_joint(2, 200.0 * np.maximum(0.0, q[:, 2] - 0.8))
+
+    run = run_residual(arm.model(), arm.recording(2, 60.0, 0.2, contact))
+    power, time = stretches(run.error[:, 2], run.judged[:, 2], run.equation.rate)
+    assert concentrated(power[time > 0], time[time > 0]) is not None
+    assert next(p.variable for p in places([run], arm.ROBOT) if p.joint == 2) == "q3"
+
+
+@pytest.mark.parametrize("lasting", [0.0, 0.3, 1.0])
+def test_noise_of_any_colour_is_no_knock(lasting):
+    """AR(1), in memory up to the length of four stretches."""
+
+    def slow(t, q, dq):
+        rng = np.random.default_rng(3)
+        kept = np.exp(-(t[1] - t[0]) / lasting) if lasting else 0.0
+        noise, white = np.zeros(len(t)), rng.standard_normal(len(t))
+        for k in range(1, len(t)):
+            noise[k] = kept * noise[k - 1] + white[k]
+        return arm.on_joint(1, 2.0 * noise / noise.std())
+
+    run = run_residual(arm.model(), recorded(slow))
+    assert np.sum(run.judged[:, 1]) > FEWEST
+    assert knocks([run], 1) is None
+
+
+def test_the_rounding_of_a_zero_is_told_as_zero():
+    region = Region(Quantity("dq", 0, "rad/s", False), -0.042, -5.7e-17, False, False, 0.9, 0.1)
+    assert "between -0.042 and 0 rad/s" in sentence(1, region, "N·m")
