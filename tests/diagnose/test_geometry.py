@@ -100,6 +100,20 @@ def test_a_ring_that_is_not_centred_is_told_with_its_size():
     assert np.allclose(where.by, (0.03, 0.01), atol=4e-3)
 
 
+def test_a_gain_that_it_needs_beside_it_stays_named_and_is_not_counted_for_it():
+    """The gain was dropped, as if the ring could do without it, and what it takes told of the
+    ring."""
+    runs, robot = with_ring(1, (0.03, 0.01))
+    for run in runs.values():
+        run.tau[:, 2] *= 1.15
+    alone, found = found_in(runs, robot), found_in(runs, robot, ("torque_gain", 2))
+    assert [t.joints for t in found.state.terms if t.effect_id == "torque_gain"] == [(2,)]
+    assert {m.freedom.kind for one in found.told for m in one.misplaced} <= {"ring"}
+    for one in found.told:
+        (other,) = [other for other in alone.told if other.joint == one.joint] or [None]
+        assert other is None or other.rms == pytest.approx(one.rms, rel=0.2)
+
+
 def test_a_spring_that_stood_in_for_it_is_dropped():
     found = found_in(*elsewhere(1, "origin", (0.02, 0.0, 0.0)), ("spring", 1))
     assert [t.effect_id for t in found.state.terms if t.effect_id == "spring"] == []

@@ -96,12 +96,15 @@ class OtherGeometry:
 @dataclass(frozen=True)
 class Account:
     """What a geometry takes of the held-out errors: change, joint -> (m_j,) N·m; left (n,) N·m RMS
-    with it."""
+    with it; helpers: gains, zeros and the like (effect id, joints) that it needs beside it; and
+    helped (n,) N·m RMS with these alone, of which the geometry takes nothing."""
 
     misplaced: tuple[FrameElsewhere, ...]
     change: PerJoint
     left: Array
     p_value: float
+    helpers: frozenset[tuple[str, tuple[int, ...]]]
+    helped: Array
 
 
 @dataclass(frozen=True)
@@ -146,15 +149,19 @@ def other_geometry(state: SearchState, suspects: Suspects, given: int, floor: Ar
 def _without_stand_ins(
     state: SearchState, asked: _Asked, given: int
 ) -> tuple[SearchState, Account | None]:
-    """Without findings that leave no more on their joints where the geometry may be another."""
+    """Without findings that leave no more on their joints where the geometry may be another. One
+    that needs their like beside it does not go without them."""
     rest, found = state, asked.of(state)
+    helpers = frozenset() if found is None else found.helpers
     for index in reversed(range(given, len(state.terms))):
         trial, joints = rest.copy(), list(rest.terms[index].joints) or slice(None)
         trial.drop(index)
         trial.refit()
         alone = asked.of(trial)
         left = _rms(rest.held_residual()) if found is None else found.left
-        if alone is not None and np.all(alone.left[joints] <= (1.0 + MATERIAL_GAIN) * left[joints]):
+        if alone is None or not alone.helpers <= helpers:
+            continue
+        if np.all(alone.left[joints] <= (1.0 + MATERIAL_GAIN) * left[joints]):
             rest, found = trial, alone
     return rest, found
 
@@ -174,7 +181,7 @@ def _told(state: SearchState, found: Account, least: float) -> tuple[OtherGeomet
     say this share of one joint's squared error, and something of another's: most of it, unless it
     stands against findings that say less."""
     before = _rms(state.held_residual())
-    gone = 1.0 - (found.left / np.maximum(before, 1e-300)) ** 2
+    gone = (found.helped**2 - found.left**2) / np.maximum(before, 1e-300) ** 2
     joints = [int(j) for j in np.flatnonzero(gone > CLAIMED_SHARE)]
     maps = {m.joint: m.share for m in find_structure(state)} if len(joints) > 1 else {}
     joints = [j for j in joints if gone[j] > maps.get(j, 0.0)]
@@ -190,10 +197,11 @@ def _told(state: SearchState, found: Account, least: float) -> tuple[OtherGeomet
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """A freedom of the geometry, or what is its rival (None), with its columns, joint -> (m_j, k),
-    of the fit side."""
+    """A freedom of the geometry, or what is its rival (effect id, joints), with its columns,
+    joint -> (m_j, k), of the fit side."""
 
     freedom: Freedom | None
+    rival: tuple[str, tuple[int, ...]] | None
     columns: PerJoint
     held: Callable[[], PerJoint]
 
@@ -231,11 +239,13 @@ class _Asked:
 def _all(state: SearchState, suspects: Suspects) -> Iterator[_Tried]:
     train, held = state.train, state.held
     for one in freedoms(state.model.robot):
-        yield _Tried(one, _columns(train, one), partial(_columns, held, one))
+        yield _Tried(one, None, _columns(train, one), partial(_columns, held, one))
     for effect, joints in suspects:
         shapes = [effect.starts(train.contexts[0], joints)[0]]
         columns = train.columns(effect, joints, shapes)
-        yield _Tried(None, columns, partial(held.columns, effect, joints, shapes))
+        yield _Tried(
+            None, (effect.id, joints), columns, partial(held.columns, effect, joints, shapes)
+        )
 
 
 def _columns(side: Side, freedom: Freedom) -> PerJoint:
@@ -262,6 +272,35 @@ def _account(state: SearchState, taken: Sequence[_Tried], p_value: float) -> Acc
     """All of it together, on the held-out side."""
     if all(one.freedom is None for one in taken):
         return None
+    together = _together(state, taken)
+    if together is None:
+        return None
+    change, sizes = together
+    residual = state.held_residual()
+    evidence = judge(state.held, residual, change, doubt_of(state))
+    fits = SLOPES[0] < evidence.slope < SLOPES[1] and evidence.cluster_t > CLUSTERS
+    misplaced = [
+        FrameElsewhere(one.freedom, one.freedom.along @ size)
+        for one, size in zip(taken, sizes, strict=True)
+        if one.freedom is not None
+    ]
+    if evidence.p_value > GEOMETRY_LEVEL or not fits or _absurd(state.model.robot, misplaced):
+        return None
+    rivals = [one for one in taken if one.freedom is None]
+    alone = _together(state, rivals) if rivals else None
+    return Account(
+        tuple(misplaced),
+        change,
+        _rms_without(residual, change),
+        p_value,
+        frozenset(one.rival for one in rivals if one.rival is not None),
+        _rms(residual) if alone is None else _rms_without(residual, alone[0]),
+    )
+
+
+def _together(state: SearchState, taken: Sequence[_Tried]) -> tuple[PerJoint, list[Array]] | None:
+    """What all of these change on the held-out side, the model refitted around them, joint ->
+    (m_j,) N·m; and the coefficients of each. None where the model absorbs them."""
     widths = [next(iter(one.columns.values())).shape[1] for one in taken]
     sigma, n = state.fit.sigma, state.train.n
     weighted = _side_by_side([one.columns for one in taken], widths, state.train.tau)
@@ -272,19 +311,7 @@ def _account(state: SearchState, taken: Sequence[_Tried], p_value: float) -> Acc
     own = _side_by_side([one.held() for one in taken], widths, state.held.tau)
     seen = np.sum([state.fit.basis[j].T @ weighted[j] for j in range(n)], axis=0)
     change = state.change(state.fit, own, seen, part.theta)
-    residual = state.held_residual()
-    evidence = judge(state.held, residual, change, doubt_of(state))
-    fits = SLOPES[0] < evidence.slope < SLOPES[1] and evidence.cluster_t > CLUSTERS
-    sizes = np.split(part.theta, np.cumsum(widths)[:-1])
-    misplaced = [
-        FrameElsewhere(one.freedom, one.freedom.along @ size)
-        for one, size in zip(taken, sizes, strict=True)
-        if one.freedom is not None
-    ]
-    if evidence.p_value > GEOMETRY_LEVEL or not fits or _absurd(state.model.robot, misplaced):
-        return None
-    left = np.array([rms(residual[j] - change[j]) for j in range(n)])
-    return Account(tuple(misplaced), change, left, p_value)
+    return change, np.split(part.theta, np.cumsum(widths)[:-1])
 
 
 def _absurd(robot: Robot, misplaced: Sequence[FrameElsewhere]) -> bool:
@@ -305,6 +332,10 @@ def _side_by_side(
         ])
         for j, t in enumerate(tau)
     }  # fmt: skip
+
+
+def _rms_without(residual: PerJoint, change: PerJoint) -> Array:
+    return _rms({j: r - change[j] for j, r in residual.items()})
 
 
 def _rms(residual: PerJoint) -> Array:
