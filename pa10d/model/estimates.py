@@ -51,6 +51,13 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
     return f"{term.label}: {listed(said)}: {each}, but where something else has drawn it"
 
 
+def not_one(term: Term, found: Mapping[str, Value]) -> bool:
+    """Is not one of a term's numbers an estimate, those that are chosen left out?"""
+    chosen = {s.name for s in term.effect.shapes if s.scale == "choice"}
+    told = [value for name, value in found.items() if name not in chosen]
+    return bool(told) and not any(value.determined for value in told)
+
+
 def _said(term: Term, name: str, value: Value) -> str:
     kind: Effect = term.effect
     parameters: list[Coefficient | ShapeParameter] = [*kind.coefficients, *kind.shapes]

@@ -7,7 +7,7 @@ import pytest
 
 from pa10d.effects import all_effects, effect
 from pa10d.model import Term
-from pa10d.model.estimates import as_estimates, no_estimates
+from pa10d.model.estimates import as_estimates, no_estimates, not_one
 
 
 def told(name, coefficients, errors, shape=(), shape_errors=(), joints=(0,), less=False):
@@ -48,6 +48,25 @@ def test_what_follows_from_an_unknown_is_as_unknown():
         names = kind.values(np.ones(k), np.eye(k), shape, dict.fromkeys(shape, 0.1))
         for name, needs in kind.derived.items():
             assert {name, *needs} <= set(names)
+
+
+def test_what_a_spring_swings_with_is_unknown_where_its_mode_is():
+    """It was told with "rotor = 0.00766 ± 0.0026 kg·m²" of a K of 2.1 ± 2.8 N·m/rad."""
+    shape = {"K": 2.1, "zeta": 0.036, "rotor": 0.0077}
+    sure = {"K": 0.1, "zeta": 0.01, "rotor": 0.001}
+    term, found = told("joint_elasticity", [1.0], [0.1], shape, sure)
+    assert all(found[name].determined for name in shape)
+    assert not not_one(term, found)
+    term, found = told("joint_elasticity", [1.0], [2.0], shape, sure | {"K": 2.8})
+    assert not any(found[name].determined for name in shape)
+    assert not_one(term, {name: found[name] for name in shape})
+
+
+def test_choices_are_no_numbers():
+    shape = {"qs": 0.1, "side": 1.0}
+    term, found = told("contact", [1.0], [2.0], shape, {"qs": 10.0})
+    assert found["side"].determined
+    assert not_one(term, found)
 
 
 @pytest.mark.parametrize("value", [0.5, 0.62, -0.7])

@@ -38,6 +38,7 @@ class Backlash(Effect):
         ShapeParameter("b", "rad", 5e-5, 0.1, "log", blur=float(np.std(BLUR)), step=0.12),
         replace(ROTOR, blur=float(np.std(BLUR))),  # what moves the knocks as a wider gap does
     )
+    derived = {"rotor": ("b",)}  # it knocks where a gap lets it
     signature = (
         "Each time the joint's load changes sides, no torque passes for a moment; then comes a "
         "knock. In between the error is small."

@@ -34,6 +34,7 @@ class JointElasticity(Effect):
         ShapeParameter("zeta", "1", 0.005, 0.7, "log"),
         ROTOR,
     )
+    derived = {"zeta": ("K",), "rotor": ("K",)}  # of a mode: where that is, K says
     signature = (
         "The error grows with acceleration and its changes, and is largest near one frequency in "
         "hertz, whatever the speed; neighbouring joints feel it, too."
