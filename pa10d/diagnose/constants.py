@@ -26,6 +26,7 @@ FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 
 CONTRADICTED_LEVEL = 1e-3  # of a whole diagnosis, that fitted runs contradict each other
 GEOMETRY_LEVEL = 1e-3  # of a whole diagnosis, that lengths or axes are not as the URDF says
 STEP_LEVEL = 1e-3  # of a whole diagnosis, that a joint changes at one moment of its runs
+FRICTION_LEVEL = 1e-3  # of a whole diagnosis, that friction held out is other than fitted
 HUBER = 1.345  # standard deviations at which its weights begin to fall: 95 % efficient
 BIWEIGHT = 4.685  # standard deviations beyond which Tukey's are zero: 95 % efficient
 SIZED_LEVEL = 0.05  # of coefficients that may as well be zero by their own errors

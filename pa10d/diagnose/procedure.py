@@ -17,6 +17,7 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
+    CLAIMED_SHARE,
     MATERIAL_REST,
     SIZED_LEVEL,
     STANDS_IN,
@@ -41,7 +42,7 @@ from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.unknown.as_it_stood import moved_far, one_change, stood_words
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
-from pa10d.diagnose.unknown.geometry import Geometry, other_geometry
+from pa10d.diagnose.unknown.geometry import Geometry, OtherGeometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
 from pa10d.diagnose.unknown.remaining import (
     Remaining,
@@ -60,12 +61,15 @@ from pa10d.judgement import (
 from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
-from pa10d.model.estimates import no_estimates
+from pa10d.model.estimates import no_estimates, not_one
 
 Array = NDArray[np.float64]
 ONE_CURVE = (
     " It may be no more than a part of one curve over joint {joint}'s angle (a cam, a "
     "compensator): of what is named there, seen over so few turns, any curve can be put together."
+)
+NOT_ONE = (
+    " Not one of its numbers is determined: that something acts like it is all that this data says."
 )
 NOT_BEYOND = "it lies inside, and what this effect has beyond it is zero by its own errors"
 Progress = Callable[[float, str], None]
@@ -146,7 +150,8 @@ def diagnose(
         if far.any():
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
             stood = stood_words(given_error.rms, alone, far, change)
-    over = left_over(state, seen, left, again, only is None, [*apart, *geometry.told], given)
+    told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
+    over = left_over(state, seen, left, again, only is None, told, given, _bent(search))
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
     open_ = unsaid(left, said_of) if only is None else []
@@ -331,6 +336,23 @@ def _between_runs(search: Search, given: int, as_given: Judgement) -> tuple[Apar
     return contradiction(search.state, may_change, floor).told
 
 
+def _bent(search: Search) -> list[Unnamed]:
+    """What laws of a joint's own motion would take, were they still themselves: the largest of each
+    joint."""
+    now, out = rms(search.state.held_residual()), dict[int, Unnamed]()
+    for one in search.bent:
+        kind, (j, *others) = one.candidate.effect, one.candidate.joints or (-1, -1)
+        left = float(one.evidence.after[j])
+        share = 1.0 - (left / max(float(now[j]), 1e-300)) ** 2
+        worth = share > max(CLAIMED_SHARE, out[j].share if j in out else 0.0)
+        if others or not worth or kind.drawn.against not in ("q", "dq"):
+            continue
+        variables = (f"{kind.drawn.against}{j + 1}",)
+        size = float(np.sqrt(share) * now[j])
+        out[j] = Unnamed(j, share, size, one.p_corrected, "law", variables)
+    return list(out.values())
+
+
 def _geometry(search: Search, given: int, as_given: Judgement) -> Geometry:
     """Whether lengths or axes are not as the URDF says; findings that only stood in for that are
     dropped."""
@@ -436,7 +458,8 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
             others,
             sized(versions[-1], index) and _size_told(term, parameters),
         )
-        + (none and f" But {none}."),
+        + (none and f" But {none}.")
+        + (NOT_ONE if not_one(term, parameters) else ""),
     )
 
 

@@ -6,6 +6,7 @@ from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
+from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap
 from pa10d.figures.diagnosis_texts import CURVE, MAP
@@ -42,6 +43,12 @@ MISPLACED = (
 )
 
 
+RUBS = (
+    "Let the joint run until nothing changes any more, and record both sides then; or hold out a "
+    "run that begins as cold as the fitted one did."
+)
+
+
 STEP = (
     "No one model is right before and after that moment. Look over time, in a comparison, what "
     "happened then; fit a model to runs in which it does not happen."
@@ -60,6 +67,10 @@ def unexplained_section(
     if isinstance(s, OtherGeometry):
         said = [Text(found.remaining[s.joint].sentence), Text(MISPLACED)]
         name = f"Joint {s.joint + 1}: the arm may not be as its URDF says"
+        return Section(name, list(said), f"{s.rms:.3g} {unit}")
+    if isinstance(s, OtherFriction):
+        said = [Text(found.remaining[s.joint].sentence), Text(RUBS)]
+        name = f"Joint {s.joint + 1}: friction that is other in the runs held out"
         return Section(name, list(said), f"{s.rms:.3g} {unit}")
     if isinstance(s, Unnamed) and s.witness == "step":
         said = [Text(found.remaining[s.joint].sentence), Text(STEP)]

@@ -12,6 +12,7 @@ from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
+from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint
 from pa10d.figures.structure_map import variable_words
@@ -111,6 +112,8 @@ def structure_words(s: Unexplained) -> str:
         return f"{percent(s.share)} of joint {s.joint + 1}'s squared error"
     if isinstance(s, Unnamed) and s.witness == "step":
         return f"{percent(s.share)} of joint {s.joint + 1}'s squared error is {s.step_words}"
+    if isinstance(s, OtherFriction):
+        return f"{percent(s.share)} of joint {s.joint + 1}'s squared error is {s.words}"
     if not s.variables:
         share = percent(min(s.share, 1.0))
         return f"{share} of joint {s.joint + 1}'s squared error is more than the noise seen here"

@@ -217,6 +217,7 @@ def test_where_more_lies_than_a_witness_speaks_of_is_said_with_what_acts_there(s
     assert "swings at about 6.5 Hz" in said.sentence
     assert ("carries 82 % of its squared error" in said.sentence) == beside
     assert ("play, or a gear or a belt that gives" in said.sentence) == beside
+    assert ("a liquid or a load that is not tight" in said.sentence) != beside
 
 
 def test_what_is_there_around_reversals_is_told_unless_the_fit_leaves_as_much_open():

@@ -44,6 +44,8 @@ class SearchState:
     loads: Array | None = None  # base parameters of the model that the columns look at
     usual: Array | None = None  # (n,) N·m RMS that a frozen model may leave though nothing changed
     as_given: Array | None = None  # (n,) N·m RMS that it leaves held out as it was
+    heeding: frozenset[tuple[str, tuple[int, ...]]] = frozenset()  # effects, joints: terms of whose
+    # shape reversals on the fit side, too, are asked
 
     @classmethod
     def start(

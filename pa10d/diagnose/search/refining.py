@@ -14,6 +14,7 @@ from pa10d.diagnose.regression.shapes import approach, around, free_shapes
 from pa10d.diagnose.regression.shapes import refine as refined
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.turning import drop_at_reversals
 from pa10d.model import Term
 from pa10d.regression.layout import has_sign
 
@@ -30,13 +31,16 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
     falls = index >= fixed and state.may_fall(term.effect)
 
     train = state.train
+    heeded = (term.effect_id, term.joints) in state.heeding
+    at_reversals = drop_at_reversals(state, rest, term) if heeded else None
 
     def fitted(shape: dict[str, float]) -> PartialFit:
         columns = train.columns(term.effect, term.joints, [shape])
         return partials(rest, columns, term.effect, width, falls=falls)[0]
 
     def gain(shape: dict[str, float]) -> float:
-        return fitted(shape).gain
+        found = fitted(shape)
+        return found.gain + (0.0 if at_reversals is None else at_reversals(shape, found))
 
     def move(shape: dict[str, float]) -> Array:
         there = replace(term, shape=shape, coefficients=fitted(shape).theta)
@@ -46,6 +50,8 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
         shape = _closer(state, index, rest, falls)
     elif term.effect.reaches_other_joints:  # links thrown about, and dear to compute
         shape = refined(term.effect, term.shape, gain, evaluations=10)
+    elif heeded:
+        shape = refined(term.effect, term.shape, gain)
     else:
         shape = approach(term.effect, _begun_from(state, index, rest, falls), gain, move)
     if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:

@@ -32,6 +32,7 @@ from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
 from pa10d.diagnose.search.springs import with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
+from pa10d.diagnose.search.turning import told_by_reversals
 from pa10d.diagnose.unknown.stepping import steps_in_time
 from pa10d.diagnose.unknown.structure import Structure, all_maps, without
 from pa10d.effects import Effect, effect
@@ -59,6 +60,7 @@ class Search:
     fixed: int
     steps: list[Addition] = field(default_factory=list)
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
+    bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape alone
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
@@ -114,6 +116,7 @@ class Search:
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
             good, judged = look(self._judging(self.suspects), refused | put_off)
+            self.bent = tuple(j for j in judged if j.bent)
             before = rms(self.state.held_residual())
             spring = self.spring_beside(good)
             if spring is not None:
@@ -176,7 +179,7 @@ class Search:
         were left before, it lets them go: what would have been spoiled may be explained by now.
         """
         saved = self.state.copy()
-        left = saved.problem.sigma
+        left, turned = saved.problem.sigma, False
         for weights in (left, saved.fit.sigma if left is None else None):
             self.state = saved.copy()
             self.state.weigh(weights)
@@ -191,8 +194,27 @@ class Search:
             beside = self._with_companion(saved, chosen)
             if beside is not None:
                 return dropped | beside
-        self.state = saved
-        return None
+            turned = True
+        told = self._as_reversals_have_it(saved, chosen) if turned else None
+        if told is None:
+            self.state = saved
+        return told
+
+    def _as_reversals_have_it(
+        self, saved: SearchState, chosen: JudgedCandidate
+    ) -> set[Place] | None:
+        """What holds clear of reversals and makes them worse may have its peak there, of which
+        that fit saw the foot alone: add it with the shape that they, too, agree with."""
+        term = chosen.candidate.term
+        if not told_by_reversals(term):
+            return None
+        self.state = saved.copy()
+        self.state.heeding = saved.heeding | {chosen.place}
+        self.state.push(term)
+        self.settle()
+        self._call_by_name()
+        dropped = self.prune()
+        return None if chosen.place in dropped or harmful(saved, self.state) else dropped
 
     def _call_by_name(self) -> None:
         """Terms that beside the newest one are another effect than they were found as: a contact

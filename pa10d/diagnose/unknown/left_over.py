@@ -1,8 +1,9 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
 What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a step in
-time; a line in time; what swings on; what motion foretells though nobody can say by which quantity;
-and last that it comes again, follows reversals, or is simply too large.
+time; friction that is other held out; a line in time; what swings on; what motion foretells though
+nobody can say by which quantity; and last that it comes again, follows reversals, or is simply too
+large.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from pa10d.diagnose.unknown.remaining import (
     unnamed,
 )
 from pa10d.diagnose.unknown.ringing import rings
+from pa10d.diagnose.unknown.rubbing import OtherFriction, other_friction
 from pa10d.diagnose.unknown.stepping import steps_in_time
 from pa10d.diagnose.unknown.structure import (
     Structure,
@@ -73,11 +75,12 @@ def left_over(
     searched: bool,
     apart: Sequence[Apart | OtherGeometry] = (),
     given: int = 0,
+    bent: Sequence[Unnamed] = (),
 ) -> LeftOver:
     """seen: the held-out side as the model with all findings sees it; left: its errors there;
     again: what comes again of them; searched: more than one suspicion was looked for; apart: what
     fitted runs contradict each other in, or lengths and axes that are not the URDF's; given: terms
-    that the model had before."""
+    that the model had before; bent: what laws take at the end of what their shape may be."""
     maps, slight = material(left, find_structure(state) if searched else [])
     far = _farther(state, left, COMES_AGAIN_LEVEL / state.held.n, given)
     apart = [one for one in _more_than_maps(apart, maps) if not _undetermined(one, far)]
@@ -88,11 +91,15 @@ def left_over(
     open_ = [j for j in open_ if searched and j not in state.held.silent]
     read = _readings(state, left, maps, open_) if searched else {}
     stepped = _steps(state, [*apart, *maps, *read.values()], open_) if searched else {}
-    read = {j: one for j, one in read.items() if j not in stepped}
-    apart = [one for one in apart if one.joint not in stepped]
-    maps = [m for m in maps if m.joint not in {**read, **stepped}]
-    slight = [m for m in slight if m.joint not in stepped]
-    open_ = [j for j in open_ if j not in {**read, **stepped}]
+    said = [*apart, *maps, *read.values(), *stepped.values()]
+    rubs = _other_friction(state, said, open_, far) if searched else {}
+    stepped = {j: one for j, one in stepped.items() if j not in rubs}
+    other = {**stepped, **rubs}
+    read = {j: one for j, one in read.items() if j not in other}
+    apart = [one for one in apart if one.joint not in other]
+    maps = [m for m in maps if m.joint not in {**read, **other}]
+    slight = [m for m in slight if m.joint not in other]
+    open_ = [j for j in open_ if j not in {**read, **other}]
     moved = {j for j, one in enumerate(again) if one is not None and comes_again(one, len(again))}
     level = COMES_AGAIN_LEVEL / state.held.n
     doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
@@ -101,8 +108,10 @@ def left_over(
     open_ = [j for j in open_ if j not in humming]
     ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
     foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
-    told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values()]
+    told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values(), *rubs.values()]
     named = [*told, *humming.values(), *ringing.values(), *foreseen]
+    without = unsaid(left, named)
+    named += [one for one in bent if one.joint in without and not far[one.joint]]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
     )
@@ -155,6 +164,20 @@ def _steps(
     found = steps_in_time(state, sorted({*open_, *shares}))
     worth = [s for s in found if s.share > shares.get(s.joint, 0.0)]
     return {s.joint: Unnamed.of_step(s) for s in worth}
+
+
+def _other_friction(
+    state: SearchState, told: Sequence[Unexplained], open_: Sequence[int], far: Array
+) -> dict[int, OtherFriction]:
+    """By joint: friction that is other held out, where that says more than what else is said, and
+    the fitted runs do not leave it open."""
+    shares = {one.joint: one.share for one in told}
+    joints = [j for j in sorted({*open_, *shares}) if not far[j]]
+    return {
+        one.joint: one
+        for one in other_friction(state, joints)
+        if one.share > shares.get(one.joint, 0.0)
+    }
 
 
 def _readings(

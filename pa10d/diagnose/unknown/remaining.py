@@ -30,6 +30,7 @@ from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.goes_with import GoesWith
 from pa10d.diagnose.unknown.humming import Hum
 from pa10d.diagnose.unknown.ringing import SwingsOn
+from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.diagnose.unknown.stepping import StepInTime
 from pa10d.diagnose.unknown.structure import Structure, moving_of
 from pa10d.judgement import Judgement, Reversing, Turning
@@ -46,9 +47,9 @@ class Unnamed:
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
-    line in time at so many hertz, that motion sets swinging at so many, or that is gone where the
-    joint may change at so many seconds of these runs (empty: of every run); RMS N·m of that
-    share."""
+    line in time at so many hertz, that motion sets swinging at so many, that is gone where the
+    joint may change at so many seconds of these runs (empty: of every run), or that a law takes at
+    the end of what its shape may be; RMS N·m of that share."""
 
     joint: int
     share: float
@@ -65,6 +66,7 @@ class Unnamed:
         "hum",
         "ring",
         "step",
+        "law",
     ]
     variables: tuple[str, ...] = ()
     hertz: float = float("nan")
@@ -94,7 +96,7 @@ class Unnamed:
         return cls(ring.joint, ring.share, ring.rms, ring.p_value, "ring", hertz=ring.hertz)
 
 
-Unexplained = Structure | Unnamed | Apart | OtherGeometry
+Unexplained = Structure | Unnamed | Apart | OtherGeometry | OtherFriction
 
 
 @dataclass(frozen=True)
@@ -395,6 +397,8 @@ def _with_sentence(
             f"{beside.other + 1}: it pays for what is missing there, or both have one cause. Look "
             "there first"
         )
+    elif isinstance(left, OtherFriction):
+        text = f"{size}; {percent(left.share)} of its squared error is {left.words}"
     elif isinstance(left, OtherGeometry):
         text = (
             f"{size}; {percent(left.share)} of its squared error is gone where the arm is not as "
@@ -410,6 +414,8 @@ def _with_sentence(
             f"{size}; {percent(left.share)} of its squared error depends on "
             f"{listed(left.variables)}, and no effect that was looked for explains it"
         )
+        if isinstance(left, Unnamed) and left.witness == "law":
+            text += " in a shape that it may have"
         if isinstance(left, Structure) and left.beyond > CLAIMED_SHARE:
             text += f"; {percent(left.beyond)} lies where the fit side has not been"
         rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
@@ -449,11 +455,16 @@ def _with_sentence(
     elif isinstance(left, Unnamed) and left.witness == "ring":
         text = (
             f"{size}; {percent(left.share)} of its squared error swings at about {left.hertz:.2g} "
-            f"Hz when motion has set it going, and swings on by itself: {_spring_named(springs)}"
-            "a liquid or a load that is "
-            "not tight, a cable, a frame or a gear that gives. Stop quickly and record what swings "
-            "on, with the tool and without"
+            "Hz when motion has set it going"
         )
+        if place is not None and _changes_sides(place) and place.what.excess > left.share:
+            text += ", as a link does that knocks to and fro in a gap"
+        else:
+            text += (
+                f", and swings on by itself: {_spring_named(springs)}a liquid or a load that is "
+                "not tight, a cable, a frame or a gear that gives. Stop quickly and record what "
+                "swings on, with the tool and without"
+            )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (
             f"{size}; {percent(left.share)} of its squared error is there around reversals and "
@@ -557,13 +568,19 @@ def _told(place: Place) -> str:
 
 def _with_hint(place: Place) -> str:
     """With what acts where a load changes its sign."""
-    what = place.what
-    crosses = isinstance(what, Region) and what.low < 0.0 < what.high
-    if not (crosses and what.quantity is not None and what.quantity.kind == "load"):
+    if not _changes_sides(place):
         return place.sentence
     return (
         f"{place.sentence}: play, or a gear or a belt that gives, acts where a load changes sides"
     )
+
+
+def _changes_sides(place: Place) -> bool:
+    """Does a load change its sign there?"""
+    what = place.what
+    if not isinstance(what, Region) or what.quantity is None:
+        return False
+    return what.quantity.kind == "load" and what.low < 0.0 < what.high
 
 
 def _with_gain(line: Remaining, gain: Structure, found: bool) -> Remaining:
