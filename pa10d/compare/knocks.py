@@ -65,6 +65,8 @@ def stretches(error: Array, counts: Mask, rate: float) -> tuple[Array, Array]:
 def knocks(runs: Sequence[RunResidual], joint: int) -> Knocks | None:
     """Of the judged error of all runs together; None where it is not so."""
     used = moving(list(runs), joint)
+    if not used:
+        return None
     parts = [stretches(r.error[:, joint], r.judged[:, joint], r.equation.rate) for r in used]
     places = [
         (run.name, k * STRETCH)

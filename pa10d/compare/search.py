@@ -18,7 +18,7 @@ from pa10d.compare.curves import Curve, curve_values, find_constant, follows
 from pa10d.compare.knocks import concentrated, stretches
 from pa10d.compare.regions import Region, find_region, pile
 from pa10d.compare.samples import Bins, JointSamples, bins
-from pa10d.compare.surrogates import chance, shifted, surrogates
+from pa10d.compare.surrogates import chance, surrogates
 
 Array = NDArray[np.float64]
 Found = tuple[Region | Curve, float]
@@ -26,7 +26,20 @@ Figure = Callable[[Bins, Array], Array]
 
 REGIONS, CURVES = 3, 2  # at most, per joint
 LEAST = 0.1  # of the squared error: less is not worth a sentence
+FILLED, DENSE = 0.5, 1 / 3  # of an error of a few moments, and of how dense it is there (policy)
 NEIGHBOUR = 0.8  # a neighbour's motion must explain this much better to be named first
+
+
+def _how_dense(samples: JointSamples) -> float | None:
+    """Share of squared error over share of time in a few moments that hold most of it; None: there
+    are none."""
+    parts = [stretches(error, mask, samples.rate) for error, mask in samples.parts]
+    power, time = (np.concatenate(both) for both in zip(*parts, strict=True))
+    power, time = power[time > 0.0], time[time > 0.0]
+    few = concentrated(power, time)
+    if few is None:
+        return None
+    return float(power[few].sum() / power.sum() / (time[few].sum() / time.sum()))
 
 
 class PlaceSearch:
@@ -38,16 +51,22 @@ class PlaceSearch:
         self._seed = seed
         self._error = samples.error
         self._total = float(np.sum(self._error**2))
-        power, time = zip(*(stretches(e, m, samples.rate) for e, m in samples.parts), strict=True)
-        judged = (seconds := np.concatenate(time)) > 0.0
-        self._clumped = concentrated(np.concatenate(power)[judged], seconds[judged]) is not None
+        self._dense = _how_dense(samples)
         self._everything = np.ones(len(self._error), dtype=bool)
 
     def run(self) -> list[Found]:
         """Places and their p values."""
         if self._total <= 0:
             return []
-        return [*self._curves(), *self._regions()]
+        return [(what, p) for what, p in (*self._curves(), *self._regions()) if self._fills(what)]
+
+    def _fills(self, what: Region | Curve) -> bool:
+        """Of an error of a few moments, of which surrogates scatter what comes at once: is it there
+        nearly whenever the motion is, and not just in moments at which the motion is somewhere?"""
+        if self._dense is None:
+            return True
+        dense = what.share / what.samples if isinstance(what, Region) else np.inf
+        return what.share > FILLED and dense > DENSE * self._dense
 
     def _curves(self) -> Iterable[Found]:
         error, found = self._error, 0
@@ -97,7 +116,7 @@ class PlaceSearch:
         if not tables:
             return np.empty(0), np.empty((0, 0))
         rng = np.random.default_rng(self._seed)
-        drawn = (shifted if self._clumped else surrogates)(self._as_parts(error), rng)
+        drawn = surrogates(self._as_parts(error), rng)
         seen = np.array([figure(table, error[:, None])[0] for table in tables])
         return seen, np.array([figure(table, drawn) for table in tables])
 

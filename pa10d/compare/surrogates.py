@@ -33,17 +33,6 @@ def surrogates(
     return out
 
 
-def shifted(parts: list[tuple[Array, Mask]], rng: np.random.Generator, count: int = COUNT) -> Array:
-    """(K, count) of the series themselves, each at another moment: of an error of a few knocks
-    surrogates scatter what comes all at once, and the motion of those moments was a finding."""
-    drawn = []
-    for x, exists in parts:
-        values = x[exists]
-        by = rng.integers(0, max(len(values), 1), count)
-        drawn.append(np.stack([np.roll(values, k) for k in by], axis=1))
-    return np.concatenate(drawn)
-
-
 def _random_phases(x: Array, exists: Mask, rng: np.random.Generator, count: int) -> NDArray:
     """Gaussian series with the spectrum of x's ranks, (number that exist, count). Gaps are
     bridged and the end is mirrored, because holes and a jump from end to start would look like

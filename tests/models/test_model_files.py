@@ -231,7 +231,7 @@ ABSURD = {
     "coefficient": ((r"Fc: {value: [^,]*", "Fc: {value: 1e308"), "Fc.value: found 1e+308"),
     "v0 of zero": (
         (r"v0: {value: [^,]*", "v0: {value: 0.0"),
-        "shape.v0.value: found 0, expected 1e-07 to 300 rad/s",
+        "shape.v0.value: found 0, expected 1e-07 to 1000 rad/s",
     ),
     "v0 below zero": ((r"v0: {value: [^,]*", "v0: {value: -1"), "v0.value: found -1, expected"),
     "v0 of nothing": ((r"v0: {value: [^,]*", "v0: {value: 1e-320"), "v0.value: found 9.99989e-321"),

@@ -14,6 +14,7 @@ from pa10d.diagnose.regression.shapes import approach, around, free_shapes
 from pa10d.diagnose.regression.shapes import refine as refined
 from pa10d.diagnose.regression.slopes import newton_move
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.turning import drop_at_reversals
 from pa10d.model import Term
 from pa10d.regression.layout import has_sign
@@ -46,6 +47,7 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
         there = replace(term, shape=shape, coefficients=fitted(shape).theta)
         return newton_move(train, rest, there)
 
+    begun = dict(term.shape)
     if any(s.blur for s in free_shapes(term.effect, term.shape)):  # knocks: rough everywhere
         shape = _closer(state, index, rest, falls)
     elif term.effect.reaches_other_joints:  # links thrown about, and dear to compute
@@ -53,31 +55,40 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
     elif heeded:
         shape = refined(term.effect, term.shape, gain)
     else:
-        shape = approach(term.effect, _begun_from(state, index, rest, falls), gain, move)
+        begun = _begun_from(state, index, rest, falls)
+        shape = approach(term.effect, begun, gain, move)
     if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
         return  # how sharp a corner is shows only on what passes it slowly: no guessing
     plain = _turning_as_dry_friction(state, term, shape)
     if plain is not None and gain(shape) < gain(plain) + LEAST_GAIN:
         shape = plain
     if shape != term.shape:
+        before = rms(state.held_residual())
         state.replace_term(index, replace(term, shape=shape))
         state.refit()
+        if begun != term.shape and np.any((rms(state.held_residual()) > before)[[*term.joints]]):
+            state.replace_term(index, term)  # so far away the fit side alone is not believed
+            state.refit()
 
 
 def _begun_from(
     state: SearchState, index: int, rest: LeastSquares, falls: bool
 ) -> dict[str, float]:
     """Where the way to the best shape begins. What passes a corner faster than it is wide does not
-    say which way it lies: a sign that was sharp beside what is now explained may be blunt."""
+    say which way it lies: a sign that is so sharp beside what is now explained may be blunt."""
     term, train = state.terms[index], state.train
+    here = dict(term.shape)
     if not only_rounds(term):
-        return dict(term.shape)
-    starts = term.effect.starts(train.contexts[0], term.joints)
-    shapes = [dict(term.shape), *({**term.shape, **start} for start in starts)]
-    columns = train.columns(term.effect, term.joints, shapes)
+        return here
+    near = around(term.effect, here)
+    starts = [{**here, **s} for s in term.effect.starts(train.contexts[0], term.joints)]
+    columns = train.columns(term.effect, term.joints, [*near, *starts])
     width = len(term.effect.coefficients)
     gains = [p.gain for p in partials(rest, columns, term.effect, width, falls=falls)]
-    return shapes[int(np.argmax(gains))] if max(gains) > gains[0] + LEAST_GAIN else shapes[0]
+    there, far = gains[: len(near)], gains[len(near) :]
+    if max(there) > min(there) + LEAST_GAIN or not far or max(far) < max(there) + LEAST_GAIN:
+        return here
+    return starts[int(np.argmax(far))]
 
 
 def _turning_as_dry_friction(
