@@ -187,6 +187,7 @@ def diagnose(
         np.flatnonzero(far).tolist(),
         state.as_given,
         {j: found.words for j in open_ if (found := knocks(seen, j)) is not None},
+        search.outdone,
     )
     say(1.0, "done")
     return Diagnosis(

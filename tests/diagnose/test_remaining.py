@@ -238,3 +238,15 @@ def test_a_frozen_model_that_was_moved_away_from_the_held_out_runs_says_what_it_
     left = judged(3.26)
     (said,) = remaining(left, [None], [], ["N·m"], as_given=np.array([as_given]))
     assert ("As it was given the model leaves 0.15 N·m there" in said.sentence) is told
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.78, True), (0.3, False)])
+def test_what_a_map_outdid_is_told_where_it_took_most(share, told):
+    """``compare`` said "off by a constant, 77 %" beside "no effect … explains it"."""
+    left, seen = judged(4.8), judgement_of_a_map(0.89)
+    outdone = {0: (("a torque offset",), share)}
+    (said,) = remaining(left, [None], [seen], ["N·m"], outdone=outdone)
+    looks = (
+        "What looks like a torque offset there (78 % of its squared error) is part of that curve"
+    )
+    assert (looks in said.sentence) is told

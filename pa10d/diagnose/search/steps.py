@@ -60,6 +60,7 @@ class Search:
     fixed: int
     steps: list[Addition] = field(default_factory=list)
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
+    outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
     bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape alone
     progress: Callable[[float, str], None] = lambda share, text: None
 
@@ -309,6 +310,8 @@ class Search:
         A true effect explains its error better than any generic map can. Where a map alone
         leaves less than 1/OUTDONE of what the findings leave, they were only imitating something
         that the library does not have: they are dropped, and the joint is left unexplained.
+        ``outdone`` has, by joint, what they are called and which share of its squared error they
+        took.
         """
         concerned = sorted({j for t in self.state.terms[self.fixed :] for j in t.joints})
         if not concerned:
@@ -327,6 +330,11 @@ class Search:
             for m in maps
             if m.joint not in outdone and m.outdoes(now, AS_WELL)
         }
+        before, after = rms(bare.held_residual()), rms(now)
+        for j in outdone:
+            named = [t.effect.named for t in self.state.terms[self.fixed :] if j in t.joints]
+            share = 1.0 - (after[j] / max(before[j], 1e-300)) ** 2
+            self.outdone[j] = tuple(dict.fromkeys(named)), float(share)
         for index in reversed(range(self.fixed, len(self.state.terms))):
             if any(j in outdone for j in self.state.terms[index].joints):
                 self.state.drop(index)

@@ -19,6 +19,7 @@ from pa10d.diagnose.constants import (
     BEYOND_NOISE,
     BEYOND_NOISE_LEVEL,
     BEYOND_SLOW_NOISE,
+    BROKEN_SHARE,
     CLAIMED_SHARE,
     COMES_AGAIN_LEVEL,
     MATERIAL_REST,
@@ -240,6 +241,7 @@ def remaining(
     moved: Collection[int] = (),
     as_given: Array | None = None,
     knocked: Mapping[int, str] | None = None,
+    outdone: Mapping[int, tuple[tuple[str, ...], float]] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -253,7 +255,8 @@ def remaining(
     faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
     own goes with; moved: joints on which a frozen model leaves so little because it was moved;
     as_given (n,) N·m: what a frozen model leaves as it was; knocked: by joint, in words, of those
-    whose error lies in a few moments of the runs."""
+    whose error lies in a few moments of the runs; outdone: by joint, effects that would take such a
+    share of it, of which a map leaves much less."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -289,6 +292,8 @@ def remaining(
             [t.joints[0] for t in found if t.effect.series_spring],
             (knocked or {}).get(j, ""),
         )
+        if isinstance(left, Structure) and outdone and outdone.get(j, ((), 0.0))[1] > BROKEN_SHARE:
+            line = _with_outdone(line, *outdone[j])
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
         if left is None and line.material is not False and j in undetermined:
@@ -426,7 +431,7 @@ def _with_sentence(
                 f". {moving}: s since it last stood. A brake that lets go late, or grease or a "
                 "seal that has stiffened at rest, acts then"
             )
-        if isinstance(left, Unnamed) and left.witness == "reading":
+        if isinstance(left, Unnamed) and left.witness == "reading" and left.share > BROKEN_SHARE:
             text += f". {_read(line.joint, left.variables)}"
     elif isinstance(left, Unnamed) and left.witness == "size":
         text = (
@@ -581,6 +586,14 @@ def _changes_sides(place: Place) -> bool:
     if not isinstance(what, Region) or what.quantity is None:
         return False
     return what.quantity.kind == "load" and what.low < 0.0 < what.high
+
+
+def _with_outdone(line: Remaining, named: Sequence[str], share: float) -> Remaining:
+    text = (
+        f" What looks like {listed(named)} there ({percent(share)} of its squared error) is part "
+        "of that curve: alone it leaves much more."
+    )
+    return replace(line, sentence=line.sentence + text)
 
 
 def _with_gain(line: Remaining, gain: Structure, found: bool) -> Remaining:
