@@ -15,6 +15,7 @@ def refusal(do, *arguments) -> str:
     return str(refused.value)
 
 
+@pytest.mark.long  # the page's test of the same sees it, too
 def test_nothing_moves_before_somebody_has_looked(tmp_path):
     with local_daemon(tmp_path, clock="simulated", channel=CHANNEL) as client:
         client.wait_for_robot("inactive")

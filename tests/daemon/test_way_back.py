@@ -19,6 +19,7 @@ def refusal(do, *arguments, **more):
     return str(refused.value)
 
 
+@pytest.mark.long  # the page's test of the same sees it, too
 def test_it_is_refused_and_brought_back_where_that_is_asked_for(pushed):
     with pushed(LIMIT + 0.05) as client:
         (stray,) = client.robot()["outside"]
@@ -44,6 +45,7 @@ def test_an_experiment_may_ask_for_it_too(pushed):
         assert client.robot()["state"] == "inactive"
 
 
+@pytest.mark.long  # the page's test of the same sees it, too
 def test_too_far_out_nobody_powers_it(pushed):
     with pushed(LIMIT + 0.3) as client:
         assert client.robot()["outside"][0]["too_far"]

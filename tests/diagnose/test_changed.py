@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pytest
 from two_links import CUTOFF, motion, robot, textbook_torque
 
 from pa10d.diagnose.asked import changed
@@ -45,6 +46,7 @@ def on_a_day():
     return day, diagnose(own()[1], day[:1], day[1:], frozen=True)
 
 
+@pytest.mark.long
 def test_a_lack_that_another_motion_shows_more_is_told_as_a_lack():
     runs, model = own()
     day, alone = on_a_day()

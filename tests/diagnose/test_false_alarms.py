@@ -14,7 +14,6 @@ from pa10d.diagnose.procedure import diagnose
 
 LEVEL = 0.01  # of searches
 NOISES = ("white", "strong", "coloured")
-HARDEST = (11, "coloured")  # springs, maps and what is foretold are all asked before it is cleared
 
 
 def claims(found) -> list[str]:
@@ -29,14 +28,9 @@ def allowed(searches: int) -> int:
     return int(binom.ppf(0.99, searches, LEVEL))
 
 
-@pytest.mark.parametrize(
-    ("seed", "noise"),
-    [
-        pytest.param(seed, noise, marks=[] if (seed, noise) == HARDEST else pytest.mark.long)
-        for seed in (11, 12)
-        for noise in NOISES
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("noise", NOISES)
 def test_a_clean_arm_is_cleared(seed, noise):
     """Short sets of seven joints."""
     assert claims(arm(seed, noise=noise, seconds=15.0, cutoff=12.0).diagnose()) == []

@@ -63,7 +63,8 @@ def swaying(draw: int, joint: int, size: float):
     )
 
 
-@pytest.mark.parametrize(("draw", "joint"), [pytest.param(0, 1, marks=pytest.mark.long), (4, 0)])
+@pytest.mark.long
+@pytest.mark.parametrize(("draw", "joint"), [(0, 1), (4, 0)])
 def test_a_gain_that_sways_is_not_put_together_from_the_library(draw, joint):
     """Springs, offsets, contacts and worn spots were named, ten times the noise from the truth."""
     found = swaying(draw, joint, 0.1)

@@ -38,6 +38,7 @@ def heard(*lines, **more):
     return [hum.joint for hum in hums(SearchState.start(model, *two_sides(model, *both)[:2]), [1])]
 
 
+@pytest.mark.long
 def test_a_line_in_time_is_told_with_its_frequency():
     found = diagnose(*sides(0.12, 3.1, 3.1))
     assert found.verdict == "unknown"

@@ -64,7 +64,7 @@ CASES = {
 
 @pytest.mark.parametrize(
     "kind",
-    ["stribeck", pytest.param("presliding_hysteresis", marks=pytest.mark.long), "torque_delay"],
+    ["stribeck", *(pytest.param(kind, marks=pytest.mark.long) for kind in list(CASES)[1:])],
 )
 def test_whoever_tells_of_a_parameter_tells_one_error(kind, tmp_path, capsys):
     (tmp_path / "two.urdf").write_text(URDF)

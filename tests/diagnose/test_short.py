@@ -36,7 +36,7 @@ def noise_in_band(run: Recording, cutoff: float) -> np.ndarray:
     ("extra", "named"),
     [
         (None, []),
-        (spring, [("spring", (4,))]),
+        pytest.param(spring, [("spring", (4,))], marks=pytest.mark.long),
         pytest.param(bump, [("stribeck", (3,))], marks=pytest.mark.long),
     ],
     ids=["nothing", "spring", "stribeck"],

@@ -47,7 +47,7 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
         there = replace(term, shape=shape, coefficients=fitted(shape).theta)
         return newton_move(train, rest, there)
 
-    begun = dict(term.shape)
+    far = False
     if any(s.blur for s in free_shapes(term.effect, term.shape)):  # knocks: rough everywhere
         shape = _closer(state, index, rest, falls)
     elif term.effect.reaches_other_joints:  # links thrown about, and dear to compute
@@ -55,40 +55,48 @@ def refine(state: SearchState, fixed: int, index: int) -> None:
     elif heeded:
         shape = refined(term.effect, term.shape, gain)
     else:
-        begun = _begun_from(state, index, rest, falls)
-        shape = approach(term.effect, begun, gain, move)
+        shape = approach(term.effect, term.shape, gain, move)
     if only_rounds(term) and gain(shape) < gain(dict(term.shape)) + LEAST_GAIN:
-        return  # how sharp a corner is shows only on what passes it slowly: no guessing
+        away = _far_away(state, index, rest, falls)
+        if away is None:
+            return  # how sharp a corner is shows only on what passes it slowly: no guessing
+        shape, far = approach(term.effect, away, gain, move), True
     plain = _turning_as_dry_friction(state, term, shape)
     if plain is not None and gain(shape) < gain(plain) + LEAST_GAIN:
         shape = plain
     if shape != term.shape:
-        before = rms(state.held_residual())
+        before = rms(state.held_residual()) if far else None
         state.replace_term(index, replace(term, shape=shape))
         state.refit()
-        if begun != term.shape and np.any((rms(state.held_residual()) > before)[[*term.joints]]):
+        if before is not None and np.any((rms(state.held_residual()) > before)[[*term.joints]]):
             state.replace_term(index, term)  # so far away the fit side alone is not believed
             state.refit()
 
 
-def _begun_from(
+def _far_away(
     state: SearchState, index: int, rest: LeastSquares, falls: bool
-) -> dict[str, float]:
-    """Where the way to the best shape begins. What passes a corner faster than it is wide does not
-    say which way it lies: a sign that is so sharp beside what is now explained may be blunt."""
+) -> dict[str, float] | None:
+    """Of the effect's own starts the best, where no shape near the one that is there is told from
+    it: what passes a corner faster than it is wide does not say which way the best one lies."""
     term, train = state.terms[index], state.train
-    here = dict(term.shape)
-    if not only_rounds(term):
-        return here
-    near = around(term.effect, here)
-    starts = [{**here, **s} for s in term.effect.starts(train.contexts[0], term.joints)]
-    columns = train.columns(term.effect, term.joints, [*near, *starts])
-    width = len(term.effect.coefficients)
-    gains = [p.gain for p in partials(rest, columns, term.effect, width, falls=falls)]
-    there, far = gains[: len(near)], gains[len(near) :]
-    if max(there) > min(there) + LEAST_GAIN or not far or max(far) < max(there) + LEAST_GAIN:
-        return here
-    return starts[int(np.argmax(far))]
+    here, width = dict(term.shape), len(term.effect.coefficients)
+    free = {s.name for s in free_shapes(term.effect, here)}
+    if not free:
+        return None
+
+    def gains(shapes: list[dict[str, float]]) -> list[float]:
+        columns = train.columns(term.effect, term.joints, shapes)
+        return [p.gain for p in partials(rest, columns, term.effect, width, falls=falls)]
+
+    near = gains([here, *around(term.effect, here)[::4]])
+    if max(near) > min(near) + LEAST_GAIN:
+        return None
+    starts = [
+        here | {name: value for name, value in start.items() if name in free}
+        for start in term.effect.starts(train.contexts[0], term.joints)
+    ]
+    far = gains(starts)
+    return starts[int(np.argmax(far))] if max(far) > max(near) + LEAST_GAIN else None
 
 
 def _turning_as_dry_friction(
