@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.admission import wrong_with_model
@@ -68,19 +69,24 @@ class Commands:
                 self._arm.use(self._controller(command))
             case UseGains():
                 self._take_gains(command.gains)
-                if command.bodies is not None:
-                    self._arm.weigh(weight_of(self._robot, command.bodies))
+                self._take_weights(command.bodies)
             case AskErrors():
                 found = self._arm.drive_errors(clear=command.clear)
                 return {"drives": [{"joint": k + 1, **d.document()} for k, d in enumerate(found)]}
             case PowerUp():
                 self._arm.enable(recover=command.recover)
             case Connect():
+                self._take_weights(command.bodies)
                 self._arm.connect(stood_at(command, self._arm.backend.n))
             case Do():
                 said = getattr(self._arm, command.what)()
                 return {} if said is None else {"said": said}
         return {}
+
+    def _take_weights(self, bodies: NDArray[np.float64] | None) -> None:
+        """(n, 10) as they were felt; None: what is known stays."""
+        if bodies is not None:
+            self._arm.weigh(weight_of(self._robot, bodies))
 
     def _take_gains(self, gains: PidGains) -> None:
         """The law at work stays what it is."""

@@ -60,9 +60,11 @@ class PowerUp:
 
 @dataclass(frozen=True)
 class Connect:
-    """stood: where each joint stood at rest, as the daemon has kept it; None: not known."""
+    """stood: where each joint stood at rest, as the daemon has kept it; bodies: (n, 10) standard
+    parameters as they were felt, which tell what the arm weighs; None: not known."""
 
     stood: tuple[float, ...] | None
+    bodies: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -88,14 +90,13 @@ def read_command(message: Mapping[str, Any]) -> Command:
                 name, None if name == "pid" else LiveModel.from_document(message["model"])
             )
         case "gains":
-            felt = message.get("bodies")
-            bodies = None if felt is None else np.array(felt, dtype=float)
-            return UseGains(PidGains.from_document(message["gains"]), bodies)
+            return UseGains(PidGains.from_document(message["gains"]), _bodies(message))
         case "errors":
             return AskErrors(bool(message.get("clear")))
         case "connect":
             stood = message.get("stood")
-            return Connect(None if stood is None else tuple(map(float, stood)))
+            kept = None if stood is None else tuple(map(float, stood))
+            return Connect(kept, _bodies(message))
         case "enable":
             return PowerUp(bool(message.get("recover")))
         case what if what in SWITCHES:
@@ -105,3 +106,8 @@ def read_command(message: Mapping[str, Any]) -> Command:
 
 
 SWITCHES: tuple[Switch, ...] = get_args(Switch)
+
+
+def _bodies(message: Mapping[str, Any]) -> NDArray[np.float64] | None:
+    felt = message.get("bodies")
+    return None if felt is None else np.array(felt, dtype=float)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, swing, until
+from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, servo, swing, until
 
 from backends.protocol import BackendFault
+from pa10d.control.commands import Commands
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.states import ArmState, Refused
 from pa10d.control.torque_exit import TorqueExit
+from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.profile import load_profile
 
 HOLDING, RUNNING, STOPPING = ArmState.HOLDING, ArmState.RUNNING, ArmState.STOPPING
 INACTIVE, FAULT, OFFLINE = ArmState.INACTIVE, ArmState.FAULT, ArmState.OFFLINE
@@ -312,3 +315,18 @@ def test_an_arm_that_sways_is_not_held_before_it_rests_or_has_had_its_time(secon
         arm.cycle()
     assert arm.state == ArmState.HOLDING
     assert min(seconds, 9.0) < arm.path.time - began < held
+
+
+def test_an_arm_that_is_connected_with_felt_weights_is_held_by_them():
+    robot = robot_from_profile(load_profile("pa10-sim"))
+    arm, backend = flywheel_arm(robot.n)
+    backend.plant.q[:] = 0.3
+    felt = 2.0 * robot.parameters
+    told = {"id": 1, "do": "connect", "bodies": felt.tolist()}
+    assert Commands(arm, robot, lambda: servo(robot.n)).carry_out(told)["ok"]
+    cycles(arm, 3)
+    arm.enable()
+    still = np.zeros((1, robot.n))
+    weighs = inverse_dynamics(robot, felt, np.full((1, robot.n), 0.3), still, still)[0]
+    np.testing.assert_allclose(arm.path.thought, weighs)
+    assert np.abs(weighs).max() > 10.0

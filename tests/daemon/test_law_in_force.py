@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from known_joints import measured_joints
 
 from pa10d.daemon.events import Events
 from pa10d.daemon.motions import tracking
@@ -27,12 +30,14 @@ class Control:
     def __init__(self, robot):
         self._robot, self.link, self.pid = robot, self, 1
         self.asked, self.away, self.admits = [], False, True
+        self.told = {}
         self._state, self._law = "offline", {"name": "pid"}
         robot.control = self
         self._tell()
 
     async def ask(self, do, timeout, **fields):
         self.asked.append(do)
+        self.told[do] = fields
         if self.away:
             raise LinkClosed("the process ended")
         if do == "controller":
@@ -92,6 +97,22 @@ def test_after_a_restart_of_control_it_is_taken_up_once_the_arm_is_there(robot):
         assert control.asked == ["connect", "connect", "controller"]
         assert law_of(robot) == ("computed_torque", "m1", 40)
         assert (robot.law.controller, robot.law.model) == (LAW, "id-1")
+
+    asyncio.run(main())
+
+
+def test_each_control_that_starts_is_told_what_the_arm_was_felt_to_weigh(robot):
+    """It began with a rough URDF again, and the arm sank until it was caught."""
+
+    async def main():
+        bodies = np.arange(70.0).reshape(7, 10)
+        kept = measured_joints(n=7)
+        figures = kept.known.figures.but(bodies=bodies[None])
+        felt = replace(kept, known=replace(kept.known, figures=figures))
+        for joints, told in ((None, None), (kept, None), (felt, bodies)):
+            robot.joints, control = joints, Control(robot)
+            await robot.connect()
+            assert control.told["connect"]["bodies"] == (None if told is None else told.tolist())
 
     asyncio.run(main())
 

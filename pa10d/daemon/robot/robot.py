@@ -309,8 +309,7 @@ class RobotProcess:
     ) -> None:
         """Gains for every servo from now on; keep: also after control's death. felt: (n, 10) bodies
         that the arm is known to have."""
-        bodies = None if felt is None else felt.tolist()
-        await self.command("gains", gains=gains.document(), bodies=bodies)
+        await self.command("gains", gains=gains.document(), bodies=_listed(felt))
         if keep:
             self.keep_gains(gains)
 
@@ -447,7 +446,8 @@ class RobotProcess:
         try:
             if (why := self.no_arm()) is not None:
                 raise CommandRefused(no_virtual_arm("connect", self.state, why))
-            await self.command("connect", timeout=60.0, stood=self.stood.known)
+            felt = _listed(None if self.joints is None else self.joints.known.felt)
+            await self.command("connect", timeout=60.0, stood=self.stood.known, bodies=felt)
         except CommandRefused as refusal:
             why = str(refusal).removeprefix("connect: ")
             if refusal.answer.get("state", "offline") != "offline":
@@ -563,6 +563,10 @@ def _taken(file: Path) -> int:
     memory = sealed(file)
     file.unlink(missing_ok=True)
     return memory
+
+
+def _listed(bodies: NDArray[np.float64] | None) -> list[list[float]] | None:
+    return None if bodies is None else bodies.tolist()
 
 
 async def _held() -> str | None:
