@@ -12,6 +12,9 @@ from pa10d.compare.orders import OrderSpectrum
 
 Array = NDArray[np.float64]
 
+WELL_ABOVE = 1.5  # times a line's frequency
+HIGHEST = 0.45  # of the sampling rate: a low-pass ends at half of it
+
 
 def lines_above_band(
     orders: Sequence[OrderSpectrum | None], cutoff: float, rms: Array
@@ -25,14 +28,15 @@ def lines_above_band(
             continue
         often = [f"{order:.4g} ({size:.2g} N·m)" for order, size in above]
         largest = found.frequency(above[0][0])
+        enough = _well_above(largest, found.rate)
         said[j] = (
             f"an error that comes again {listed(often)} times a turn lies above the low-pass of "
             f"{cutoff:g} Hz, the largest at about {largest:.0f} Hz, and is not judged; a fit with "
-            f"a higher cut-off can look at it: identify … --cutoff {_well_above(largest)}"
+            f"a higher cut-off can look at it: identify … --cutoff {enough}"
         )
     return said
 
 
-def _well_above(frequency: float) -> str:
-    """Hz, two digits: what lies at the edge of a low-pass is half gone."""
-    return f"{float(f'{1.5 * frequency:.2g}'):g}"
+def _well_above(frequency: float, rate: float) -> str:
+    """Hz, two digits: what lies at the edge of a low-pass is half gone; as far as samples go."""
+    return f"{float(f'{min(WELL_ABOVE * frequency, HIGHEST * rate):.2g}'):g}"

@@ -30,7 +30,7 @@ class OrderSpectrum:
     """order (K,) cycles/rev; amplitude (K,) N·m of the best sine at each order, as what it takes
     of the error's power; threshold (K,) N·m which noise passes anywhere with chance ALARM;
     lines: (order, amplitude), largest first, one per peak; of_torque: which of them the measured
-    torque has; speed: typical, rad/s."""
+    torque has; speed: typical, rad/s; rate: Hz of the slowest run."""
 
     order: Array
     amplitude: Array
@@ -38,6 +38,7 @@ class OrderSpectrum:
     lines: tuple[tuple[float, float], ...]
     of_torque: tuple[bool, ...]
     speed: float
+    rate: float
 
     def above(self, cutoff: float) -> list[tuple[float, float]]:
         """Lines of the torque that a low-pass (Hz) takes away at the typical speed. What only the
@@ -78,4 +79,5 @@ def order_spectrum(runs: Sequence[RunResidual], joint: int, most: int = 5) -> Or
         tuple(lines),
         tuple(has_line(q, dq, torque, error, n) for n, _ in lines),
         speed,
+        rate,
     )

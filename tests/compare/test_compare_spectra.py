@@ -7,6 +7,7 @@ import scipy.signal
 from scipy import stats
 
 from pa10d.compare import compare, run_residual
+from pa10d.compare.above_band import lines_above_band
 from pa10d.compare.angle_periodogram import periodogram
 from pa10d.compare.correlation import autocorrelation
 from pa10d.compare.frequencies import frequency_spectrum
@@ -70,7 +71,7 @@ def test_a_line_of_the_models_torque_alone_is_none_of_the_gears(of_torque):
     error = torque - (20.0 * np.sin(q) + 3.0 * np.sign(dq) - (1.0 - of_torque) * line)
     assert has_line(q, dq, torque, error, 830.5) == bool(of_torque)
     found = OrderSpectrum(
-        *np.zeros((3, 1)), ((830.5, 0.5), (12.0, 0.4)), (bool(of_torque), True), 0.6
+        *np.zeros((3, 1)), ((830.5, 0.5), (12.0, 0.4)), (bool(of_torque), True), 0.6, 200.0
     )
     assert found.above(10.0) == ([(830.5, 0.5)] if of_torque else [])
 
@@ -157,3 +158,12 @@ def test_chance_continues_beyond_the_sample():
     exact = stats.norm.sf(4.5) * 50
     assert exact / 20 < chance(4.5, maxima) < exact * 20
     assert chance(float(np.median(maxima)), maxima) == pytest.approx(0.5, abs=0.12)
+
+
+@pytest.mark.parametrize(("rate", "cutoff"), [(1000.0, "120"), (200.0, "90")])
+def test_the_cut_off_that_is_advised_is_one_that_the_samples_allow(rate, cutoff):
+    """1.5 times a line at 80 Hz was refused for samples at 200 Hz."""
+    nothing = np.zeros(1)
+    found = OrderSpectrum(nothing, nothing, nothing, ((80.0, 0.5),), (True,), 2 * np.pi, rate)
+    (said,) = lines_above_band([found], 12.0, np.array([0.01])).values()
+    assert said.endswith(f"--cutoff {cutoff}")
