@@ -43,20 +43,52 @@ class Knocks:
         )
 
 
-def concentrated(power: Array, time: Array) -> Mask | None:
-    """Which of some stretches (K,), each with so much of a squared error in so many seconds, hold
-    most of it in little of the time; None where they do not."""
-    if len(power) < FEWEST or not power.any():
+@dataclass(frozen=True)
+class Moments:
+    """Which of some stretches (K,) hold most of a squared error in little of the time. Of each:
+    power, time (s), its run's number, and s at which it begins there, all (K,)."""
+
+    few: Mask
+    power: Array
+    time: Array
+    run: NDArray[np.intp]
+    begins: Array
+
+    @property
+    def share(self) -> float:
+        """Of the squared error."""
+        return float(self.power[self.few].sum() / self.power.sum())
+
+    @property
+    def seconds(self) -> float:
+        """They last together."""
+        return float(self.time[self.few].sum())
+
+    @property
+    def dense(self) -> float:
+        """Share of squared error over share of time."""
+        return self.share / (self.seconds / float(self.time.sum()))
+
+
+def few_moments(runs: Sequence[tuple[Array, Mask, float]]) -> Moments | None:
+    """Of an error (M,), where it counts, and samples per second, of each run. None: it is there all
+    the time."""
+    found = [_stretches(*run) for run in runs]
+    power, time = (np.concatenate(both) for both in zip(*found, strict=True))
+    if np.sum(time > 0.0) < FEWEST or not power.any():
         return None
     order = np.argsort(-power)
     count = int(np.searchsorted(np.cumsum(power[order]), MOST * power.sum())) + 1
     few = np.zeros(len(power), dtype=bool)
     few[order[:count]] = True
-    return few if time[few].sum() <= SHORT * time.sum() else None
+    counts = [len(one) for one, _ in found]
+    begins = STRETCH * np.concatenate([np.arange(k) for k in counts])
+    moments = Moments(few, power, time, np.repeat(np.arange(len(runs)), counts), begins)
+    return moments if moments.seconds <= SHORT * time.sum() else None
 
 
-def stretches(error: Array, counts: Mask, rate: float) -> tuple[Array, Array]:
-    """Squared error, and seconds that count, of each stretch of a run sampled at so many Hz."""
+def _stretches(error: Array, counts: Mask, rate: float) -> tuple[Array, Array]:
+    """Squared error, and seconds that count, of each stretch of a run."""
     index = (np.arange(len(counts)) / (rate * STRETCH)).astype(int)
     power = np.bincount(index, np.where(counts, error, 0.0) ** 2)
     return power.astype(float), np.bincount(index, counts) / rate
@@ -65,19 +97,10 @@ def stretches(error: Array, counts: Mask, rate: float) -> tuple[Array, Array]:
 def knocks(runs: Sequence[RunResidual], joint: int) -> Knocks | None:
     """Of the judged error of all runs together; None where it is not so."""
     used = moving(list(runs), joint)
-    if not used:
+    parts = [(run.error[:, joint], run.judged[:, joint], run.equation.rate) for run in used]
+    found = few_moments(parts) if parts else None
+    if found is None:
         return None
-    parts = [stretches(r.error[:, joint], r.judged[:, joint], r.equation.rate) for r in used]
-    places = [
-        (run.name, k * STRETCH)
-        for run, part in zip(used, parts, strict=True)
-        for k in range(len(part[0]))
-    ]
-    power, time = (np.concatenate(both) for both in zip(*parts, strict=True))
-    judged = time > 0.0
-    few = concentrated(power[judged], time[judged])
-    if few is None:
-        return None
-    worst = places[int(np.argmax(power))]
-    share = float(power[judged][few].sum() / power.sum())
-    return Knocks(share, float(time[judged][few].sum()), float(time.sum()), *worst)
+    worst, of = int(np.argmax(found.power)), float(found.time.sum())
+    run, begins = used[found.run[worst]].name, float(found.begins[worst])
+    return Knocks(found.share, found.seconds, of, run, begins)

@@ -49,7 +49,7 @@ def failing(
     floor: Array,
     robot: Robot,
     found: Sequence[Place],
-    runs: Sequence[RunResidual] = (),
+    runs: Sequence[RunResidual],
 ) -> list[str]:
     """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
     place of its error stands out, or all of it lies in a few moments of the runs, and one for all

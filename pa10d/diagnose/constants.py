@@ -77,6 +77,7 @@ LINES_WORK = 1e9  # products of samples and orders of a spectrum against angle: 
 ORDERS_PER_RESOLUTION = 3  # looked at per order that the recording can tell apart
 BRISTLE_ROUNDS = 4  # in which a joint's bristles and what they carry draw each other on
 MORE_ROUNDS = 8  # of settling, beyond the usual
+AS_BEFORE = 0.0025  # of what a fit leaves: a round of loads that changes less changes nothing
 HOME_ROUNDS = 12  # in which the secant of a law becomes that of its own answer
 OWN_LEVEL = 0.01  # χ² of a frozen model's coefficients: so seldom it would be off by as much itself
 OWN_ROUNDS, OWN_STEP = 6, 1.05  # in which it is held back to that, each a little farther than asked

@@ -17,7 +17,6 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
-    CLAIMED_SHARE,
     MATERIAL_REST,
     SIZED_LEVEL,
     STANDS_IN,
@@ -30,6 +29,7 @@ from pa10d.diagnose.outcome.words import helped_most, reason, sentence
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import Candidate, suspects
 from pa10d.diagnose.search.candidates import places as places_of
 from pa10d.diagnose.search.delivery import warnings as said
@@ -151,7 +151,7 @@ def diagnose(
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
             stood = stood_words(given_error.rms, alone, far, change)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
-    over = left_over(state, seen, left, again, only is None, told, given, _bent(search))
+    over = left_over(state, seen, left, again, only is None, told, given, bent_laws(search.bent))
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
     open_ = unsaid(left, said_of) if only is None else []
@@ -164,6 +164,7 @@ def diagnose(
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
+    knocked = {j: found for j in open_ if (found := knocks(seen, j)) is not None}
     faster = lines_above_band(orders, left.cutoff, left.rms)
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
@@ -186,7 +187,7 @@ def diagnose(
         over.beside,
         np.flatnonzero(far).tolist(),
         state.as_given,
-        {j: found.words for j in open_ if (found := knocks(seen, j)) is not None},
+        {j: found.words for j, found in knocked.items()},
         search.outdone,
     )
     say(1.0, "done")
@@ -212,6 +213,7 @@ def diagnose(
         identified_from=model.runs,
         with_reversals=scores(seen).rms_with_reversals,
         above_band=faster,
+        knocked=tuple(knocked),
         only="" if only is None else effect(only[0]).named,
         lacked=tuple(
             j
@@ -335,23 +337,6 @@ def _between_runs(search: Search, given: int, as_given: Judgement) -> tuple[Apar
         search.state = rest
         search.settle()
     return contradiction(search.state, may_change, floor).told
-
-
-def _bent(search: Search) -> list[Unnamed]:
-    """What laws of a joint's own motion would take, were they still themselves: the largest of each
-    joint."""
-    now, out = rms(search.state.held_residual()), dict[int, Unnamed]()
-    for one in search.bent:
-        kind, (j, *others) = one.candidate.effect, one.candidate.joints or (-1, -1)
-        left = float(one.evidence.after[j])
-        share = 1.0 - (left / max(float(now[j]), 1e-300)) ** 2
-        worth = share > max(CLAIMED_SHARE, out[j].share if j in out else 0.0)
-        if others or not worth or kind.drawn.against not in ("q", "dq"):
-            continue
-        variables = (f"{kind.drawn.against}{j + 1}",)
-        size = float(np.sqrt(share) * now[j])
-        out[j] = Unnamed(j, share, size, one.p_corrected, "law", variables)
-    return list(out.values())
 
 
 def _geometry(search: Search, given: int, as_given: Judgement) -> Geometry:

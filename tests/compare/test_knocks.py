@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pa10d.compare import compare, places, run_residual
-from pa10d.compare.knocks import FEWEST, STRETCH, concentrated, knocks, stretches
+from pa10d.compare.knocks import FEWEST, STRETCH, few_moments, knocks
 from pa10d.compare.phrases import sentence
 from pa10d.compare.quantities import Quantity
 from pa10d.compare.regions import Region
@@ -42,8 +42,7 @@ def test_what_acts_in_a_few_moments_by_the_motion_is_found_there():
         return arm.on_joint(2, 200.0 * np.maximum(0.0, q[:, 2] - 0.8))
 
     run = run_residual(arm.model(), arm.recording(2, 60.0, 0.2, contact))
-    power, time = stretches(run.error[:, 2], run.judged[:, 2], run.equation.rate)
-    assert concentrated(power[time > 0], time[time > 0]) is not None
+    assert few_moments([(run.error[:, 2], run.judged[:, 2], run.equation.rate)]) is not None
     assert next(p.variable for p in places([run], arm.ROBOT) if p.joint == 2) == "q3"
 
 

@@ -246,7 +246,5 @@ def test_what_a_map_outdid_is_told_where_it_took_most(share, told):
     left, seen = judged(4.8), judgement_of_a_map(0.89)
     outdone = {0: (("a torque offset",), share)}
     (said,) = remaining(left, [None], [seen], ["N·m"], outdone=outdone)
-    looks = (
-        "What looks like a torque offset there (78 % of its squared error) is part of that curve"
-    )
+    looks = "What looks like a torque offset there (78 % of its squared error) is part of that:"
     assert (looks in said.sentence) is told

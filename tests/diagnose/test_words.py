@@ -144,8 +144,10 @@ def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():
         as_given=SimpleNamespace(rms=[0.1, 0.1]),
         noise_floor=[0.1, 0.1],
         with_reversals=None,
+        knocked=(0,),
         above_band={1: "an error that comes again 72 times a turn"},
     )
     assert none_found(alone).endswith(
+        " Most of what joint 1 leaves lies in a few moments."
         " That is what the low-pass lets through: above it there is more on joint 2."
     )

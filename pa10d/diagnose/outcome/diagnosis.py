@@ -102,6 +102,7 @@ class Diagnosis:
     beside: what the given model lacks of its own data, where the change was sought beside that
     with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
     stood: of a frozen model that was moved far, within its own doubt: what it left as it was given
+    knocked: joints (0-based) whose error lies in a few moments of the runs
     above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
     that it leaves
     told: of what somebody knew when the given model was identified, which a search does not know
@@ -128,6 +129,7 @@ class Diagnosis:
     lacked: tuple[int, ...] = ()
     beside: str = ""
     stood: str = ""
+    knocked: tuple[int, ...] = ()
     above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pa10d.diagnose.constants import HOME_ROUNDS, MATERIAL_GAIN
+from pa10d.diagnose.constants import AS_BEFORE, HOME_ROUNDS
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.model import Term
@@ -37,7 +37,7 @@ def _with_loads_of_its_own(part: SearchState) -> None:
         part.relook()
         part.refit()
         before, left = left, part.fit.rms()
-        if np.all(np.abs(left - before) <= MATERIAL_GAIN**2 * before):
+        if np.all(np.abs(left - before) <= AS_BEFORE * before):
             return
 
 

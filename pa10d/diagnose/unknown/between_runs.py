@@ -184,14 +184,16 @@ def _tried(
 ) -> Iterator[_Own]:
     """Each that may have changed, in each group of the runs, and (no runs) in all of them."""
     side = state.train
+    names = [run.name for run in side.runs]
     for effect, joints in suspects:
         if not all(s.smoothing or s.optional for s in effect.shapes):
             continue  # what has a shape of its own bends to what a model lacks
         columns = side.columns(effect, joints, [_shape(state, effect, joints)])
         weighted = {j: c / fit.sigma[j] for j, c in columns.items()}
         for runs in [*groups, ()]:
-            rows = {j: rows_of(side, j, runs) if runs else 1.0 for j in weighted}
-            own = own_part(fit, {j: (c.T * rows[j]).T for j, c in weighted.items()})
+            own = own_part(
+                fit, {j: c * rows_of(side, j, runs or names)[:, None] for j, c in weighted.items()}
+            )
             if own is not None:
                 yield _Own(own.gain, own.theta, own.change, own.basis, effect, runs)
 

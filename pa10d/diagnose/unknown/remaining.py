@@ -591,7 +591,7 @@ def _changes_sides(place: Place) -> bool:
 def _with_outdone(line: Remaining, named: Sequence[str], share: float) -> Remaining:
     text = (
         f" What looks like {listed(named)} there ({percent(share)} of its squared error) is part "
-        "of that curve: alone it leaves much more."
+        "of that: alone it leaves much more than a map."
     )
     return replace(line, sentence=line.sentence + text)
 
