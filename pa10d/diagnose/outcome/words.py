@@ -203,8 +203,8 @@ def none_found(found: Diagnosis) -> str:
     given = found.rms if found.beside else found.as_given.rms  # else its values were off
     said = nothing(found.rms, found.noise_floor, found.frozen, given, found.with_reversals)
     if found.knocked:
-        joints = joint_words(sorted(found.knocked))
-        said += f" Most of what {joints} leave{'s' * (len(found.knocked) == 1)} lies in a few moments."
+        leaves = "leaves" if len(found.knocked) == 1 else "leave"
+        said += f" Most of what {joint_words(found.knocked)} {leaves} lies in a few moments."
     if found.above_band:
         joints = joint_words(sorted(found.above_band))
         said += f" That is what the low-pass lets through: above it there is more on {joints}."
