@@ -20,23 +20,32 @@ from pa10d.measurement.recording import Recording
 Array = NDArray[np.float64]
 
 SHORTEST = 12.0  # s: friction of less may seem to drive
+SURE = 5.0  # standard errors, over stretches: so few know their own scatter badly
 
 
 @dataclass(frozen=True)
 class Delay:
-    """seconds: positive where the torque is late, over so many seconds of a recording. friction:
-    (n,) mean braking power, W."""
+    """seconds: positive where the torque is late, over so many seconds of a recording; believed: of
+    the whole robot. friction: (n,) mean braking power, W; friction_error: (n,) W where it
+    drives."""
 
     seconds: float
     std_error: float
     over: float
+    believed: bool
     friction: Array
+    friction_error: Array
 
     @property
     def known(self) -> bool:
         """Whether the estimate settled and says more than what is usual."""
-        settled = self.std_error < USUAL and abs(self.seconds) < FARTHEST
+        settled = self.std_error < USUAL and (self.believed or abs(self.seconds) < FARTHEST)
         return settled and self.over >= SHORTEST
+
+    @property
+    def drives(self) -> list[int]:
+        """Joints whose friction surely drives."""
+        return [int(j) for j in np.flatnonzero(self.friction < -SURE * self.friction_error)]
 
 
 def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
@@ -46,7 +55,14 @@ def estimate_delay(recording: Recording, robot: Robot) -> Delay | None:
     if found is None:
         return None
     shift = found.shift
-    return Delay(shift.estimate, shift.std_error, recording.duration, found.braking)
+    return Delay(
+        shift.estimate,
+        shift.std_error,
+        recording.duration,
+        shift.seconds != 0.0,
+        found.braking,
+        found.braking_error,
+    )
 
 
 def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
@@ -75,14 +91,14 @@ def check_delay(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
         if late
         else "",
     )
-    for j in np.flatnonzero(delay.friction < 0):
+    for j in delay.drives:
         tau, q = (Mend(f"{kind}{j + 1}", "-1", complete=False) for kind in ("tau", "q"))
         yield CheckFinding(
             "warning",
             "sign",
-            f"{joint_label(int(j), robot.joint_names)}: friction would drive instead of brake "
+            f"{joint_label(j, robot.joint_names)}: friction would drive instead of brake "
             f"({delay.friction[j]:.2g} W): tau and q may have opposite signs",
             f"--map {tau.option} if the torque counts the other way, {q.option} if the angle does",
-            int(j) + 1,
+            j + 1,
             (tau, q),
         )

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri, stdtr
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.textbook_fit import (
@@ -33,7 +34,8 @@ CUTOFF = 5.0  # Hz
 LONGEST = 30.0  # s of the recording that are used
 FEWEST = 8  # blocks
 BETTER = 0.7  # of what the textbook model leaves, that a joint turned round must come down to
-SURE = 5.0  # standard errors, over blocks: 21 questions to seven joints leave one false in 10^4
+LIKELY = 2.0  # standard errors, over blocks, by which each torque has to agree
+SURE = 4.0  # standard errors, over blocks: 21 questions to seven joints leave one false in 10^3
 OFF = 40.0  # times: real URDFs have links that weigh a twentieth of the true ones, not a fortieth
 TOLD = 0.5  # of the torque that weight must explain before its size is believed
 ALIKE = 1e-3  # share of what is left by which two ways to turn joints are equally good
@@ -81,6 +83,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
     left = view.left(scale)
     if len(left) < FEWEST:
         return
+    joints = np.arange(robot.n)
     asked = set(range(robot.n))
     while asked:
         found = {}
@@ -93,7 +96,7 @@ def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[in
         shares = {
             key: float(new.sum() / max(left.sum(), 1e-300))
             for key, new in found.items()
-            if len(new) == len(left) and surely_less(new, left)
+            if surely_better(new, left, joints == key[0])
         }
         if not shares:
             return
@@ -125,23 +128,40 @@ def _likeness(part: Recording, robot: Robot) -> float:
 
 
 def surely_less(new: Array, old: Array) -> bool:
-    """Sums of squares per block; their ratios, because blocks differ widely in size."""
-    if len(new) != len(old):
+    """Sums of squares per block."""
+    less = len(new) == len(old) and new.sum() <= BETTER * old.sum()
+    return bool(less and _errors_less(new, old) > SURE)
+
+
+def surely_better(new: Array, old: Array, altered: NDArray[np.bool_]) -> bool:
+    """Of squares by block and torque (blocks, n). On the whole, and likely of each torque that is
+    ``altered`` (n,); likely worse of none: what an effect takes from one joint can be more than all
+    that another has."""
+    if not surely_less(new.sum(axis=1), old.sum(axis=1)):
         return False
+    less = np.array([_errors_less(*pair) for pair in zip(new.T, old.T, strict=True)])
+    return bool(np.all(less > np.where(altered, LIKELY, -LIKELY)))
+
+
+def _errors_less(new: Array, old: Array) -> float:
+    """Standard errors by which sums of squares per block are less than the old ones; by their
+    ratios, because blocks differ widely in size. 0 of too few blocks; of few ones that know their
+    own scatter badly, so many of a normal distribution as chance would leave as rarely."""
     seen = (old > 0) & (new > 0)
-    if seen.sum() < FEWEST or new.sum() > BETTER * old.sum():
-        return False
+    if seen.sum() < FEWEST:
+        return 0.0
     gain = np.log(old[seen] / new[seen])
-    return bool(gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(len(gain)))
+    errors = gain.mean() / max(gain.std(ddof=1) / np.sqrt(len(gain)), 1e-300)
+    return float(-np.sign(errors) * ndtri(stdtr(len(gain) - 1, -abs(errors))))
 
 
 def squares_left(part: Recording, robot: Robot) -> Array:
-    """Per block what the textbook model leaves of the torques, each joint by its torque's size;
+    """Per block what the textbook model leaves of all torques, each joint by its torque's size;
     empty where there is too little motion."""
     view = TextbookView.of(part, robot, base_parameters(robot).kept)
     if view is None:
         return np.empty(0)
-    left = view.left(np.maximum(view.tau.std(axis=0), 1e-9))
+    left = view.left(np.maximum(view.tau.std(axis=0), 1e-9)).sum(axis=1)
     return left if len(left) >= FEWEST else np.empty(0)
 
 
@@ -179,12 +199,11 @@ class TextbookView:
         return replace(self, tau=tau)
 
     def left(self, scale: Array) -> Array:
-        """Per block the sum of squares that the textbook model leaves, each joint by its torque's
+        """(blocks, n) sums of squares that the textbook model leaves, each joint by its torque's
         size ``scale`` (n,)."""
         parameters, _ = fit_textbook(self.columns, self.tau, self.keep, 1.0 / scale)
         left = np.where(self.keep, (self.tau - self.columns @ parameters) / scale, 0.0)
-        sums = np.bincount(self.blocks, (left**2).sum(axis=1))
-        return np.asarray(sums, dtype=np.float64)
+        return np.column_stack([np.bincount(self.blocks, of_joint) for of_joint in (left**2).T])
 
 
 def _weighed(part: Recording, robot: Robot) -> Iterator[CheckFinding]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend
-from pa10d.checks.geometry import TextbookView, middle_of, surely_less
+from pa10d.checks.geometry import TextbookView, middle_of, surely_better
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
 
@@ -54,7 +54,7 @@ def check_order(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
 def _better(
     part: Recording, robot: Robot
 ) -> Iterator[tuple[tuple[tuple[int, ...], tuple[str, ...]], float]]:
-    """Orders, of what, that surely leave less, and which share of the error they leave."""
+    """Orders, of what, that are surely better, and which share of the error they leave."""
     kept = base_parameters(robot).kept
     view = TextbookView.of(part, robot, kept)
     if view is None:
@@ -68,7 +68,9 @@ def _better(
             if seen is None:
                 continue
             new = _left(replace(seen, tau=view.tau[:, places]) if "tau" in moved else seen)
-            if surely_less(new, left):
+            of_torque = new[:, np.argsort(order)] if "tau" in moved else new
+            dealt = np.arange(robot.n) != places
+            if surely_better(of_torque, left, dealt):
                 yield (order, moved), float(new.sum() / left.sum())
 
 

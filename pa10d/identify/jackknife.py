@@ -28,8 +28,10 @@ def stretches(pieces: Sequence[Rows]) -> list[Rows]:
     return [part for rows in pieces for part in _split(rows, each)]
 
 
-def without_each(pieces: Sequence[Rows], answer: Callable[[list[Triangle]], float]) -> Array:
-    """(stretches,) the answer from all of them but one, by the joints' triangular factors; nan
+def without_each(
+    pieces: Sequence[Rows], answer: Callable[[list[Triangle]], float | Array]
+) -> Array:
+    """(stretches, …) the answer from all of them but one, by the joints' triangular factors; nan
     where the rest has none."""
     blocks = [triangles_of([part]) for part in stretches(pieces)]
     rest = (

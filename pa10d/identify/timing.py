@@ -53,7 +53,8 @@ MOST = 0.5  # of the joints
 EARLIEST = 2e-3  # s, or a sample: angles that come later than that after the torque are rare, but
 # springs and gaps between motor and link look so
 EARLY_KNOWN = 0.1  # of itself, to which such a shift has to be known to be taken (policy)
-FARTHEST = 0.05  # s: beyond that it is no shift of a channel but something the model lacks
+FARTHEST = 0.05  # s: beyond that a joint's shift is rather something that the model lacks (policy)
+FARTHEST_TOGETHER = 0.2  # s, where joints agree: a first-order low-pass of 1 Hz is 0.16 s late
 
 
 @dataclass(frozen=True)
@@ -106,16 +107,20 @@ def find_shift(pieces: Pieces, layout: Layout) -> Shift:
 def _likely(found: Shift) -> bool:
     """Is none worse than the estimate, beside what is usual? 23 ± 9 ms are rather no shift."""
     standard_errors = found.estimate / found.std_error / np.hypot(1.0, found.std_error / USUAL)
-    near = abs(found.estimate) < FARTHEST
-    return bool(abs(standard_errors) > LIKELY) and near and _agreed(found)
+    return bool(abs(standard_errors) > LIKELY) and _agreed(found)
 
 
 def _agreed(found: Shift) -> bool:
     """Do more than half of the joints that know it from none say the same, as far as they know? A
-    delay of one joint's own, of two, is none of the robot."""
+    delay of one joint's own, of two, is none of the robot. As far as no joint would be believed by
+    itself, at least two have to say so."""
     witness = LIKELY * found.errors < abs(found.estimate)
     says_so = np.abs(found.joints - found.estimate) < AGREE * found.errors
-    return not witness.any() or bool(np.mean(says_so[witness]) > MOST)
+    agree = says_so[witness]
+    if abs(found.estimate) >= FARTHEST:
+        near = abs(found.estimate) < FARTHEST_TOGETHER
+        return near and bool(np.sum(agree) > 1 and np.mean(agree) > MOST)
+    return not witness.any() or bool(np.mean(agree) > MOST)
 
 
 @dataclass(frozen=True)
@@ -193,7 +198,9 @@ def _iterated(
         total, error = at + left.estimate / part, left.std_error / part
         joints = at + left.joints / part
         step = abs(total - at)
-        if abs(total) < least * error or abs(total) > FARTHEST or step < SETTLED_SHARE * error:
+        if abs(total) > FARTHEST_TOGETHER:
+            break
+        if abs(total) < least * error or step < SETTLED_SHARE * error:
             break
         at = total
         rows = heard.rows(at, far, seen)

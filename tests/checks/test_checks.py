@@ -35,7 +35,7 @@ def _motion(t, seed=0):
     return q, dq, ddq
 
 
-def _sound(robot, late=0.0, seed=0):
+def _sound(robot, late=0.0, seed=0, rubs=1.0):
     """A PA10 with friction, encoder steps and torque noise; its torque ``late`` seconds late."""
     rng = np.random.default_rng(100 + seed)
     t = np.arange(N) / RATE
@@ -43,7 +43,9 @@ def _sound(robot, late=0.0, seed=0):
     then, dthen, ddthen = _motion(t - late, seed)
     scale = robot.effort / 232
     tau = inverse_dynamics(robot, robot.parameters, then, dthen, ddthen)
-    tau += scale * (8 * np.sign(dthen) + 10 * dthen) + rng.normal(size=tau.shape) * 0.3 * scale
+    tau += (
+        rubs * scale * (8 * np.sign(dthen) + 10 * dthen) + rng.normal(size=tau.shape) * 0.3 * scale
+    )
     q = np.round(q / 7.67e-6) * 7.67e-6
     return Recording("x", t, q, tau, dq)
 
@@ -66,6 +68,13 @@ def test_a_sound_recording_has_nothing_against_it(robot):
     assert _codes(findings) == set()
     assert [f.code for f in findings] == ["rate", "delay"]
     assert "10000 samples at 500 Hz, 20.0 s, 7 joints" in findings[0].sentence
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_friction_that_is_next_to_none_does_not_drive(robot, seed):
+    """A sensor behind the gear sees none, and noise gives what is left of it either sign."""
+    recording = _sound(robot, seed=seed, rubs=0.0)
+    assert _codes(check_recording(recording, analyse(recording.t), robot)) == set()
 
 
 def _joint(j, change):

@@ -20,12 +20,13 @@ from pa10d.store.model_text import model_text
 from pa10d.store.models import new_info
 
 HERTZ = 4.0
+SLOWER = 2.5  # Hz: later by 64 ms than what one joint would be believed
 RATE = 500.0
 
 
-def drive(run: Recording) -> Recording:
+def drive(run: Recording, hertz: float = HERTZ) -> Recording:
     """A first-order low-pass, as firmware steps it."""
-    pole = np.exp(-2 * np.pi * HERTZ / run.rate)
+    pole = np.exp(-2 * np.pi * hertz / run.rate)
     tau, _ = scipy.signal.lfilter([1 - pole], [1, -pole], run.tau, axis=0, zi=pole * run.tau[:1])
     return Recording(run.name, run.t, run.q, tau)
 
@@ -49,6 +50,13 @@ def test_the_low_pass_of_the_channel_is_found():
     assert model.channel.kind == "first order"
     assert 0.5 / np.pi / model.channel.seconds == pytest.approx(HERTZ, rel=0.15)
     assert any("a low-pass of first order" in line for line in model.notes.warnings)
+
+
+def test_a_low_pass_that_all_joints_agree_on_may_be_late_by_more_than_one_would_be():
+    made = recordings(3)
+    model = identify([drive(made[name], SLOWER) for name in NAMES[:2]], robot(), name="m0")
+    assert 0.5 / np.pi / model.channel.seconds == pytest.approx(SLOWER, rel=0.15)
+    assert model.shift == pytest.approx(0.5 / np.pi / SLOWER, rel=0.15)
 
 
 @pytest.mark.long

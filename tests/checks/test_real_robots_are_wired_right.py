@@ -1,0 +1,53 @@
+"""Real robots, logged as they are: no joint is said to be turned round or to be another's."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy
+
+from pa10d.checks.geometry import check_geometry
+from pa10d.checks.order import check_order
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+bench_real = importlib.import_module("bench_real")
+
+ALWAYS = "kuka_lwr4"  # its textbook model lacks most of what moves its wrist
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == ALWAYS else pytest.mark.long)
+        for name in sorted(bench_real.ROBOTS)
+    ],
+)
+def test_every_joint_is_in_its_place(shared_data, name):
+    case = bench_real.case(name)
+    for run in (*case.train, case.valid):
+        assert [f.sentence for f in check_order(run, case.robot)] == []
+        assert _turned(run, case.robot) == []
+
+
+def test_nine_blocks_of_a_slow_channel_turn_no_neighbour_round(shared_data):
+    """Eight seconds of a UR10, joint 2's torque behind 0.1 s: joint 4's seemed to be turned."""
+    case = bench_real.case("ur10")
+    run = case.valid
+    pole = np.exp(-1.0 / run.rate / 0.1)
+    tau = run.tau.copy()
+    tau[:, 1], _ = scipy.signal.lfilter(
+        [1 - pole], [1, -pole], run.tau[:, 1], zi=pole * run.tau[:1, 1]
+    )
+    assert _turned(replace(run, tau=tau), case.robot) == []
+    q = run.q.copy()
+    q[:, 1] *= -1.0
+    assert _turned(replace(run, q=q, dq=None), case.robot) == [2]
+
+
+def _turned(run, robot):
+    return [f.joint for f in check_geometry(run, robot) if f.code == "turned"]
