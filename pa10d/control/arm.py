@@ -367,7 +367,7 @@ class Arm:
         elif again or fault.runs_away or fault.whole_bus or not self.path.live.any():
             self._leave_it_to_the_drives()
         elif self.state == ArmState.ENABLING:
-            self.path.stand()
+            self.path.stand(soft=fault.kind == "oscillation")
             self._power_off()
         else:
             self.path.fall_back(soft=fault.kind == "oscillation")

@@ -46,13 +46,18 @@ class OscillationWatch:
 
     def watch(self, dq: Array, reference: Reference, torque: Array) -> None:
         """Violation where a joint swings; (n,) rad/s measured, N·m sent."""
+        axis = self.see(dq, reference, torque)
+        if axis >= 0:
+            raise self.violation(axis)
+
+    def see(self, dq: Array, reference: Reference, torque: Array) -> int:
+        """Count; the joint that swings, -1: none."""
         servo = torque - reference.extra  # what shakes the joint on purpose does not count
-        axis = _count(
+        axis: int = _count(
             dq, reference.dq, servo, self._speed, self._torque, self._longest, OWN, FADES, HALVES,
             self._state, self._count, self._half,
         )  # fmt: skip
-        if axis >= 0:
-            raise self.violation(axis)
+        return axis
 
     def suspected(self, axis: int) -> bool:
         """Whether a joint that left its envelope swung on its way there."""

@@ -11,6 +11,7 @@ from backends.protocol import Feedback
 from pa10d.control.estimator import SpeedEstimator
 from pa10d.control.fall import FallWatch, Weighed
 from pa10d.control.faults import LoopFault
+from pa10d.control.first_steps import FirstSteps
 from pa10d.control.limits import ArmLimits
 from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Controller, Pid
@@ -59,6 +60,7 @@ class TorquePath:
             OscillationWatch(limits, period),
             WrongWayWatch(limits.torque, period),
         )
+        self._first_steps = FirstSteps(limits.torque, period)
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
@@ -84,6 +86,11 @@ class TorquePath:
     def _new(self) -> bool:
         """Whether the arm is held for the first seconds, its brakes being open."""
         return self.time - self._powered_at < FIRST_SECONDS
+
+    @property
+    def _pushes(self) -> bool:
+        """Whether this is a first motion."""
+        return isinstance(self.controller, Pid) and self.controller.pushes
 
     @property
     def sent(self) -> Array:
@@ -114,10 +121,13 @@ class TorquePath:
         if self.limp:
             return
         self._falls.see(self.time, self.q, self.sent)
+        self._swings.see(self.dq, self.reference, self.sent)  # it may come to rest yet
         self._watch_signs()
         try:
             self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
         except LoopFault as violation:
+            if violation.axis is not None and self._swings.suspected(violation.axis):
+                raise self._swings.violation(violation.axis) from violation
             if violation.kind == "stale" or not self._new:  # what swayed up has not fallen
                 raise
             axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
@@ -177,6 +187,8 @@ class TorquePath:
             self._watch_envelope()
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
+            if self._pushes:
+                self._first_steps.watch(self.q, self.dq, self.sent, self.reference)
             return
         far = np.abs(self.reference.q - self.q) > RUNAWAY * self.limits.following_error
         fast = np.abs(self.dq) > RUNAWAY * self.limits.velocity
@@ -203,8 +215,7 @@ class TorquePath:
 
     def _watch_signs(self) -> None:
         """While the arm is held for the first time, or stands in a first motion."""
-        pushes = isinstance(self.controller, Pid) and self.controller.pushes
-        if not (self._new or pushes):
+        if not (self._new or self._pushes):
             return
         if self.reference.dq.any():
             self._wrong_way.restart()
@@ -226,6 +237,7 @@ class TorquePath:
         self._powered_at, self.thought = self.time, gravity.copy()
         self._swings.restart()
         self._wrong_way.restart()
+        self._first_steps.restart()
         self._places.restart(self.q)
         self._stood.restart()
         self._falls.restart()
@@ -299,10 +311,11 @@ class TorquePath:
         servo = self.make_servo()
         self.use(servo.softened(SOFT) if soft else servo)
 
-    def stand(self) -> None:
-        """Plain joint servo that holds the arm where it is."""
+    def stand(self, soft: bool = False) -> None:
+        """Plain joint servo that holds the arm where it is. soft: see ``fall_back``."""
         self.reference.rest(self.q.copy())
-        self.use(self.make_servo())
+        servo = self.make_servo()
+        self.use(servo.softened(SOFT) if soft else servo)
 
     def forget(self) -> None:
         """After a reset: every axis is live, and was at rest until now."""

@@ -26,7 +26,7 @@ from pa10d.experiments.joint_response import (
 from pa10d.experiments.seen import Seen, Stroke
 from pa10d.experiments.shaking import lines_of
 from pa10d.experiments.sliding import Friction, Sway, own_sways, slid_friction
-from pa10d.trajectory.kinds.first_motion import NUDGE
+from pa10d.trajectory.kinds.first_motion import ALL_JOINTS, NUDGE
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,8 @@ def measured_figures(
     """What is known after these parts, ``friction`` first. step: (n,) N·m, the torque's own;
     before: what was presumed, of an arm that stays about one place until ``response`` is known."""
     presumed = presumed_figures(robot)
-    nudged = parts["friction"]
+    nudged = _together(parts["friction"])
+    parts = {**parts, "friction": nudged}
     usual = inertias(robot, presumed).usual
     friction = {
         j: friction_of(nudged.q[:, j], nudged.torque[:, j], nudged.rate, float(usual[j]))
@@ -69,6 +70,13 @@ def measured_figures(
     whole = with_response(with_friction(presumed, friction), fits)
     shaken = [(j, one.q[-1]) for j in responses for one in _strokes(parts, j, "shaken")]
     return whole.but(bodies=felt_bodies(robot, whole, seen, shaken))
+
+
+def _together(one: Seen) -> Seen:
+    """Without the first steps, which only show that each torque moves its own joint."""
+    begin = [span.begin for span in one.plan.spans if span.label == ALL_JOINTS]
+    cut = slice(int(begin[0] * one.rate) if begin else 0, None)
+    return replace(one, q=one.q[cut], torque=one.torque[cut])
 
 
 def felt_again(

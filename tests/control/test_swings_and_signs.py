@@ -113,3 +113,23 @@ def test_gains_come_bumpless_by_command():
     np.testing.assert_array_equal(arm.path.make_servo().gains.kd, 30.0)
     assert backend.written == []
     cycles(arm, 2)
+
+
+def test_an_arm_that_swings_up_as_its_brakes_open_is_not_said_to_fall():
+    """No weight is taken from it: the next enabling would begin with one that it does not have."""
+    arm, backend = flywheel_arm()
+    one = np.ones(2)
+    arm.path.make_servo = lambda: Pid(
+        PidGains(2500 * one, 0 * one, 0 * one), limits().torque, PERIOD
+    )
+    arm.path.use(arm.path.make_servo())
+    arm.connect()
+    cycles(arm, 3)
+    arm.enable()
+    while backend.switching:
+        arm.cycle()
+    backend.plant.dq[1] = 0.2
+    until(arm, ArmState.FAULT)
+    assert (arm.fault.kind, arm.fault.axis) == ("oscillation", 1)
+    assert not arm.fault.weighed
+    assert "Hz" in arm.fault.sentence

@@ -20,6 +20,7 @@ from pa10d.trajectory.poses import Surroundings
 Part = Literal["friction", "response", "poses"]
 PARTS: tuple[Part, ...] = ("friction", "response", "poses")
 
+ALL_JOINTS = "all joints"  # the label of what tells friction
 NUDGE = 0.04  # rad (m) to either side, less than any servo may be wrong by
 THERE, WAIT = 1.0, 3.0  # s to a place, and at it until a joint that sticks has come loose
 SLOW, FAST = 0.15, 0.4  # of the speed limit
@@ -34,8 +35,9 @@ VARIES = 1.4  # a joint that is so much heavier in another pose is measured ther
 class FirstMotion(Kind):
     """Measures each joint: inertia, friction, delay, first resonance; the servo's gains follow.
 
-    All joints are pushed a little to and fro, then one after the other strokes slowly while small
-    torques of many frequencies shake it. Skipped where the joints have been measured.
+    Each joint takes a small step alone, then all are pushed a little to and fro; then one after the
+    other strokes slowly while small torques of many frequencies shake it. Skipped where the joints
+    have been measured.
     """
 
     kind: ClassVar[str] = "first_motion"
@@ -65,7 +67,7 @@ class FirstMotion(Kind):
         joints, home = self.chosen(calm), self.home(calm)
         segments: list[Segment] = []
         if self.part in (None, "friction"):
-            segments.append(self._nudges(calm, joints, home))
+            segments += self._nudges(calm, joints, home)
         if self.part in (None, "response"):
             for j in joints:
                 segments += _shaken(calm, home, j, self.speed)
@@ -81,16 +83,22 @@ class FirstMotion(Kind):
         around = _weighed_by_itself(around)
         return bool(self._elsewhere(around, self.chosen(around), self.home(around)))
 
-    def _nudges(self, around: Surroundings, joints: list[int], home: Array) -> Segment:
+    def _nudges(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
+        """Each joint alone: whatever moves then, this one's torque has moved. Then all of them."""
         lower, upper = np.array(home), np.array(home)
         for j in joints:
             below, above = around.free_range(home, j)
             lower[j], upper[j] = max(below, home[j] - NUDGE), min(above, home[j] + NUDGE)
+        steps = Drawing(home)
+        for j in joints:
+            steps.to(np.where(np.arange(len(home)) == j, upper, steps.pose), THERE)
+            steps.rest(THERE)
+        steps.to(home, THERE)
         drawing = Drawing(home)
         for place in (upper, lower, upper, home):
             drawing.to(place, THERE)
             drawing.rest(WAIT)
-        return Segment(drawing.knots(), "all joints")
+        return [Segment(steps.knots(), "first steps"), Segment(drawing.knots(), ALL_JOINTS)]
 
     def _elsewhere(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
         """Empty where one pose is all there is."""
