@@ -69,6 +69,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         give_up(sys.stdout)
     except OSError as error:
         print_failure(disk_words(error), options.json)
+    except MemoryError as error:
+        from pa10d.common.shortage import shortage
+
+        print_failure(shortage(error) or str(error), options.json)
     return FAILED
 
 

@@ -3,8 +3,9 @@
 A joint that creeps slides: its friction is against the way it creeps, and the integral holds it.
 Measured friction comes on top, by the way the joint is to move (``torque_ahead``): sent the other
 way, it would be short of all that it held. So that is let go as its motion begins. How far it crept
-tells the share, by the stop model: between -1 and 1 times friction, full after ``CREPT``. Where a
-joint has not crept, or slipped, nobody knows, and nothing is let go.
+tells the share, by the stop model: between -1 and 1 times friction, full after ``CREPT``. While it
+stands, friction balances the torque: what the torque changes by, the share does, too. Where a joint
+has not crept, or slipped, nobody knows, and nothing is let go.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 
 CREPT = 1e-3  # rad after which a joint slides, whatever its gear gives way by
 SLIPS = 0.02  # rad/s: what held such a joint when it stopped nobody knows
+STANDS = 1e-3  # rad/s, slower than which it does not creep
 LET_GO = 0.05  # s
 
 
@@ -27,21 +29,26 @@ class HeldFriction:
 
     def __init__(self, coulomb: Array, period: float) -> None:
         self.known = bool(coulomb.any())
+        self._period = period
         self._coulomb, self._share = coulomb, min(1.0, period / LET_GO)
         self._crept, self._last = np.zeros_like(coulomb), np.zeros_like(coulomb)
+        self._sent = np.zeros_like(coulomb)
 
-    def start(self, q: Array) -> None:
-        """Nothing is known yet."""
-        self._crept, self._last = np.zeros_like(q), q.copy()
+    def start(self, q: Array, torque: Array) -> None:
+        """Nothing is known yet; (n,) rad, N·m."""
+        self._crept, self._last, self._sent = np.zeros_like(q), q.copy(), torque.copy()
 
-    def let_go(self, q: Array, dq: Array, moving: Array) -> Array:
+    def let_go(self, q: Array, dq: Array, moving: Array, torque: Array) -> Array:
         """(n,) N·m by which the integral gets less in this cycle.
 
-        q: (n,) rad; dq: (n,) rad/s; moving: (n,) whether the reference moves.
+        q: (n,) rad; dq: (n,) rad/s; moving: (n,) whether the reference moves; torque: (n,) N·m
+        sent last.
         """
         gone = moving * self._share * self._crept
-        further = self._crept + (q - self._last) / CREPT
+        stands = (np.abs(q - self._last) < STANDS * self._period) * (self._crept != 0.0)
+        more = (torque - self._sent) / np.where(self._coulomb > 0.0, self._coulomb, np.inf)
+        further = self._crept + (q - self._last) / CREPT + stands * more
         waits = np.where(np.abs(dq) < SLIPS, np.clip(further, -1.0, 1.0), 0.0)
         self._crept = np.where(moving, self._crept - gone, waits)
-        self._last[:] = q
+        self._last[:], self._sent[:] = q, torque
         return np.asarray(self._coulomb * gone)

@@ -52,6 +52,7 @@ class Pid:
         self._still, self._patience = np.zeros_like(limit), np.full_like(limit, STUCK)  # s
         self._side = np.zeros_like(limit)  # of its place, on which a joint was last
         self._held = HeldFriction(gains.friction, period)
+        self._sent = np.zeros_like(limit)
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
 
@@ -66,7 +67,8 @@ class Pid:
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
         self._pushed[:] = self._still[:] = self._side[:] = 0.0
         self._patience[:] = STUCK
-        self._held.start(q)
+        self._held.start(q, torque)
+        self._sent[:] = torque
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
         """PID on the tracking error."""
@@ -75,7 +77,7 @@ class Pid:
         if self.pushes:
             self._integral += self._push(error, dq, reference.dq != 0.0)
         if self._held.known:
-            self._integral -= self._held.let_go(q, dq, reference.dq != 0.0)
+            self._integral -= self._held.let_go(q, dq, reference.dq != 0.0, self._sent)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
         return self.gains.kp * error + damping + self._integral + reference.extra
@@ -110,5 +112,6 @@ class Pid:
 
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup by back-calculation."""
+        self._sent[:] = sent
         self._integral += self._unwind * (sent - wanted)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)

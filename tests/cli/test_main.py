@@ -218,3 +218,14 @@ def test_documents_are_strict_json(capsys):
         "tuple": [True, None, "ä"],
     }  # fmt: skip
     assert plain(np.array(4.0)) == 4.0
+
+
+def test_a_machine_without_memory_is_told_in_a_line(tmp_path, monkeypatch, capsys):
+    def none_left(path):
+        raise MemoryError
+
+    monkeypatch.setattr("pa10d.profile.load.read_yaml", none_left)
+    assert main(["--data", str(tmp_path), "profile", "show", "--profile", "pa10-sim"]) == 1
+    said = capsys.readouterr().err.strip().splitlines()
+    assert len(said) == 1
+    assert "no more memory" in said[0]

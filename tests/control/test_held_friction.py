@@ -19,19 +19,30 @@ WAITS, MOVES = np.zeros(2, bool), np.ones(2, bool)
 SLOW, FAST = np.full(2, 0.5 * SLIPS), np.array([0.5, 2.0]) * SLIPS
 
 
-def let_go(way, dq=SLOW, coulomb=COULOMB):
-    """(2,) N·m in all, of joints that crept ``way`` (2, rows) rad and then move."""
-    held = HeldFriction(coulomb, PERIOD)
-    held.start(np.zeros(2))
+def let_go(way, dq=SLOW, coulomb=COULOMB, less=0.0):
+    """(2,) N·m in all, of joints that crept ``way`` (2, rows) rad, stand while their torque falls
+    by ``less`` (N·m), and then move."""
+    held, torque = HeldFriction(coulomb, PERIOD), 10.0 * np.ones(2)
+    held.start(np.zeros(2), torque)
     for q in np.transpose(way):
-        assert not held.let_go(q, dq, WAITS).any(), "a joint that waits needs what it holds"
-    return sum(held.let_go(q, dq, MOVES) for _ in range(round(20 * LET_GO / PERIOD)))
+        assert not held.let_go(q, dq, WAITS, torque).any(), "a joint that waits needs what it holds"
+    for _ in range(50):
+        torque = torque - less / 50
+        held.let_go(q, 0.0 * dq, WAITS, torque)
+    return sum(held.let_go(q, dq, MOVES, torque) for _ in range(round(20 * LET_GO / PERIOD)))
 
 
 def test_all_of_it_goes_by_the_way_the_joint_crept():
     way = np.linspace(0.0, 3.0 * CREPT, 50) * np.array([[1.0], [-1.0]])
     assert let_go(way) == pytest.approx(COULOMB * [1.0, -1.0], rel=1e-6)
     assert let_go(0.3 * CREPT * np.ones((2, 1))) == pytest.approx(0.3 * COULOMB, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.4, 1.0, 1.6])
+def test_a_torque_that_fell_while_the_joint_stood_holds_less_of_it(share):
+    """Friction balances the torque: what the servo takes back holds none any more."""
+    way = np.linspace(0.0, 3.0 * CREPT, 50) * np.array([[1.0], [1.0]])
+    assert let_go(way, less=share * COULOMB) == pytest.approx((1.0 - share) * COULOMB, abs=1e-6)
 
 
 @given(
@@ -59,7 +70,7 @@ def worst_of_a_stroke(friction: float, way: float) -> float:
     gains = PidGains(np.array([40.0]), np.array([60.0]), np.array([6.0]))
     gains = PidGains(gains.kp, gains.ki, gains.kd, friction=np.array([friction]))
     servo, q, dq, worst = Pid(gains, np.array([30.0]), PERIOD), 0.0, 0.0, 0.0
-    servo._held.start(np.zeros(1))
+    servo._held.start(np.zeros(1), np.zeros(1))
     for k in range(round(8.0 / PERIOD)):
         s = np.clip((k * PERIOD - 6.0) / seconds, 0.0, 1.0)
         run = way * 30.0 * (s**2 - 2 * s**3 + s**4) / seconds
@@ -68,7 +79,9 @@ def worst_of_a_stroke(friction: float, way: float) -> float:
             dq=np.array([run]),
             extra=np.array([dry * np.sign(run) + wet * run]),
         )
-        torque = float(servo.torque(at, np.array([q]), np.array([dq]))[0])
+        wanted = servo.torque(at, np.array([q]), np.array([dq]))
+        servo.applied(wanted, wanted)
+        torque = float(wanted[0])
         for _ in range(8):
             h = PERIOD / 8
             free = (dq + h * torque / inertia) / (1 + h * wet / inertia)
