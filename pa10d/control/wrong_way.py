@@ -2,7 +2,8 @@
 
 A joint that something pushes away slows down as the servo pushes back. Where it goes away faster
 the more the servo pushes back, its torque has the wrong sign. Since it left its place the speed is
-a·t + c·∫(u - u0)dt: c is 1/J, or -1/J. Least squares, five sums a joint.
+a·t + c·∫(u - u0)dt: c is 1/J, or -1/J. Least squares, five sums a joint. Another joint that goes
+the way it is pushed may take it along: until it rests again nothing is said of it.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ LEFT, FAR = 1e-3, 0.01  # rad: where it begins, and what is enough to judge
 SURE = 6.0  # standard errors
 PUSHED = 0.02  # of the torque limit: friction alone moves a joint in ways of its own
 FEWEST = 8  # cycles
+TAKES = 0.3  # of a joint's speed, with which another that is pushed may take it along
 _ROWS = 10
 _TIME, _PUSH, _FROM, _TT, _TP, _PP, _TV, _PV, _VV, _STOOD = range(_ROWS)
 
@@ -37,7 +39,7 @@ class WrongWayWatch:
         """Violation where pushing back drives a held joint away; (n,) rad from its place to the
         joint, rad/s, N·m sent."""
         axis = _look(
-            error, dq, torque, self._least, self._period, self._sums, LEFT, FAR, SURE, FEWEST
+            error, dq, torque, self._least, self._period, self._sums, LEFT, FAR, SURE, FEWEST, TAKES
         )
         if axis >= 0:
             push = self._sums[_PUSH, axis] / max(self._sums[_TIME, axis], self._period)
@@ -54,7 +56,7 @@ class WrongWayWatch:
 
 
 @numba.njit(cache=True)
-def _look(error, dq, torque, least, period, sums, left, far, sure, fewest):
+def _look(error, dq, torque, least, period, sums, left, far, sure, fewest, takes):
     found = -1
     for j in range(len(error)):
         if abs(error[j]) < left:
@@ -62,6 +64,13 @@ def _look(error, dq, torque, least, period, sums, left, far, sure, fewest):
             sums[_FROM, j], sums[_STOOD, j] = torque[j], 1.0
             continue
         s = sums[:, j]
+        if s[_STOOD] == 0.0:
+            continue
+        for k in range(len(error)):
+            push = torque[k] - sums[_FROM, k]
+            pushed = abs(push) > least[k] and push * dq[k] > 0.0
+            if k != j and pushed and abs(dq[k]) > takes * abs(dq[j]):
+                s[_STOOD] = 0.0
         if s[_STOOD] == 0.0:
             continue
         s[_TIME] += period

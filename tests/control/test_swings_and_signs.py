@@ -96,6 +96,20 @@ def test_a_load_that_nobody_knew_is_no_wrong_sign(push):
     assert held(lambda t: push * np.sin(20 * t), 1.0)[0] is None
 
 
+def test_a_joint_that_another_takes_along_has_no_wrong_sign():
+    """The first one is borne by more than it weighs; the second hangs on it, lightly held."""
+    mass = np.array([[2.0, 0.6], [0.6, 0.25]])
+    watch = WrongWayWatch(np.array([50.0, 50.0]), PERIOD)
+    q, v = np.zeros(2), np.zeros(2)
+    for k in range(100):
+        torque = -np.array([50.0, 40.0]) * q - np.array([5.0, 1.0]) * v
+        torque[0] += min(40.0, 2.0 * k)
+        watch.watch(q, v, torque)
+        v = v + PERIOD * np.linalg.solve(mass, torque)
+        q = q + PERIOD * v
+    assert abs(q[1]) > 0.02
+
+
 def test_gains_come_bumpless_by_command():
     from pa10d.control.commands import Commands
 
