@@ -26,8 +26,6 @@ REMEDIES = {
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
     "the profile turns angle and torque together and does not mend this",
-    "crossed": "put each motor's cable to its own drive, and compare node ids with the profile; "
-    "power no joint before",
     "stale": "check cabling, termination and bus load; the axis stopped answering",
     "no_number": "look at what this backend reads; the drive's encoder and its scaling",
     "backend": "report it to whoever wrote this backend, with the daemon's log; 'reset' tries anew",
@@ -74,7 +72,7 @@ class Fault:
     @property
     def runs_away(self) -> bool:
         """Whether the torque itself is what moves an axis that shall stand."""
-        return self.kind in ("not_held", "wrong_sign", "crossed")
+        return self.kind in ("not_held", "wrong_sign")
 
     @property
     def sentence(self) -> str:

@@ -1,14 +1,9 @@
-"""Whom does a torque move? Seen in the small steps that a first motion begins with, one joint at a
-time.
+"""Does a torque act the wrong way round? Seen in the small steps that a first motion begins with,
+one joint at a time.
 
-A joint that goes the other way than it is asked to, the faster the more it is pushed, has a torque
-of the wrong sign: friction held it until then. Where motor cables were changed over, drive k turns
-the motor of joint i, and each measures its own joint: k is pushed and stands, while i, which nobody
-asked, leaves its place the faster the more k is pushed, and against its own torque. On an arm that
-is wired rightly a joint that stands passes no torque on; one that moves takes others along, of
-which nothing is said.
-
-Speed since it left its place is v0 + c·∫(u_k - u_k0)dt: least squares, a few sums for each pair.
+Friction held the joint until then. It goes the other way than it is asked to, the faster the more
+it is pushed; one that moves may take others along, of which nothing is said. Speed since it left
+its place is v0 + c·∫(u - u0)dt: least squares, a few sums.
 """
 
 from __future__ import annotations
@@ -31,7 +26,6 @@ SURE = 6.0  # standard errors
 FEWEST = 8  # cycles
 _ROWS = 7
 _COUNT, _P, _PP, _V, _VP, _VV, _AT = range(_ROWS)
-_FINE, _WRONG_SIGN, _CROSSED = range(3)
 
 
 class FirstSteps:
@@ -41,11 +35,10 @@ class FirstSteps:
         """strongest: (n,) N·m, the torque limits."""
         n = len(strongest)
         self._period, self._least = period, PUSHED * strongest
-        self._sums = np.zeros((_ROWS, n, n))
-        self._passed = np.zeros(n)  # N·m·s by which each was pushed until now
+        self._sums = np.zeros((_ROWS, n, n + 1))  # the last: of time alone
+        self._passed = np.zeros(n + 1)  # N·m·s by which each was pushed until now, and s
         self._side = np.zeros(n)  # of its place on which each is
         self._way = np.zeros(n)  # in which each was asked to move last
-        self._led, self._cycle = np.zeros(n, dtype=np.int64), 0  # when that was
         self._stood = np.zeros((2, n))  # rad where each should be, and N·m that held it there
         self._begun = False
         self._judged(
@@ -60,29 +53,17 @@ class FirstSteps:
             self._stood[:] = reference.q, torque
             return
         self._begun = True
-        self._cycle += 1
-        self._led[led] = self._cycle
         self._way[led] = np.sign(reference.dq[led])
         if np.abs(reference.q - self._stood[0]).max() > NEAR:
             return
-        found, axis, may = self._judged(q, dq, torque, reference.q)
-        if found == _FINE:
+        axis = self._judged(q, dq, torque, reference.q)
+        if axis < 0:
             return
         push, far = torque - self._stood[1], abs(q[axis] - reference.q[axis])
-        if found == _WRONG_SIGN:
-            raise LoopFault(
-                "wrong_sign",
-                f"was pushed by {push[axis]:.2g} N·m and went the other way, the faster, {far:.2g} "
-                "rad by now: its torque acts the wrong way round",
-                axis,
-            )
-        last = may & (self._led == self._led[may].max())  # it was asked to move when that began
-        other = int(np.argmax(np.where(last, np.abs(push) / self._least, -1.0)))
         raise LoopFault(
-            "crossed",
-            f"pushing joint {other + 1} moves joint {axis + 1}: cables or node ids are swapped "
-            f"({push[other]:.2g} N·m more did not move joint {other + 1}, but joint {axis + 1} "
-            f"went {far:.2g} rad from its place, against its own torque)",
+            "wrong_sign",
+            f"was pushed by {push[axis]:.2g} N·m and went the other way, the faster, {far:.2g} "
+            "rad by now: its torque acts the wrong way round",
             axis,
         )
 
@@ -90,12 +71,10 @@ class FirstSteps:
         """Forget the past."""
         self._sums[:] = 0.0
         self._passed[:] = self._side[:] = self._way[:] = 0.0
-        self._led[:], self._cycle, self._begun = 0, 0, False
+        self._begun = False
 
-    def _judged(
-        self, q: Array, dq: Array, torque: Array, wanted: Array
-    ) -> tuple[int, int, NDArray[np.bool_]]:
-        found: tuple[int, int, NDArray[np.bool_]] = _look(
+    def _judged(self, q: Array, dq: Array, torque: Array, wanted: Array) -> int:
+        found: int = _look(
             q, dq, torque - self._stood[1], q - wanted, self._way, self._least, self._period,
             self._passed, self._side, self._sums,
         )  # fmt: skip
@@ -105,16 +84,16 @@ class FirstSteps:
 @numba.njit(cache=True)
 def _look(q, dq, push, error, way, least, period, passed, sides, sums):
     n = len(q)
-    may = np.zeros(n, dtype=np.bool_)
-    passed += period * push
+    passed[:n] += period * push
+    passed[n] += period
     for i in range(n):
         side = np.sign(error[i])
         if abs(error[i]) < LEFT or abs(dq[i]) < CREEPS or side != sides[i]:
             sums[:, i] = 0.0
-            sums[_AT, i] = q
+            sums[_AT, i, :n] = q
             sides[i] = side
             continue
-        for k in range(n):
+        for k in range(n + 1):
             s = sums[:, i, k]
             s[_COUNT] += 1.0
             s[_P] += passed[k]
@@ -123,36 +102,30 @@ def _look(q, dq, push, error, way, least, period, passed, sides, sums):
             s[_VP] += dq[i] * passed[k]
             s[_VV] += dq[i] * dq[i]
     for i in range(n):
-        moved = q - sums[_AT, i]
+        moved = q - sums[_AT, i, :n]
         away = error[i] * dq[i] > 0.0 and error[i] * push[i] < 0.0 and error[i] * moved[i] > 0.0
         far = min(abs(error[i]), abs(moved[i]))
         if far < FAR or not away or sums[_COUNT, i, i] < FEWEST:
             continue
         give = LEFT + STANDS * abs(moved[i])
-        if way[i] * error[i] <= 0.0:
+        if way[i] * error[i] < 0.0:
             taken = False  # along by another joint
             for k in range(n):
-                moves = push[k] * moved[k] > 0.0 and abs(moved[k]) > give
-                may_take = moves or way[i] == 0.0  # of one that nobody asked more is not known
-                taken = taken or (k != i and abs(push[k]) >= least[k] and may_take)
-            if not taken and _slope(sums[:, i, i]) < 0.0:
-                return _WRONG_SIGN, i, may
-        if way[i] * error[i] >= 0.0:
-            for k in range(n):
-                stands = k != i and abs(push[k]) >= least[k] and abs(moved[k]) <= give
-                may[k] = stands and _slope(sums[:, i, k]) > 0.0
-            if may.any():
-                return _CROSSED, i, may
-    return _FINE, -1, may
+                pushed = abs(push[k]) >= least[k] and push[k] * moved[k] > 0.0
+                taken = taken or (k != i and pushed and abs(moved[k]) > give)
+            if not taken and _slope(sums[:, i, i])[0] < 0.0:
+                return i
+    return -1
 
 
 @numba.njit(cache=True)
 def _slope(s):
-    """rad/s per N·m·s of these sums; 0 where it is not sure."""
+    """rad/s per N·m·s of these sums, 0 where it is not sure; and the squares that it leaves."""
     count = s[_COUNT]
     pp = s[_PP] - s[_P] * s[_P] / count
     vp, vv = s[_VP] - s[_V] * s[_P] / count, s[_VV] - s[_V] * s[_V] / count
     if pp <= 1e-12 * s[_PP]:
-        return 0.0
-    rest = max(vv - vp * vp / pp, 0.0) / (count - 2.0)
-    return vp / pp if vp * vp > SURE * SURE * rest * pp else 0.0
+        return 0.0, vv
+    rest = max(vv - vp * vp / pp, 0.0)
+    sure = vp * vp * (count - 2.0) > SURE * SURE * rest * pp
+    return (vp / pp if sure else 0.0), rest
