@@ -162,7 +162,7 @@ def _of(name: str, runs: list[RunResidual], model: TorqueModel, floor: NoiseFloo
     found = scores(runs)
     where = places(runs, model.robot, floor.values, judged=found)
     where += _clear_places(runs, found, floor, model, {place.joint for place in where})
-    spread = failing(found, floor.values, model.robot, where, runs)
+    spread = failing(found, floor.values, model.robot, where, runs, model.noise)
     return RunScores(name, found, floor, tuple(where), tuple(spread))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import joint_words, times
+from pa10d.common.words import joint_words, listed, times
 from pa10d.compare.curves import Curve
 from pa10d.compare.knocks import knocks
 from pa10d.compare.phrases import sentence
@@ -50,10 +50,12 @@ def failing(
     robot: Robot,
     found: Sequence[Place],
     runs: Sequence[RunResidual],
+    fitted: Array,
 ) -> list[str]:
     """One sentence for every joint that keeps materially more than its noise (n,) N·m though no
     place of its error stands out, or all of it lies in a few moments of the runs, and one for all
-    joints whose noise is not known."""
+    joints whose noise is not known; fitted: (n,) N·m that the model leaves on the runs that it was
+    fitted to, all their noise included."""
     told, said = {place.joint for place in found}, []
     for j, (rms, noise) in enumerate(zip(judged.rms, floor, strict=True)):
         known = noise > 0
@@ -69,6 +71,16 @@ def failing(
                 "error is spread over all of its motion."
             )
     blind = [j for j in range(robot.n) if j not in told and not np.isfinite(floor[j])]
+    more = [j for j in blind if judged.rms[j] > MATERIAL * fitted[j]]
+    if more:
+        ratios = [f"{judged.rms[j] / fitted[j]:.2g}" for j in more]
+        keeps, whose = ("which keeps", "its") if len(more) == 1 else ("which keep", "their")
+        said.append(
+            f"No region stands out on {joint_words(more)}, {keeps} {listed(ratios)} times what the "
+            f"model leaves on the runs that it was fitted to: {whose} noise is not known, but was "
+            "no more than that there. What is more those runs do not show, or it came since."
+        )
+    blind = [j for j in blind if j not in more]
     if blind:
         said.append(
             f"No region stands out on {joint_words(blind)}, and the noise there is not known from "

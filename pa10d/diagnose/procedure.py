@@ -39,7 +39,8 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
-from pa10d.diagnose.unknown.as_it_stood import moved_far, one_change, stood_words
+from pa10d.diagnose.unknown.as_it_stood import left_far_more, one_change, stood_words
+from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.geometry import Geometry, OtherGeometry, other_geometry
@@ -144,12 +145,12 @@ def diagnose(
         may_change = heard(suspects(True, model.robot.n), state.held)
         apart = unlike_fitted(state, given, may_change, left.floor.values)
     far, stood = np.zeros(model.robot.n, dtype=bool), ""
-    if frozen and only is None:
+    if state.usual is not None and only is None:
         alone = rms(state.bare(given).held_residual())
-        far = moved_far(state, alone)
+        far = left_far_more(state, alone, left.rms)
         if far.any():
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
-            stood = stood_words(given_error.rms, alone, far, change)
+            stood = stood_words(given_error.rms, alone, model.noise, far, change)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
     over = left_over(state, seen, left, again, only is None, told, given, bent_laws(search.bent))
     say(0.9, "standard errors and doubts")
@@ -189,6 +190,7 @@ def diagnose(
         state.as_given,
         {j: found.words for j, found in knocked.items()},
         search.outdone,
+        most_noise(state),
     )
     say(1.0, "done")
     return Diagnosis(

@@ -53,9 +53,13 @@ def test_an_error_in_no_place_is_told_with_its_size(said):
 def test_joints_of_unknown_noise_are_told_together():
     judged = compare(arm.model(), [arm.recording(4, 40.0, 0.3, period=PERIOD)]).pooled
     nothing = np.full(3, np.nan)
-    (sentence,) = failing(judged.scores, nothing, arm.ROBOT, [], [])
+    own = judged.scores.rms
+    (sentence,) = failing(judged.scores, nothing, arm.ROBOT, [], [], own)
     assert "on joints 1 to 3" in sentence
-    assert failing(judged.scores, judged.noise_floor, arm.ROBOT, [], []) == []
+    assert failing(judged.scores, judged.noise_floor, arm.ROBOT, [], [], own) == []
+    more, rest = failing(judged.scores, nothing, arm.ROBOT, [], [], own / [1.0, 4.0, 3.0])
+    assert "on joints 2 and 3, which keep 4 and 3 times what the model leaves on the runs" in more
+    assert "on joint 1, and the noise there is not known" in rest
 
 
 def test_a_run_that_was_fitted_is_no_judge():

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from test_between_runs import more_mass
 from two_links import recordings, textbook
 
 from pa10d.diagnose.outcome.words import none_found
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.unknown.as_it_stood import stood_words
 
 DOUBT = 1e7
 """Of the covariance: as wide as after a short run of an arm that lacks much."""
@@ -28,7 +30,8 @@ def test_a_payload_within_the_doubt_of_a_model_is_told_as_what_would_do_alone():
     assert (found.verdict, found.findings) == ("none", ())
     said = none_found(found)
     assert said.startswith("Whether something has changed this data cannot say: as it was given ")
-    assert "; a payload alone, all else as it was, takes more than 99 % of it" in said
+    assert "; a payload (mass about 0.8 kg, " in said
+    assert ") alone, all else as it was, takes more than 99 % of it" in said
     assert "joints 1 and 2" in said
 
 
@@ -38,3 +41,14 @@ def test_nothing_is_said_where_nothing_changed_or_the_change_is_named(change, do
     assert found.stood == ""
     named = [finding.term.effect_id for finding in found.findings]
     assert named == ([] if change is None else ["payload"])
+
+
+def test_an_error_far_above_that_of_the_models_own_runs_is_told():
+    """Friction that rose by five times what the model had left: "nothing that was looked for shows
+    itself", because the doubt of a model of one short run took up nearly half of it."""
+    given, moved, own = np.array([[9.1, 0.8], [5.4, 0.7], [1.8, 1.2]])
+    said = stood_words(given, moved, own, np.array([True, False]), None)
+    assert said.startswith(
+        "as it was given the model leaves 9.1 where it leaves 1.8 on its own runs, and 5.4 moving "
+        "within its own doubt, on joint 1; "
+    )

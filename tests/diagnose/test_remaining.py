@@ -248,3 +248,14 @@ def test_what_a_map_outdid_is_told_where_it_took_most(share, told):
     (said,) = remaining(left, [None], [seen], ["N·m"], outdone=outdone)
     looks = "What looks like a torque offset there (78 % of its squared error) is part of that:"
     assert (looks in said.sentence) is told
+
+
+def test_where_no_floor_is_known_noise_is_no_more_than_the_fitted_runs_keep():
+    """5.7 N·m beside 0.33 on the fitted run: "this data cannot say how much of it is noise"."""
+    left = judged(57.0, source=None)
+
+    def said(most: float) -> str:
+        return remaining(left, [None], [], ["N·m"], most_noise=np.array([most]))[0].sentence
+
+    assert "No more than 0.33 N·m is noise as it was on the runs that" in said(0.33)
+    assert "cannot say how much of it is noise" in said(5.5)

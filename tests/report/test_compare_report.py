@@ -67,7 +67,8 @@ def blind(comparison):
     """The same, of which nobody knows the noise."""
     pooled = comparison.pooled
     floor = replace(pooled.floor, values=np.full(3, np.nan), methods=(None,) * 3)
-    spread = tuple(failing(pooled.scores, floor.values, comparison.model.robot, [], []))
+    own = np.full(3, np.inf)
+    spread = tuple(failing(pooled.scores, floor.values, comparison.model.robot, [], [], own))
     return replace(comparison, pooled=replace(pooled, floor=floor, where=(), spread=spread))
 
 

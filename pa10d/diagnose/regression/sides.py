@@ -90,7 +90,7 @@ def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
 def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
     """Refuse data with so few independent samples that what the unknowns of the model are off by
     moves its torque by more than half of the noise's power."""
-    needed, found = PER_UNKNOWN * len(model.covariance), float(np.sum(_independent(train)))
+    needed, found = PER_UNKNOWN * len(model.covariance), float(np.sum(independent(train)))
     if found < needed:
         seconds = sum(float(run.keep.mean(axis=1).sum()) / run.rate for run in train)
         raise UserError(
@@ -103,7 +103,7 @@ def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
 def _few_to_judge(held: Sequence[RunEquation]) -> dict[int, str]:
     """Joints with too few independent samples to know their noise by, and how many: nothing is
     fitted to them, so the number of unknowns does not matter."""
-    found = _independent(held)
+    found = independent(held)
     return {
         int(j): f"{found[j]:.0f} independent samples of joint {j + 1} in motion in the data to "
         f"judge by, expected at least {FEWEST_TO_JUDGE}: a longer run of another motion, or a "
@@ -112,7 +112,7 @@ def _few_to_judge(held: Sequence[RunEquation]) -> dict[int, str]:
     }
 
 
-def _independent(runs: Sequence[RunEquation]) -> Array:
+def independent(runs: Sequence[RunEquation]) -> Array:
     """(n,) samples that a band of the cut-off can hold in the time that counts: two a period."""
     return np.asarray(
         np.sum([2.0 * r.lowpass.cutoff / r.rate * r.keep.sum(axis=0) for r in runs], axis=0)

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.common.words import joint_words, percent
+from pa10d.common.words import joint_words, listed, percent
 from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MOVED_FAR
 from pa10d.diagnose.regression.state import SearchState, Suspects
+from pa10d.effects import Effect, Shape
 from pa10d.model import TorqueModel
 from pa10d.model.unknowns import vector_of
 from pa10d.regression.per_joint import PerJoint
@@ -26,32 +27,42 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OneChange:
-    """named: the effect, as people call it; shares (n,) of each joint's squared error, as the model
-    was given, that it takes on the held-out side when fitted to the fit side alone."""
+    """named: the effect, as people call it, and its size; shares (n,) of each joint's squared
+    error, as the model was given, that it takes on the held-out side when fitted to the fit side
+    alone."""
 
     named: str
     shares: Array
 
 
-def moved_far(state: SearchState, left: Array) -> NDArray[np.bool_]:
-    """(n,) joints on which a frozen model was moved, within its doubt, to leave no more than it
-    usually does, and left more as it was given; left (n,) N·m RMS held out, of the model without
-    findings: what these explain is no such move."""
+def left_far_more(state: SearchState, moved: Array, now: Array) -> NDArray[np.bool_]:
+    """(n,) joints of which a frozen model as it was given leaves more than it usually does, and far
+    more than where it moves within its doubt, or more than usual even there and with all findings:
+    ``moved`` without, ``now`` with them, (n,) N·m RMS held out."""
     if state.usual is None or state.as_given is None:
         return np.zeros(state.held.n, dtype=bool)
-    return np.asarray(state.as_given > np.maximum(MOVED_FAR * left, state.usual))
+    elsewhere = (state.as_given > MOVED_FAR * moved) | (now > state.usual)
+    return np.asarray(elsewhere & (state.as_given > state.usual))
 
 
-def stood_words(given: Array, left: Array, far: NDArray[np.bool_], change: OneChange | None) -> str:
-    """Of all joints that a frozen model was moved on, (n,) N·m before and after, far (n,) mask;
-    empty where there is none."""
+def stood_words(
+    given: Array, left: Array, usual: Array, far: NDArray[np.bool_], change: OneChange | None
+) -> str:
+    """Of all joints that ``left_far_more`` tells, (n,) N·m: as the model was given, where it moves,
+    on its own runs; far (n,) mask; empty where there is none."""
     if not far.any():
         return ""
-    worst = int(np.argmax(np.where(far, given / np.maximum(left, 1e-300), 0.0)))
+    least = np.minimum(left, usual)
+    worst = int(np.argmax(np.where(far, given / np.maximum(least, 1e-300), 0.0)))
     alike = [j for j in np.flatnonzero(far).tolist() if j != worst]
+    where = (
+        f"moving within its own doubt it leaves {left[worst]:.3g}"
+        if left[worst] <= usual[worst]
+        else f"it leaves {usual[worst]:.3g} on its own runs, and {left[worst]:.3g} moving within "
+        "its own doubt,"
+    )
     said = (
-        f"as it was given the model leaves {given[worst]:.3g} where moving within its own doubt "
-        f"it leaves {left[worst]:.3g} on joint {worst + 1}"
+        f"as it was given the model leaves {given[worst]:.3g} where {where} on joint {worst + 1}"
         + (f" ({joint_words(alike)} alike)" if alike else "")
     )
     if change is not None and change.shares[worst] >= BROKEN_SHARE:
@@ -74,18 +85,20 @@ def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> On
         fit, held = (side.columns(effect, joints, [shape]) for side in (state.train, state.held))
         if any(len(c) and not np.all(np.isfinite(c)) for c in (*fit.values(), *held.values())):
             continue
-        after = _without(state, before, fit, held)
-        tried.append((_size(state, after), next(iter(fit.values())).shape[1], effect, after))
+        theta = _fitted(state, before[0], fit)
+        after = {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
+        named = f"{effect.named} ({_sized(effect, theta, shape)})"
+        tried.append((_size(state, after), len(theta), named, after))
     whole = _size(state, before[1])
     least = min((size for size, *_ in tried), default=whole)
     if least > (1.0 - BROKEN_SHARE) * whole:
         return None
     near = [one for one in tried if one[0] <= least + MATERIAL_GAIN * whole]
-    _, _, effect, after = min(near, key=lambda one: (one[1], one[0]))
+    _, _, named, after = min(near, key=lambda one: (one[1], one[0]))
     shares = [
         1.0 - float(after[j] @ after[j]) / max(float(r @ r), 1e-300) for j, r in before[1].items()
     ]
-    return OneChange(effect.named, np.array(shares))
+    return OneChange(named, np.array(shares))
 
 
 def _as_given(state: SearchState, given: TorqueModel) -> tuple[PerJoint, PerJoint]:
@@ -99,15 +112,20 @@ def _as_given(state: SearchState, given: TorqueModel) -> tuple[PerJoint, PerJoin
     return out[0], out[1]
 
 
-def _without(
-    state: SearchState, before: tuple[PerJoint, PerJoint], fit: PerJoint, held: PerJoint
-) -> PerJoint:
-    """Held-out errors without what columns fitted to the fit side foretell."""
+def _fitted(state: SearchState, left: PerJoint, columns: PerJoint) -> Array:
+    """Coefficients of columns by which they take most of an error."""
     sigma = state.fit.sigma
-    rows = np.concatenate([c / sigma[j] for j, c in fit.items()])
-    target = np.concatenate([before[0][j] / sigma[j] for j in fit])
-    theta = np.linalg.lstsq(rows, target, rcond=1e-9)[0]
-    return {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
+    rows = np.concatenate([c / sigma[j] for j, c in columns.items()])
+    target = np.concatenate([left[j] / sigma[j] for j in columns])
+    return np.asarray(np.linalg.lstsq(rows, target, rcond=1e-9)[0])
+
+
+def _sized(effect: Effect, theta: Array, shape: Shape) -> str:
+    """``Fc about 2.5 N·m``."""
+    values = effect.values(theta, np.zeros((len(theta), len(theta))), shape, {})
+    return listed(
+        [f"{k} about {v.value:.2g} {v.unit}".rstrip() for k, v in values.items() if k not in shape]
+    )
 
 
 def _size(state: SearchState, left: PerJoint) -> float:

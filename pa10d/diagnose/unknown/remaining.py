@@ -242,6 +242,7 @@ def remaining(
     as_given: Array | None = None,
     knocked: Mapping[int, str] | None = None,
     outdone: Mapping[int, tuple[tuple[str, ...], float]] | None = None,
+    most_noise: Array | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -256,7 +257,8 @@ def remaining(
     own goes with; moved: joints on which a frozen model leaves so little because it was moved;
     as_given (n,) N·m: what a frozen model leaves as it was; knocked: by joint, in words, of those
     whose error lies in a few moments of the runs; outdone: by joint, effects that would take such a
-    share of it, of which a map leaves much less."""
+    share of it, of which a map leaves much less; most_noise (n,) N·m RMS: as much of it as there is
+    on the runs that the model was fitted to, at most."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -291,6 +293,7 @@ def remaining(
             (beside or {}).get(j),
             [t.joints[0] for t in found if t.effect.series_spring],
             (knocked or {}).get(j, ""),
+            float("inf") if most_noise is None else float(most_noise[j]),
         )
         if isinstance(left, Structure) and outdone and outdone.get(j, ((), 0.0))[1] > BROKEN_SHARE:
             line = _with_outdone(line, *outdone[j])
@@ -385,9 +388,11 @@ def _with_sentence(
     beside: GoesWith | None,
     springs: Sequence[int],
     knocked: str,
+    most_noise: float,
 ) -> Remaining:
     """springs: joints (0-based) in which one was found: what swings on may be that one; knocked:
-    where in time its error lies, if it lies in a few moments."""
+    where in time its error lies, if it lies in a few moments; most_noise: N·m RMS, inf where not
+    known."""
     size = _size(line, unit)
     unsaid = left is None or (isinstance(left, Unnamed) and left.witness == "size")
     if isinstance(left, Apart):
@@ -525,6 +530,12 @@ def _with_sentence(
         text = f"{size}; what it depends on was not looked for"
     elif knocked:
         text = f"{size}; {knocked}"
+    elif line.material is None and line.rms > MATERIAL_REST * most_noise:
+        text = (
+            f"{size}, and motion does not predict it. No more than {most_noise:.3g} {unit} is "
+            "noise as it was on the runs that the model was fitted to: what is more those do not "
+            "show, or it came since. Record one motion twice: what comes again is no noise"
+        )
     elif line.material is None:
         text = (
             f"{size}, and motion does not predict it: this data cannot say how much of it is "
