@@ -152,7 +152,9 @@ def diagnose(
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
             stood = stood_words(given_error.rms, alone, model.noise, far, change)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
-    over = left_over(state, seen, left, again, only is None, told, given, bent_laws(search.bent))
+    over = left_over(
+        state, seen, left, again, only is None, told, given, bent_laws(search.all_bent())
+    )
     say(0.9, "standard errors and doubts")
     said_of = [u for u in over.unexplained if not isinstance(u, Unnamed)]
     open_ = unsaid(left, said_of) if only is None else []

@@ -13,7 +13,7 @@ import numpy as np
 from pa10d.common.errors import UserError
 from pa10d.dynamics import Robot
 from pa10d.identify.blocks import Pieces, middle
-from pa10d.identify.timing import AGREE, EARLIEST, FARTHEST, USUAL, Shift, find_shift
+from pa10d.identify.timing import EARLIEST, FARTHEST, SIGNIFICANT, USUAL, Shift, find_shift
 from pa10d.measurement.recording import Recording
 from pa10d.regression.layout import Layout
 
@@ -34,7 +34,7 @@ def late_apart(
     apart = known[late].estimate - known[early].estimate
     doubt = float(np.hypot(known[late].std_error, known[early].std_error))
     least = max(EARLIEST, *(1.0 / r.rate for r in recordings))
-    if apart <= max(AGREE * doubt, least):
+    if apart <= max(SIGNIFICANT * doubt, least):
         return None
     return (
         f"torque is {apart * 1e3:.2f} ± {doubt * 1e3:.2f} ms later against position in run {late} "

@@ -92,3 +92,23 @@ def test_a_wide_bump_is_told_with_the_curve_that_it_may_be(vs, rivals):
     found = bent_rivals(judging, judged[0], judged)
     assert [j.candidate.effect.id for j in found] == rivals
     assert not any(j.candidate.effect.bent(j.candidate.shape) for j in found)
+
+
+def dragged(t, q, dq, ddq):
+    """(N, 2) N·m: a loom on the second joint that gives over 0.3 rad (Dahl's equation)."""
+    z, state = np.zeros(len(t)), 0.0
+    for k in range(1, len(t)):
+        dx = q[k, 1] - q[k - 1, 1]
+        state += dx - abs(dx) * state / 0.3
+        z[k] = state
+    return np.outer(2.0 * z / 0.3, [0.0, 1.0])
+
+
+def test_a_law_that_was_refined_to_the_end_of_its_range_is_told():
+    """Found inside it, it was refused once refined, and a map of half as much stood there."""
+    runs = recordings(3, dragged, 0.1)
+    sides = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+    found = diagnose(textbook(runs), *sides)
+    (said,) = (one for one in found.unexplained if one.joint == 1)
+    assert (said.witness, said.law) == ("law", "pre-sliding hysteresis with zs = 0.2 rad")
+    assert said.law in found.remaining[1].sentence

@@ -162,6 +162,17 @@ def test_a_joint_of_which_the_data_says_nothing_does_not_keep_the_others_from_it
     assert [len(tau) > 0 for tau in held.tau] == [True, False]
 
 
+def test_a_joint_whose_one_stroke_a_cut_falls_into_did_move(runs, model):
+    """It was said to never move, beside a run in which it swings."""
+    run = runs["fit_a"]
+    once = recorded(run, 0.6 * np.clip((run.t - 14.0) / 0.4, 0.0, 1.0))
+    _, held, _ = two_sides(model, [once], [])
+    assert held.silent[1].startswith("joint 2 moves too little in blocks of time of one run")
+    still = two_sides(model, [recorded(run, 0.3)], [])[1]
+    assert held.silent.keys() == still.silent.keys()
+    assert "never moves" in still.silent[1]
+
+
 def test_data_that_says_nothing_of_any_joint_is_refused(runs, model):
     run = runs["fit_a"]
     still = Recording("still", run.t, np.full_like(run.q, 0.3), run.tau)

@@ -42,10 +42,13 @@ def two_sides(
     shared_names = {r.name for r in shared}
     train = [equation(model, r) for r in fit if r.name not in shared_names]
     held = [equation(model, r) for r in validate if r.name not in shared_names]
+    uncut = [*train]
     for recording in shared:
-        first, second = blocks(equation(model, recording))
+        whole = equation(model, recording)
+        first, second = blocks(whole)
         train.append(first)
         held.append(second)
+        uncut.append(whole)
     if not shared:
         words = f"runs {', '.join(r.name for r in validate)}, which the fit has not seen"
     elif held and len(held) > len(shared):
@@ -59,11 +62,19 @@ def two_sides(
             "were fitted (no separate validation run)"
         )
     silent = {**_idle(held, "to judge by"), **_idle(train, "to fit")}
+    for j in silent.keys() - _idle(uncut, "").keys() if shared else ():
+        silent[j] = _CUT.format(joint=j + 1)
     _some_left(silent, model.robot.n)
     _enough_to_fit(model, train)
     silent = {**_few_to_judge(held), **silent}
     _some_left(silent, model.robot.n)
     return Side.of(train), Side.of(held, silent), words
+
+
+_CUT = (
+    "joint {joint} moves too little in blocks of time of one run, cut apart to fit to the ones and "
+    "judge by the others: judge by another run (--validate), or use a longer one"
+)
 
 
 def _some_left(silent: Mapping[int, str], n: int) -> None:

@@ -62,6 +62,7 @@ class Search:
     rival_gains: dict[int, Structure] = field(default_factory=dict)  # by joint: leave less alone
     outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
     bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape alone
+    bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
@@ -374,6 +375,8 @@ class Search:
             if weakest is None:
                 break
             dropped.add(weakest[1].place)
+            if weakest[1].bent:
+                self.bent_since[weakest[1].place] = weakest[1]
             self.state.drop(weakest[0])
             self.state.refit()
         return dropped
@@ -394,6 +397,13 @@ class Search:
             else:
                 dropped.add((earlier.effect_id, earlier.joints))
         return dropped
+
+    def all_bent(self) -> list[JudgedCandidate]:
+        """What would hold but for its shape, as it was looked for or once it was refined, and has
+        not come back since."""
+        there = {(t.effect_id, t.joints) for t in self.state.terms}
+        since = [one for place, one in self.bent_since.items() if place not in there]
+        return [*self.bent, *since]
 
     def judge_term(self, index: int) -> JudgedCandidate:
         """Held-out evidence of a term already in the model, on top of all others."""

@@ -82,6 +82,8 @@ def left_over(
     fitted runs contradict each other in, or lengths and axes that are not the URDF's; given: terms
     that the model had before; bent: what laws take at the end of what their shape may be."""
     maps, slight = material(left, find_structure(state) if searched else [])
+    laws = {one.joint: one.share for one in bent}
+    maps = [m for m in maps if m.share >= laws.get(m.joint, 0.0)]
     far = _farther(state, left, COMES_AGAIN_LEVEL / state.held.n, given)
     apart = [one for one in _more_than_maps(apart, maps) if not _undetermined(one, far)]
     contradicted = {one.joint for one in apart}
@@ -106,12 +108,13 @@ def left_over(
     doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
     open_ = [j for j in open_ if j not in humming]
+    told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values(), *rubs.values()]
+    without = unsaid(left, [*told, *humming.values()])
+    drawn = [one for one in bent if one.joint in without and not far[one.joint]]
+    open_ = [j for j in open_ if j not in {one.joint for one in drawn}]
     ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
     foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
-    told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values(), *rubs.values()]
-    named = [*told, *humming.values(), *ringing.values(), *foreseen]
-    without = unsaid(left, named)
-    named += [one for one in bent if one.joint in without and not far[one.joint]]
+    named = [*told, *humming.values(), *drawn, *ringing.values(), *foreseen]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
     )

@@ -50,7 +50,7 @@ class Unnamed:
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
     line in time at so many hertz, that motion sets swinging at so many, that is gone where the
     joint may change at so many seconds of these runs (empty: of every run), or that a law takes at
-    the end of what its shape may be; RMS N·m of that share."""
+    the end of what its shape may be, in words; RMS N·m of that share."""
 
     joint: int
     share: float
@@ -73,6 +73,7 @@ class Unnamed:
     hertz: float = float("nan")
     seconds: float = float("nan")
     runs: tuple[str, ...] = ()
+    law: str = ""
 
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
@@ -425,7 +426,10 @@ def _with_sentence(
             f"{listed(left.variables)}, and no effect that was looked for explains it"
         )
         if isinstance(left, Unnamed) and left.witness == "law":
-            text += " in a shape that it may have"
+            text += (
+                f" in a shape that it may have: {left.law} would, the end of its range, where it "
+                "is another law"
+            )
         if isinstance(left, Structure) and left.beyond > CLAIMED_SHARE:
             text += f"; {percent(left.beyond)} lies where the fit side has not been"
         rest = line.ratio * float(np.sqrt(max(1.0 - left.share, 0.0)))
