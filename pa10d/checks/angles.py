@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.counters import Wraps
 from pa10d.checks.finding import CheckFinding, Mend, Severity
-from pa10d.checks.geometry import middle_of, squares_left, surely_less
+from pa10d.checks.textbook_view import middle_of, squares_left, surely_less
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.counters import centred
 from pa10d.measurement.recording import Recording

@@ -14,8 +14,8 @@ import scipy
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding
-from pa10d.checks.geometry import CUTOFF, middle_of, surely_less
 from pa10d.checks.textbook_fit import blocks_of, fit_textbook, steady_sign, textbook_columns
+from pa10d.checks.textbook_view import CUTOFF, middle_of, surely_less
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import RunEquation, prepare

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend
-from pa10d.checks.geometry import TextbookView, middle_of, surely_better
+from pa10d.checks.textbook_view import TextbookView, middle_of, surely_better
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
 
@@ -59,7 +59,7 @@ def _better(
     view = TextbookView.of(part, robot, kept)
     if view is None:
         return
-    left = _left(view)
+    left = view.left()
     for order in _orders(robot.n):
         places = list(order)
         other = TextbookView.of(replace(part, q=part.q[:, places]), robot, kept)
@@ -67,15 +67,11 @@ def _better(
             seen = other if "q" in moved else view
             if seen is None:
                 continue
-            new = _left(replace(seen, tau=view.tau[:, places]) if "tau" in moved else seen)
+            new = (replace(seen, tau=view.tau[:, places]) if "tau" in moved else seen).left()
             of_torque = new[:, np.argsort(order)] if "tau" in moved else new
             dealt = np.arange(robot.n) != places
             if surely_better(of_torque, left, dealt):
                 yield (order, moved), float(new.sum() / left.sum())
-
-
-def _left(view: TextbookView) -> Array:
-    return view.left(np.maximum(view.tau.std(axis=0), 1e-9))
 
 
 def _orders(n: int) -> list[tuple[int, ...]]:

@@ -1,4 +1,5 @@
-"""Real robots, logged as they are: no joint is said to be turned round or to be another's."""
+"""Real robots, logged as they are: no joint is said to be turned round, to be another's, or in
+another unit; and with one torque of ten in another, that one."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ def test_every_joint_is_in_its_place(shared_data, name):
     case = bench_real.case(name)
     for run in (*case.train, case.valid):
         assert [f.sentence for f in check_order(run, case.robot)] == []
-        assert _turned(run, case.robot) == []
+        assert _said(run, case.robot) == []
 
 
 def test_nine_blocks_of_a_slow_channel_turn_no_neighbour_round(shared_data):
@@ -43,11 +44,24 @@ def test_nine_blocks_of_a_slow_channel_turn_no_neighbour_round(shared_data):
     tau[:, 1], _ = scipy.signal.lfilter(
         [1 - pole], [1, -pole], run.tau[:, 1], zi=pole * run.tau[:1, 1]
     )
-    assert _turned(replace(run, tau=tau), case.robot) == []
+    assert _said(replace(run, tau=tau), case.robot) == []
     q = run.q.copy()
     q[:, 1] *= -1.0
-    assert _turned(replace(run, q=q, dq=None), case.robot) == [2]
+    assert _said(replace(run, q=q, dq=None), case.robot) == [("turned", 2)]
 
 
-def _turned(run, robot):
-    return [f.joint for f in check_geometry(run, robot) if f.code == "turned"]
+@pytest.mark.parametrize("factor", [0.1, 50.0])
+def test_one_torque_in_another_unit_is_told_with_what_it_lacks(shared_data, factor):
+    """A tenth of the elbow's: nothing was said, and its neighbour's error was "no more than noise"
+    for all that the data could say."""
+    case = bench_real.case("ur10")
+    run = case.valid
+    tau = run.tau * np.where(np.arange(6) == 2, factor, 1.0)
+    (found,) = check_geometry(replace(run, tau=tau), case.robot)
+    assert (found.code, found.joint) == ("torque_scale", 3)
+    (mend,) = found.mends
+    assert float(mend.unit) == pytest.approx(1.0 / factor, rel=0.25)
+
+
+def _said(run, robot):
+    return [(f.code, f.joint) for f in check_geometry(run, robot)]
