@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 LONGEST_MEMORY = 10.0  # s: correlation that is looked for
 BATCH = 4.0  # memories of the error: the means of stretches so long are nearly independent
 FEWEST_BATCHES = 4
+HALVED = 2.0  # memories that are worth one independent value of a mean, where stretches are too few
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,11 @@ def find_constant(samples: JointSamples, q: Array) -> tuple[Curve, float]:
     level = float(error.mean())
     share = level**2 / max(float(np.mean(error**2)), 1e-300)
     curve = Curve(None, float(q.min()), float(q.max()), share, level)
-    if len(means) < FEWEST_BATCHES:
+    if len(means) >= FEWEST_BATCHES:
+        count, middle, std = float(len(means)), float(means.mean()), float(means.std(ddof=1))
+    else:  # a few long memories in all: each counts as half a stretch
+        count, middle, std = len(error) / (HALVED * memory.time), level, float(error.std())
+    if count < 2.0:
         return curve, 1.0
-    spread = max(float(means.std(ddof=1)), 1e-300) / np.sqrt(len(means))
-    return curve, float(2 * scipy.stats.t.sf(abs(float(means.mean())) / spread, len(means) - 1))
+    spread = max(std, 1e-300) / np.sqrt(count)
+    return curve, float(2 * scipy.stats.t.sf(abs(middle) / spread, count - 1))
