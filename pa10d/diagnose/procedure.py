@@ -408,6 +408,8 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
     term = state.terms[index]
     judged = search.judge_term(index)
     before = versions[index - given].held_out["held out"]
+    if state.as_given is not None and index == given:
+        before = state.as_given  # not as it was moved to do without
     after = versions[index - given + 1].held_out["held out"]
     size = _size(state, index, judged)
     rivals = [r.candidate for r in search.rivals_of(term)]

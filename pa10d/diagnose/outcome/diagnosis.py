@@ -41,7 +41,8 @@ class Confusion:
 class Finding:
     """One missing effect (or change), on top of the findings before it.
 
-    rms_before, rms_after: (n,) N·m held out, refitted without and with it
+    rms_before, rms_after: (n,) N·m held out, refitted without and with it; before the first change
+    of a frozen model, as that was given
     size: N·m RMS of its torque on the held-out side where it acts, and its standard error
     slope: of the held-out residual on the predicted change; 1 for a true effect
     """

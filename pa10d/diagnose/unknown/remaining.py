@@ -311,7 +311,9 @@ def remaining(
             line = replace(line, sentence=line.sentence + text)
         kept = usual is not None and line.material is not False and line.rms <= usual[j]
         if kept and j not in moved:
-            line = replace(line, sentence=line.sentence + NOT_NEW)
+            of_old = left is None or isinstance(left, Structure | Unnamed)
+            said = f"{_size(line, units[j])}." if of_old else line.sentence
+            line = replace(line, sentence=said + NOT_NEW)
         if as_given is not None and line.rms > (1.0 + MUCH_WORSE) * as_given[j]:
             text = MOVED_AWAY.format(given=f"{as_given[j]:.3g}", unit=units[j])
             line = replace(line, sentence=line.sentence + text)
@@ -443,11 +445,13 @@ def _with_sentence(
         if isinstance(left, Unnamed) and left.witness == "reading" and left.share > BROKEN_SHARE:
             text += f". {_read(line.joint, left.variables)}"
     elif isinstance(left, Unnamed) and left.witness == "size":
-        text = (
-            f"{size}: more than the noise that can be seen, but it follows no quantity of the "
-            "motion clearly enough to say what it depends on"
+        text = f"{size}: more than the noise that can be seen"
+        text += (
+            f"; {_told(place)}, but the fitted runs do not show the same there"
+            if place is not None
+            else ", but it follows no quantity of the motion clearly enough to say what it depends "
+            "on"
         )
-        text += f"; {_told(place)}" if place is not None else ""
         text += ". A cause that is not in the recording, or noise that is slow"
         text += (
             ""
@@ -546,9 +550,13 @@ def _with_sentence(
             "noise. Record one motion twice: what comes again is none"
         )
     elif place is not None:
+        why = (
+            "an offset that only these runs have, or noise as slow as they are long"
+            if place.variable == "constant"
+            else "what the library has not, or slow noise that was larger there"
+        )
         text = (
-            f"{size}; {_told(place)}: what the library has not, or slow noise that was larger "
-            "there. Record one motion twice: what comes again is no noise"
+            f"{size}; {_told(place)}: {why}. Record one motion twice: what comes again is no noise"
         )
     else:
         text = (
