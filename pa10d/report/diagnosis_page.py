@@ -10,7 +10,7 @@ import numpy as np
 
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
-from pa10d.diagnose.constants import MATERIAL_REST
+from pa10d.diagnose.constants import MATERIAL_REST, MUCH_WORSE
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
@@ -137,7 +137,8 @@ def _judged(found: Diagnosis, asked: Asked) -> Section:
                         "When is an effect named?",
                         "When it predicts the error of data not fitted, by more than noise of the "
                         "same colour could, counted over all effects and joints that were tried "
-                        "(1 % false alarms per search), and makes no joint significantly worse.",
+                        "(1 % false alarms per search), and leaves the joints no worse on the whole, "
+                        f"and none significantly so by more than {MUCH_WORSE:.0%}.",
                     ),
                     ("Low-pass", f"{found.cutoff:g} Hz, zero-phase, on both sides alike"),
                 ]
