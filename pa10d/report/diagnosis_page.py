@@ -137,8 +137,8 @@ def _judged(found: Diagnosis, asked: Asked) -> Section:
                         "When is an effect named?",
                         "When it predicts the error of data not fitted, by more than noise of the "
                         "same colour could, counted over all effects and joints that were tried "
-                        "(1 % false alarms per search), and leaves the joints no worse on the whole, "
-                        f"and none significantly so by more than {MUCH_WORSE:.0%}.",
+                        "(1 % false alarms per search), and leaves the joints no worse on the "
+                        f"whole, and none significantly so by more than {MUCH_WORSE:.0%}.",
                     ),
                     ("Low-pass", f"{found.cutoff:g} Hz, zero-phase, on both sides alike"),
                 ]
