@@ -259,3 +259,14 @@ def test_where_no_floor_is_known_noise_is_no_more_than_the_fitted_runs_keep():
 
     assert "No more than 0.33 N·m is noise as it was on the runs that" in said(0.33)
     assert "cannot say how much of it is noise" in said(5.5)
+
+
+def test_two_angles_that_pull_at_one_joint_may_pull_at_another():
+    """A hose to the elbow: "no one or two quantities do" beside "depends on q1 and q2"."""
+    left = judged(3.5, 6.7)
+    foretold = Unnamed(0, 0.64, 0.2, 1e-9, "motion")
+    pulled = replace(judgement_of_a_map(0.7), joint=1, variables=("q1", "q2"))
+    said, _ = remaining(left, [None, None], [foretold, pulled], ["N·m"] * 2)
+    assert said.sentence.endswith("what was before. Or it is q1 and q2, as on joint 2.")
+    alone, _ = remaining(left, [None, None], [foretold], ["N·m"] * 2)
+    assert alone.sentence.endswith("what was before.")

@@ -296,6 +296,8 @@ def remaining(
             (knocked or {}).get(j, ""),
             float("inf") if most_noise is None else float(most_noise[j]),
         )
+        if isinstance(left, Unnamed) and left.witness == "motion":
+            line = _with_neighbours(line, [one for one in unexplained if one.joint != j])
         if isinstance(left, Structure) and outdone and outdone.get(j, ((), 0.0))[1] > BROKEN_SHARE:
             line = _with_outdone(line, *outdone[j])
         if gains and j in gains:
@@ -500,7 +502,7 @@ def _with_sentence(
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
             f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
-            "two quantities do: more than two take part, or what was before"
+            "two quantities surely do: more than two take part, or what was before"
         )
     elif isinstance(left, Unnamed) and left.witness == "elsewhere":
         text = (
@@ -609,6 +611,17 @@ def _changes_sides(place: Place) -> bool:
     if not isinstance(what, Region) or what.quantity is None:
         return False
     return what.quantity.kind == "load" and what.low < 0.0 < what.high
+
+
+def _with_neighbours(line: Remaining, others: Sequence[Unexplained]) -> Remaining:
+    """What pulls at one joint by two angles pulls at another by the same, often too weakly to be
+    sure of."""
+    maps = [one for one in others if isinstance(one, Structure) and len(one.variables) > 1]
+    if not maps:
+        return line
+    first = maps[0]
+    text = f" Or it is {listed(first.variables)}, as on joint {first.joint + 1}."
+    return replace(line, sentence=line.sentence + text)
 
 
 def _with_outdone(line: Remaining, named: Sequence[str], share: float) -> Remaining:
