@@ -25,6 +25,7 @@ Flags = NDArray[np.bool_]
 
 DEGREE = np.pi / 180
 WHOLE_TURNS = 4 * np.pi  # rad: hardly any arm turns further
+TURN = 360.0  # degrees
 COUNTS = 1e4  # nothing in degrees reaches so far
 BEYOND = 1.5  # times a limit, from where on a position is no joint's
 ALIKE = 0.05  # by which a slope of dq over the slope of q may be off a unit: both are noisy
@@ -50,7 +51,9 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     turning &= ~np.array([f"q{j + 1}" in (known.wraps or {}) for j in range(n)])
     largest = np.abs(recording.q).max(axis=0)
     stated = np.isin(np.arange(n), list(known.stated))
-    if (largest[turning & ~stated] > COUNTS).any():  # what begins anew is asked again once mended
+    asked = turning & ~stated
+    if (largest[asked] > COUNTS).any() or _whole_numbers(recording.q[:, asked]):
+        # what begins anew is asked again once mended
         mends = _of_all(turning, "rev/COUNTS", complete=False)
         yield CheckFinding(
             "error",
@@ -97,6 +100,11 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
             f"{_ratio(known)}",
             mends=tuple(replace(m, complete=False) for m in (*off, *degrees, *geared)),
         )  # fmt: skip
+
+
+def _whole_numbers(q: Array) -> bool:
+    """Are all of them whole, and beyond what a servo says in whole degrees?"""
+    return bool(q.size and np.abs(q).max() > TURN and np.all(q == np.round(q)))
 
 
 @dataclass(frozen=True)
