@@ -228,6 +228,8 @@ class Arm:
         if wrong is not None:
             raise Refused("run", self.state, (ArmState.HOLDING,), wrong)
         self._admit("run", path.controller)
+        if motion.weight is not None and isinstance(path.controller, Pid):
+            path.controller.weighed(*motion.weight)
         self.journal.stopped("")  # what ended another motion has nothing to do with this one
         self.motion = motion
         self.state = ArmState.RUNNING

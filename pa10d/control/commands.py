@@ -64,7 +64,7 @@ class Commands:
         """Carried out → what there is to tell beside the arm's state."""
         match command:
             case FollowRows():
-                self._arm.run(motion_of(command))
+                self._arm.run(motion_of(command, self._arm.backend.n))
             case UseLaw():
                 self._arm.use(self._controller(command))
             case UseGains():
@@ -121,6 +121,10 @@ def stood_at(command: Connect, n: int) -> np.ndarray | None:
     return np.array(known) if known is not None and len(known) == n else None
 
 
-def motion_of(command: FollowRows) -> MotionUnderWay:
+def motion_of(command: FollowRows, n: int) -> MotionUnderWay:
     """Its rows are paged in as they are followed."""
-    return MotionUnderWay(command.number, rows_in(command.rows), command.first, command.last)
+    weight = None if command.weight is None else np.array(command.weight)
+    if weight is not None and (weight.shape != (2, n) or not np.isfinite(weight).all()):
+        raise ValueError(f"expected what {n} joints weigh at least and at most")
+    rows = rows_in(command.rows)
+    return MotionUnderWay(command.number, rows, command.first, command.last, weight)

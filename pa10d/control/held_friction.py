@@ -5,7 +5,8 @@ Measured friction comes on top, by the way the joint is to move (``torque_ahead`
 way, it would be short of all that it held. So that is let go as its motion begins. How far it crept
 tells the share, by the stop model: between -1 and 1 times friction, full after ``CREPT``. While it
 stands, friction balances the torque: what the torque changes by, the share does, too. Where a joint
-has not crept, or slipped, nobody knows, and nothing is let go.
+has not crept, or slipped, nobody knows, and nothing is let go, unless it is known what the arm
+weighs: what its torque is less that is friction.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class HeldFriction:
         """(n,) N·m by which the integral gets less in this cycle.
 
         q: (n,) rad; dq: (n,) rad/s; moving: (n,) whether the reference moves; torque: (n,) N·m
-        sent last.
+        that the servo gave last, without what a motion brings along: that is the load's.
         """
         gone = moving * self._share * self._crept
         stands = (np.abs(q - self._last) < STANDS * self._period) * (self._crept != 0.0)
@@ -52,3 +53,14 @@ class HeldFriction:
         self._crept = np.where(moving, self._crept - gone, waits)
         self._last[:], self._sent[:] = q, torque
         return np.asarray(self._coulomb * gone)
+
+    def weighed(self, torque: Array, low: Array, high: Array) -> None:
+        """A motion begins: each joint weighs ``low`` to ``high`` (n,) N·m here, ``torque`` (n,) N·m
+        holds it. No more counts as friction than must be, no less than can be."""
+        share = np.where(self._coulomb > 0.0, self._coulomb, np.inf)
+        held = np.clip(self._crept, (torque - high) / share, (torque - low) / share)
+        self._crept = np.clip(held, -1.0, 1.0)
+
+    def absorb(self, extra: Array) -> None:
+        """N·m (n,) that the servo gives from now on, and a motion gave before."""
+        self._sent += extra

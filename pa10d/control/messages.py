@@ -16,15 +16,19 @@ from pa10d.control.mailbox import DESCRIPTORS
 
 Switch = Literal["disconnect", "disable", "stop", "reset", "confirm"]
 
+Weights = tuple[tuple[float, ...], tuple[float, ...]]  # of each joint, N·m, least and most
+
 
 @dataclass(frozen=True)
 class FollowRows:
-    """Follow rows of sealed memory. rows: its descriptor; first, last: those of the plan itself."""
+    """Follow rows of sealed memory. rows: its descriptor; first, last: those of the plan itself;
+    weight: see ``MotionUnderWay``."""
 
     number: int
     rows: int
     first: int
     last: int
+    weight: Weights | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,7 @@ def read_command(message: Mapping[str, Any]) -> Command:
         case "run":
             number, first, last = (int(message[key]) for key in ("number", "first", "last"))
             (rows,) = message[DESCRIPTORS]
-            return FollowRows(number, rows, first, last)
+            return FollowRows(number, rows, first, last, _weight(message))
         case "controller":
             name: Law = message["name"]
             return UseLaw(
@@ -106,6 +110,14 @@ def read_command(message: Mapping[str, Any]) -> Command:
 
 
 SWITCHES: tuple[Switch, ...] = get_args(Switch)
+
+
+def _weight(message: Mapping[str, Any]) -> Weights | None:
+    known = message.get("weight")
+    if known is None:
+        return None
+    low, high = (tuple(map(float, one)) for one in known)
+    return low, high
 
 
 def _bodies(message: Mapping[str, Any]) -> NDArray[np.float64] | None:

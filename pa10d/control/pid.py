@@ -52,7 +52,7 @@ class Pid:
         self._still, self._patience = np.zeros_like(limit), np.full_like(limit, STUCK)  # s
         self._side = np.zeros_like(limit)  # of its place, on which a joint was last
         self._held = HeldFriction(gains.friction, period)
-        self._sent = np.zeros_like(limit)
+        self._own = np.zeros_like(limit)  # N·m without the motion's own
         # tracking time of the back-calculation: that of the integral itself
         self._unwind = np.minimum(1.0, period * gains.ki / np.maximum(gains.kp, 1e-9))
 
@@ -67,8 +67,8 @@ class Pid:
         self._integral[:] = np.clip(rest, -self._limit, self._limit)
         self._pushed[:] = self._still[:] = self._side[:] = 0.0
         self._patience[:] = STUCK
-        self._held.start(q, torque)
-        self._sent[:] = torque
+        self._own[:] = torque - reference.extra
+        self._held.start(q, self._own)
 
     def torque(self, reference: Reference, q: Array, dq: Array) -> Array:
         """PID on the tracking error."""
@@ -77,10 +77,16 @@ class Pid:
         if self.pushes:
             self._integral += self._push(error, dq, reference.dq != 0.0)
         if self._held.known:
-            self._integral -= self._held.let_go(q, dq, reference.dq != 0.0, self._sent)
+            self._integral -= self._held.let_go(q, dq, reference.dq != 0.0, self._own)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)
         damping = self.gains.kd * (reference.dq - dq)
-        return self.gains.kp * error + damping + self._integral + reference.extra
+        self._own[:] = self.gains.kp * error + damping + self._integral
+        return self._own + reference.extra
+
+    def weighed(self, low: Array, high: Array) -> None:
+        """A motion begins from rest, where each joint weighs so many N·m (n,): what it is held with
+        beyond that is friction."""
+        self._held.weighed(self._own, low, high)
 
     def _push(self, error: Array, dq: Array, led: NDArray[np.bool_]) -> Array:
         """N·m more for joints that stick, gently at first: one that hardly rubs comes loose at
@@ -105,6 +111,8 @@ class Pid:
     def absorb(self, extra: Array) -> None:
         """The integral goes on with it: no step in torque."""
         self._integral += extra
+        self._own += extra
+        self._held.absorb(extra)
 
     def bear(self, axis: int, torque: float) -> None:
         """What this joint weighs is known: N·m, instead of what the integral has found by now."""
@@ -112,6 +120,5 @@ class Pid:
 
     def applied(self, wanted: Array, sent: Array) -> None:
         """Anti-windup by back-calculation."""
-        self._sent[:] = sent
         self._integral += self._unwind * (sent - wanted)
         np.clip(self._integral, -self._limit, self._limit, out=self._integral)

@@ -26,10 +26,18 @@ class MotionUnderWay:
     """A sampled motion: rows (N, 4n) of q, dq, ddq, extra at the loop's rate.
 
     Rows ``first`` … ``last``-1 are what a run of it records; before them lies the way to its start.
+    weight: (2, n) N·m, least and most, that the joints may weigh where it begins; None: not known.
     """
 
-    def __init__(self, number: int, rows: Array, first: int = 0, last: int | None = None) -> None:
-        self.number, self.rows = number, rows
+    def __init__(
+        self,
+        number: int,
+        rows: Array,
+        first: int = 0,
+        last: int | None = None,
+        weight: Array | None = None,
+    ) -> None:
+        self.number, self.rows, self.weight = number, rows, weight
         self.first, self.last = first, len(rows) if last is None else last
         self.row = 0
 

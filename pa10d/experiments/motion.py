@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pa10d.control.gains import PUSH
 from pa10d.control.joint_figures import ROUGH, JointFigures
 from pa10d.control.live_model import LiveModel, remainder
-from pa10d.dynamics import Robot
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.experiments.shaking import small_torques, torque_ahead
 from pa10d.model import TorqueModel
 from pa10d.trajectory.check import Violation, check
@@ -103,6 +103,16 @@ def measured_torque(
     t = np.arange(1.0, whole.last - whole.first + 1.0) / rate
     ahead[whole.first : whole.last] += small_torques(plan, robot, figures, t, rate)
     return np.clip(ahead, -robot.effort, robot.effort)
+
+
+def weight_between(robot: Robot, figures: JointFigures, q: Array) -> Array | None:
+    """(2, n) N·m, least and most, that joints may weigh in a pose (n,) rad, by all bodies that they
+    may have; None of an arm whose bodies nobody has felt."""
+    if not len(figures.bodies):
+        return None
+    still = np.zeros((1, robot.n))
+    held = [inverse_dynamics(robot, b, q[None], still, still)[0] for b in figures.bodies]
+    return np.array([np.min(held, axis=0), np.max(held, axis=0)])
 
 
 def _standing(q: Array, count: int) -> Rows:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pa10d.common.jsonable import JsonObject
 from pa10d.control.laws import Law
+from pa10d.control.messages import Weights
 from pa10d.experiments.checks import Check
 
 
@@ -32,7 +33,8 @@ class CarriedBy:
 @dataclass(frozen=True)
 class PlannedMotion:
     """Rows in a file of memory. first, last: rows of the plan itself, without the way to it;
-    seconds: of all of them; plan_file: what the recording is to keep."""
+    seconds: of all of them; plan_file: what the recording is to keep; weight: see
+    ``weight_between``."""
 
     file: str
     rows: int
@@ -40,6 +42,7 @@ class PlannedMotion:
     last: int
     seconds: float
     plan_file: str
+    weight: Weights | None = None
 
 
 @dataclass(frozen=True)

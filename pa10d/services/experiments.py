@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.disk import sharing
 from pa10d.common.jsonable import JsonObject, plain
@@ -17,6 +18,7 @@ from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.control.live_model import live_model
+from pa10d.control.messages import Weights
 from pa10d.control.motion_check import wrong_with_rows
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.carried import carrying
@@ -24,7 +26,13 @@ from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.margins import margins, poses_of
-from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
+from pa10d.experiments.motion import (
+    measured_torque,
+    rows_of,
+    softly,
+    weight_between,
+    whole_motion,
+)
 from pa10d.experiments.pacing import UNKNOWN, Joints, paced
 from pa10d.experiments.prepared import PlannedMotion, Prepared
 from pa10d.experiments.slower import Slower
@@ -46,6 +54,8 @@ from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
 TAKEN = "control takes every row of it"
+Array = NDArray[np.float64]
+
 PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 
 
@@ -154,11 +164,14 @@ def prepare_motion(
     stored = None if model is None else open_library(data).models.load(model)
     live = None if stored is None else live_model(stored)
     rows = rows_of(whole, stored, live)
+    between = None
     if live is None and figures is not None and ahead:
         rows[:, -robot.n :] += measured_torque(plan, whole, robot, figures, rate)
+        between = weight_between(robot, figures, np.array(start))
     if body is not None and ahead:
         asked = inverse_dynamics(robot, body.parameters(robot), q, dq, ddq)
         rows[:, -robot.n :] += asked - asked[0]  # what holds it at the beginning, the servo gives
+        between = None if between is None else between + asked[0]
     wrong = wrong_with_rows(rows, whole.first, whole.last, np.array(start), bounds, 1.0 / rate)
     said.append(Check("error", "control", wrong) if wrong else Check("ok", "control", TAKEN))
     with sharing(place / ROWS):
@@ -182,6 +195,7 @@ def prepare_motion(
                 last=whole.last,
                 seconds=len(rows) / found.control.rate,
                 plan_file=str(to_keep),
+                weight=None if between is None else _told(between),
             ),
         ),
         weighs=weighs,
@@ -210,6 +224,12 @@ def analyse(data: str, profile: str, kind: str, runs: list[str]) -> JsonObject:
             analysis[name]["boundary_velocity"] = [plain(b.told()) for b in linear]
             advice = [*(b.sentence for b in linear), *missing, *advice]
     return {"analysis": analysis, "recommendation": advice}
+
+
+def _told(between: Array) -> Weights:
+    """Of (2, n) N·m, for a message."""
+    low, high = between.tolist()
+    return tuple(low), tuple(high)
 
 
 def room_check(folder: Path, needed: int) -> Check:

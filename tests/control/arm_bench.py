@@ -24,7 +24,7 @@ from pa10d.daemon.motions.experiment import WEIGHINGS
 from pa10d.daemon.motions.first_motion import TRIES
 from pa10d.dynamics import robot_from_profile
 from pa10d.experiments.measured_joints import measured_figures
-from pa10d.experiments.motion import measured_torque, rows_of, softly, whole_motion
+from pa10d.experiments.motion import measured_torque, rows_of, softly, weight_between, whole_motion
 from pa10d.experiments.pacing import Joints, paced
 from pa10d.experiments.seen import Seen
 from pa10d.experiments.slower import AS_ASKED, Slower, slower_after
@@ -145,11 +145,12 @@ class ArmBench:
             if ahead is not None:
                 unhurried = softly(ahead, self.limits.following_error, plan.start - start)
             whole = whole_motion(plan, start, self.robot, self.rate, softly=unhurried)
-        rows = rows_of(whole, None, None)
+        rows, weight = rows_of(whole, None, None), None
         if ahead is not None:
             rows[:, -self.robot.n :] += measured_torque(plan, whole, self.robot, ahead, self.rate)
+            weight = weight_between(self.robot, ahead, start)
         began = self.ring.written
-        self.arm.run(MotionUnderWay(1, rows, whole.first, whole.last))
+        self.arm.run(MotionUnderWay(1, rows, whole.first, whole.last, weight))
         while self.arm.state in (ArmState.RUNNING, ArmState.STOPPING):
             self.arm.cycle()
             q = self.backend.plant.measure()[0]

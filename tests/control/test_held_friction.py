@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import json
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from arms import holding_arm, swing
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pa10d.control.build import weight_of
+from pa10d.control.commands import motion_of
 from pa10d.control.gains import PidGains
 from pa10d.control.held_friction import CREPT, LET_GO, SLIPS, HeldFriction
+from pa10d.control.joint_figures import presumed_figures
+from pa10d.control.known_joints import MeasuredJoints
+from pa10d.control.messages import FollowRows
 from pa10d.control.pid import Pid
+from pa10d.dynamics import robot_from_profile
+from pa10d.profile import load_profile
+from pa10d.services.experiments import prepare_motion
+from pa10d.services.joints import learnt
+from pa10d.trajectory.kinds import read_request
+from pa10d.trajectory.poses import Surroundings
 
 PERIOD = 0.004  # s
 COULOMB = np.array([2.0, 0.5])  # N·m
@@ -63,17 +76,69 @@ def test_friction_that_was_not_measured_is_not_let_go():
     assert let_go(way, coulomb=COULOMB * [1.0, 0.0])[1] == 0.0
 
 
-def worst_of_a_stroke(friction: float, way: float) -> float:
+@given(
+    crept=st.floats(-3 * CREPT, 3 * CREPT),
+    low=st.floats(-8.0, 8.0),
+    wide=st.floats(0.0, 3.0),
+)
+def test_by_its_weight_no_more_than_must_be_and_no_less_than_can(crept, low, wide):
+    """So that what is weight is not let go of; where a creep told as much, that stays."""
+    held, torque, n = HeldFriction(COULOMB, PERIOD), np.zeros(2), np.ones(2)
+    held.start(np.zeros(2), torque)
+    held.let_go(crept * n, SLOW, WAITS, torque)
+    held.weighed(torque, low * n, (low + wide) * n)
+    told = COULOMB * np.clip(crept / CREPT, -1.0, 1.0)
+    gone = sum(
+        held.let_go(crept * n, SLOW, MOVES, torque) for _ in range(round(20 * LET_GO / PERIOD))
+    )
+    wanted = np.clip(np.clip(told, -low - wide, -low), -COULOMB, COULOMB)
+    assert gone == pytest.approx(wanted, abs=1e-6)
+
+
+def test_a_joint_that_waits_while_others_move_holds_what_it_held():
+    """A motion brings along what its weight changes by: that is no friction."""
+    gains = PidGains(40.0 * np.ones(1), np.zeros(1), np.ones(1), friction=np.array([2.0]))
+    servo, place, gone = Pid(gains, np.array([30.0]), PERIOD), np.zeros(1), 0.0
+
+    def cycle(extra: float, q: float = 0.0, dq: float = 0.0, led: float = 0.0) -> float:
+        """N·m sent."""
+        at = SimpleNamespace(q=place, dq=np.array([led]), extra=np.array([extra]))
+        wanted = servo.torque(at, place + q, place + dq)
+        servo.applied(wanted, wanted)
+        return float(wanted[0])
+
+    still = SimpleNamespace(q=place, dq=place, extra=place)
+    servo.start(still, place - 2.0 * CREPT, place, np.zeros(1))
+    for q in np.linspace(-2.0 * CREPT, 0.0, 20):  # it creeps upwards
+        cycle(0.0, q, 0.5 * SLIPS)
+    for k in range(100):
+        cycle(-0.05 * k)
+    servo.absorb(np.array([-0.05 * 99]))
+    held = cycle(0.0)
+    for _ in range(round(20 * LET_GO / PERIOD)):
+        gone = held - cycle(0.0, led=1e-9)
+    assert gone == pytest.approx(2.0, rel=0.01)
+
+
+def worst_of_a_stroke(
+    friction: float, way: float, held: float = 0.0, weight: tuple[float, float] | None = None
+) -> float:
     """rad: a joint creeps upwards to its place and is then sent by ``way``, its friction (2 N·m)
-    and inertia brought along; the servo thinks of ``friction``."""
-    inertia, dry, wet, place, seconds = 0.5, 2.0, 0.5, 0.02, 1.0
+    and inertia brought along; the servo thinks of ``friction``. held: N·m, by which a joint that
+    weighs 5 N·m is held with more as it stands in its place, and does not creep; weight: what of
+    the 5 N·m is known."""
+    inertia, dry, wet, seconds = 0.5, 2.0, 0.5, 1.0
+    place, heavy = (0.0, 5.0) if held else (0.02, 0.0)
     gains = PidGains(np.array([40.0]), np.array([60.0]), np.array([6.0]))
     gains = PidGains(gains.kp, gains.ki, gains.kd, friction=np.array([friction]))
     servo, q, dq, worst = Pid(gains, np.array([30.0]), PERIOD), 0.0, 0.0, 0.0
-    servo._held.start(np.zeros(1), np.zeros(1))
+    zero = SimpleNamespace(q=np.zeros(1), dq=np.zeros(1), extra=np.zeros(1))
+    servo.start(zero, np.zeros(1), np.zeros(1), np.array([heavy + held]))
     for k in range(round(8.0 / PERIOD)):
         s = np.clip((k * PERIOD - 6.0) / seconds, 0.0, 1.0)
         run = way * 30.0 * (s**2 - 2 * s**3 + s**4) / seconds
+        if weight is not None and s == 0.0:
+            servo.weighed(*np.reshape(weight, (2, 1)))
         at = SimpleNamespace(
             q=np.array([place + way * (10 * s**3 - 15 * s**4 + 6 * s**5)]),
             dq=np.array([run]),
@@ -81,7 +146,7 @@ def worst_of_a_stroke(friction: float, way: float) -> float:
         )
         wanted = servo.torque(at, np.array([q]), np.array([dq]))
         servo.applied(wanted, wanted)
-        torque = float(wanted[0])
+        torque = float(wanted[0]) - heavy
         for _ in range(8):
             h = PERIOD / 8
             free = (dq + h * torque / inertia) / (1 + h * wet / inertia)
@@ -96,3 +161,47 @@ def worst_of_a_stroke(friction: float, way: float) -> float:
 @pytest.mark.parametrize("way", [0.3, -0.3])
 def test_a_stroke_after_a_creep_keeps_to_its_path(way):
     assert worst_of_a_stroke(2.0, way) < 0.75 * worst_of_a_stroke(0.0, way)
+
+
+@pytest.mark.parametrize("way", [0.3, -0.3])
+@pytest.mark.parametrize("held", [1.9, -1.9])
+def test_so_does_one_of_a_joint_whose_weight_is_known(way, held):
+    """Nobody knows how it came to stand; what holds it beyond its weight is friction."""
+    unknown, known, roughly = (
+        worst_of_a_stroke(2.0, way, held, weight) for weight in (None, (5.0, 5.0), (4.7, 5.3))
+    )
+    assert max(known, roughly) < 0.7 * unknown
+
+
+def test_what_an_arm_weighs_comes_with_its_motion(monkeypatch):
+    arm, _ = holding_arm()
+    told = []
+    monkeypatch.setattr(Pid, "weighed", lambda _, *between: told.append(between))
+    motion = swing(arm.path.reference.q)
+    motion.weight = np.array([[1.0, 2.0], [3.0, 4.0]])
+    arm.run(motion)
+    assert np.array_equal(told, [motion.weight])
+
+
+@pytest.mark.parametrize("weight", [((1.0,), (2.0,)), ((1.0, np.nan), (2.0, 3.0))])
+def test_weights_that_are_none_of_this_arm_are_refused(weight):
+    with pytest.raises(ValueError, match="2 joints weigh"):
+        motion_of(FollowRows(1, -1, 0, 1, weight), 2)
+
+
+def test_a_motion_is_prepared_with_all_that_the_arm_may_weigh(tmp_path):
+    profile = load_profile("pa10-sim")
+    robot = robot_from_profile(profile)
+    bodies = robot.parameters * np.array([1.0, 1.2, 0.9])[:, None, None]
+    known = learnt(profile, robot, presumed_figures(robot).but(bodies=bodies))
+    asked = {"kind": "tracking", "parameters": {"joints": [6], "amplitude": 0.2, "period": 8.0}}
+    plan = read_request(asked).build(Surroundings.of(robot))
+    (tmp_path / "plan.json").write_text(json.dumps(plan.to_dict()), encoding="utf-8")
+    joints = MeasuredJoints(known, "", (), "pa10", "f").document()
+    start = plan.start.tolist()
+    where = str(tmp_path), "pa10-sim", str(tmp_path), start, None
+    weight = prepare_motion(*where, joints).motions[0].weight
+    bare = weight_of(robot, robot.parameters)(plan.start)
+    low, high = np.minimum(0.9 * bare, 1.2 * bare), np.maximum(0.9 * bare, 1.2 * bare)
+    assert np.array(weight) == pytest.approx(np.array([low, high]))
+    assert prepare_motion(*where, joints, ahead=False).motions[0].weight is None

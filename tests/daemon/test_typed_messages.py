@@ -78,6 +78,9 @@ def test_every_law_with_a_model_has_its_class():
     [
         ({"do": "run", "descriptors": [9], "number": "3", "first": 1, "last": 2},
          FollowRows(3, 9, 1, 2)),
+        ({"do": "run", "descriptors": [9], "number": 3, "first": 1, "last": 2,
+          "weight": [[1, 2], [3, 4]]},
+         FollowRows(3, 9, 1, 2, ((1.0, 2.0), (3.0, 4.0)))),
         ({"do": "errors"}, AskErrors(False)),
         ({"do": "stop", "id": 7}, Do("stop")),
     ],

@@ -326,7 +326,7 @@ class Experiment:
         run = announced["run"]["id"]
         ended = robot.runs.expect(run)
         try:
-            await robot.follow(motion.file, number, motion.first, motion.last)
+            await robot.follow(motion.file, number, motion.first, motion.last, motion.weight)
             await self._follow(number, motion.rows, report)
             await self._finish_recording(ended)
         except BaseException:

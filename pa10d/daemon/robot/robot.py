@@ -22,6 +22,7 @@ from pa10d.common.shortage import Short
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
 from pa10d.control.known_joints import MeasuredJoints
+from pa10d.control.messages import Weights
 from pa10d.control.outside import Outside, outside
 from pa10d.control.ring import Ring
 from pa10d.control.rows import sealed
@@ -239,15 +240,19 @@ class RobotProcess:
             raise CommandRefused(answer)
         return answer
 
-    async def follow(self, file: str, number: int, first: int, last: int) -> None:
+    async def follow(
+        self, file: str, number: int, first: int, last: int, weight: Weights | None = None
+    ) -> None:
         """Have control follow the rows of a file, which goes: it gets a copy that nobody changes
-        any more."""
+        any more. weight: see ``MotionUnderWay``."""
         try:
             memory = await asyncio.to_thread(_taken, Path(file))
         except OSError as error:
             raise NotNow(f"{file}: {error.strerror}; the motion has not begun") from error
         try:
-            await self.command("run", number=number, first=first, last=last, descriptors=(memory,))
+            await self.command(
+                "run", number=number, first=first, last=last, weight=weight, descriptors=(memory,)
+            )
         finally:
             os.close(memory)
 
