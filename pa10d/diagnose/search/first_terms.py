@@ -10,6 +10,7 @@ import numpy as np
 from pa10d.diagnose.constants import AS_BEFORE, HOME_ROUNDS
 from pa10d.diagnose.regression.partial import partials
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.search.refitting import look_anew
 from pa10d.model import Term
 
 
@@ -34,8 +35,7 @@ def _with_loads_of_its_own(part: SearchState) -> None:
     """Not those of all findings together, with which the smaller model does not go on."""
     left = part.fit.rms()
     for _ in range(HOME_ROUNDS):
-        part.relook()
-        part.refit()
+        look_anew(part)
         before, left = left, part.fit.rms()
         if np.all(np.abs(left - before) <= AS_BEFORE * before):
             return

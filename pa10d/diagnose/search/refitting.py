@@ -18,6 +18,8 @@ from pa10d.model import Term
 
 Array = NDArray[np.float64]
 
+PART_OF_THE_WAY = (0.5, 0.25, 0.0)
+
 
 def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
     """Refit; loads of the new model; shapes of all nonlinear terms anew; as many more rounds as
@@ -35,8 +37,7 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
             early = number == 1 and only_rounds(term)  # it would imitate what is not settled
             if term.effect.shapes and not early and _worth_refining(state, fixed, index):
                 refine(state, fixed, index)
-        state.relook()
-        state.refit()
+        look_anew(state)
         give_way(state)
         state = halfway(state, before)
         left = what_is_left(state)
@@ -47,6 +48,23 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
             break
     best, least = carried_wholly(best, least, fixed)
     return _with_springs_followed(best, least, begun)
+
+
+def look_anew(state: SearchState) -> None:
+    """Loads of the present coefficients, and refitted; only part of the way to them where all of it
+    leaves more: what follows the loads draws the bodies along, and those the loads, to where
+    neither is what the data ask for."""
+    left, old = what_is_left(state), state.loads
+    state.relook()
+    state.refit()
+    new = state.loads
+    if old is None or new is None or what_is_left(state) <= left:
+        return
+    for share in PART_OF_THE_WAY:
+        state.look_at(old + share * (new - old))
+        state.refit()
+        if what_is_left(state) <= left:
+            return
 
 
 def _with_springs_followed(best: SearchState, least: float, begun: Array | None) -> SearchState:
@@ -62,8 +80,7 @@ def _come_home(state: SearchState, fixed: int) -> None:
     far as the data can tell: a step that brings little may still be one of many."""
     for _ in range(HOME_ROUNDS):
         before, moved = state.terms[fixed:], _relinearise(state, fixed)
-        state.relook()
-        state.refit()
+        look_anew(state)
         if not moved or _unmoved(state, fixed, before):
             return
 
