@@ -23,8 +23,8 @@ from pa10d.regression.equation import prepare
 
 Array = NDArray[np.float64]
 
-UNITS = tuple(s * 10.0**k for k in range(4) for s in (1.0, 3.0) if (k, s) != (0, 1.0))
-TRIED = (*UNITS, *(1.0 / s for s in UNITS))  # units, gears; a torque constant is off by less
+UNITS = (3.0, 10.0, 100.0, 1000.0)  # and gears; a torque constant is off by less
+TRIED = (*UNITS, *(1.0 / s for s in UNITS))
 SCALED_TO = 0.01  # of a decade: the unit shows
 OFF = 40.0  # times: real URDFs have links that weigh a twentieth of the true ones, not a fortieth
 TOLD = 0.5  # of the torque that weight must explain before its size is believed
