@@ -8,7 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pa10d.diagnose.constants import AT_HOME, HOME_ROUNDS, MORE_ROUNDS, WORTH_A_ROUND
+from pa10d.diagnose.constants import (
+    AT_HOME,
+    HOME_ROUNDS,
+    MATERIAL_GAIN,
+    MORE_ROUNDS,
+    WORTH_A_ROUND,
+)
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.bristles import carried_wholly, give_way, halfway, what_is_left
 from pa10d.diagnose.search.refining import only_rounds, refine
@@ -52,9 +58,9 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
 
 def look_anew(state: SearchState) -> None:
     """Loads of the present coefficients, and refitted; only part of the way to them where all of it
-    leaves more: what follows the loads draws the bodies along, and those the loads, to where
-    neither is what the data ask for."""
-    left, old = what_is_left(state), state.loads
+    leaves materially more: what follows the loads draws the bodies along, and those the loads, to
+    where neither is what the data ask for."""
+    left, old = what_is_left(state) + float(np.log1p(MATERIAL_GAIN)), state.loads
     state.relook()
     state.refit()
     new = state.loads
