@@ -141,6 +141,7 @@ LEAST_SEEN = 1e-3  # of the largest direction of a motion: less is no motion
 BEYOND_NOISE = 2.0  # times the floor: policy, told though nothing but the size speaks for it
 BEYOND_SLOW_NOISE = 10.0  # where slow noise was not seen; that of the simulated arms reaches 7
 MATERIAL_GAIN = 0.05  # least drop of RMS on the joint it helps most: smaller is the pipeline's own
+PART_OF_THE_WAY = (0.5, 0.25, 0.0)  # to the loads of the last fit, where all of it leaves more
 MUCH_WORSE = 0.25  # rise of one joint's RMS for which, if significant, no finding is worth it
 AS_WELL = (
     1.2  # the same of a gain that sways: findings that leave more may stand in for it (policy)

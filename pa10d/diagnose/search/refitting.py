@@ -13,6 +13,7 @@ from pa10d.diagnose.constants import (
     HOME_ROUNDS,
     MATERIAL_GAIN,
     MORE_ROUNDS,
+    PART_OF_THE_WAY,
     WORTH_A_ROUND,
 )
 from pa10d.diagnose.regression.state import SearchState
@@ -23,8 +24,6 @@ from pa10d.diagnose.search.timing import align
 from pa10d.model import Term
 
 Array = NDArray[np.float64]
-
-PART_OF_THE_WAY = (0.5, 0.25, 0.0)
 
 
 def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
@@ -59,12 +58,15 @@ def settled(state: SearchState, fixed: int, rounds: int = 2) -> SearchState:
 def look_anew(state: SearchState) -> None:
     """Loads of the present coefficients, and refitted; only part of the way to them where all of it
     leaves materially more: what follows the loads draws the bodies along, and those the loads, to
-    where neither is what the data ask for."""
+    where neither is what the data ask for. A gap, a spring, bristles get worse before they get
+    better."""
     left, old = what_is_left(state) + float(np.log1p(MATERIAL_GAIN)), state.loads
     state.relook()
     state.refit()
     new = state.loads
     if old is None or new is None or what_is_left(state) <= left:
+        return
+    if state.drawn_by_loads or any(t.effect.builds_up_over for t in state.terms):
         return
     for share in PART_OF_THE_WAY:
         state.look_at(old + share * (new - old))
