@@ -22,6 +22,7 @@ from pa10d.model import TorqueModel
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.models import read_runs, write_file
+from pa10d.services.soundness import read_wrong
 from pa10d.store.models import ModelInfo
 
 if TYPE_CHECKING:
@@ -98,14 +99,18 @@ def diagnose_runs(
     if only is not None:
         suspicion(only, loaded.robot.n)  # a slip of the pen is said before anything is read
     refuse_beyond_memory("diagnose", [library.runs.find(run) for run in (*fit, *validate)])
-    fitted = read_runs(library, fit, loaded.robot, force=force)[1]
-    judged = read_runs(library, validate, loaded.robot, force=force)[1] if validate else []
+    infos, fitted = read_runs(library, fit, loaded.robot, force=force)
+    others, judged = (
+        read_runs(library, validate, loaded.robot, force=force) if validate else ([], [])
+    )
     if frozen and only is None:
         own = _own_runs(library, loaded, [run.name for run in (*fitted, *judged)])
-        return what_changed(loaded, fitted, judged, own, progress=progress, cancel=cancel)
-    return diagnose(
-        loaded, fitted, judged, frozen=frozen, only=only, progress=progress, cancel=cancel
-    )
+        found = what_changed(loaded, fitted, judged, own, progress=progress, cancel=cancel)
+    else:
+        found = diagnose(
+            loaded, fitted, judged, frozen=frozen, only=only, progress=progress, cancel=cancel
+        )
+    return replace(found, read_wrong=read_wrong({i.id: i for i in [*infos, *others]}.values()))
 
 
 def _own_runs(library: Library, model: TorqueModel, asked: Sequence[str]) -> list[Recording]:

@@ -24,7 +24,7 @@ from pa10d.services.history import kin, line_band
 from pa10d.services.library import Library
 from pa10d.services.memory import refuse_beyond_memory
 from pa10d.services.robots import load_robot
-from pa10d.services.soundness import refuse_unsound
+from pa10d.services.soundness import read_wrong, refuse_unsound
 from pa10d.store import RunInfo
 from pa10d.store.folders import write_text
 from pa10d.store.models import ModelInfo
@@ -106,6 +106,9 @@ def identify_runs(
             LeftOutNote(library.runs.find(run).name, begin, end) for run, begin, end in left_out
         )
         model = dataclasses.replace(model, notes=dataclasses.replace(model.notes, left_out=without))
+    if doubts := read_wrong(infos):
+        told = dataclasses.replace(model.notes, warnings=(*doubts, *model.notes.warnings))
+        model = dataclasses.replace(model, notes=told)
     info = library.models.save(model, replace=replace)
     return Identified(
         info, model, {**vars(summary(model)), **found.document(), "id": info.id, "name": info.name}
@@ -169,6 +172,9 @@ def compare_runs(
     band = line_band(library, info.id) if cutoff is None else cutoff
     others = kin(library, [info])
     comparison = compare(loaded, recordings, progress, band, list(others.values()))
+    comparison = dataclasses.replace(
+        comparison, warnings=(*read_wrong(infos), *comparison.warnings)
+    )
     errors = {info.id: comparison.pooled.scores.rms}
     for other, found in zip(others, comparison.beside, strict=True):
         errors |= {} if found is None else {other: found.rms}

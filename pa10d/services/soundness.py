@@ -6,7 +6,7 @@ keeps what its checks said; what was recorded here is looked at when it is asked
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from pa10d.checks import CheckFinding, check_recording
 from pa10d.common.errors import Unsound, UserError
@@ -26,6 +26,21 @@ def errors_of(
     else:
         found = []
     return [finding for finding in found if finding.severity == "error"]
+
+
+READ_WRONG = frozenset({"turned", "order", "torque_scale", "sign", "clock"})
+"""Findings that would explain more of a misfit than any effect."""
+
+
+def read_wrong(infos: Iterable[RunInfo]) -> tuple[str, ...]:
+    """What the checks of runs said when they were brought in, and whoever fits them ought to hear
+    again: columns that may be another's, turned round, in another unit, on another clock."""
+    return tuple(
+        f"run {info.name}: {kept['sentence']}, as its check said → {kept['advice']}"
+        for info in infos
+        for kept in info.findings or ()
+        if kept["code"] in READ_WRONG and kept["severity"] == "warning"
+    )
 
 
 def refuse_unsound(

@@ -208,3 +208,21 @@ def test_an_interrupted_wait_cancels_its_job_and_names_it():
     with pytest.raises(KeyboardInterrupt, match="job 7 was cancelled"):
         client.wait({"id": "7"})
     assert client.cancelled == ["7"]
+
+
+def test_what_a_check_doubted_is_heard_again_by_whoever_fits(fitted, place, capsys):
+    """A joint that counts the other way in one run was a spring that had come or gone."""
+    (kept,) = (place / "data" / "runs").glob("*/run.json")
+    run = json.loads(kept.read_text())
+    doubt = {"severity": "warning", "code": "turned", "sentence": "joint 2: q counts the other way"}
+    run["findings"] = [{**doubt, "advice": "--map 'q2[-1]=q2'", "joint": 2}]
+    kept.write_text(json.dumps(run))
+    again = "run sound: joint 2: q counts the other way, as its check said → --map 'q2[-1]=q2'"
+    for command in (
+        ["identify", "sound", "--profile", "two.yaml", "--name", "m1"],
+        ["compare", "m0", "sound"],
+        ["diagnose", "m0", "--fit", "sound"],
+    ):
+        assert main(command) == 0
+        said = capsys.readouterr()
+        assert again in said.out + said.err, command

@@ -107,6 +107,7 @@ class Diagnosis:
     above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
     that it leaves
     told: of what somebody knew when the given model was identified, which a search does not know
+    read_wrong: of its runs, what speaks for columns that were read wrongly
     """
 
     verdict: Verdict
@@ -133,6 +134,7 @@ class Diagnosis:
     knocked: tuple[int, ...] = ()
     above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
+    read_wrong: tuple[str, ...] = ()
 
     @property
     def begins(self) -> str:
@@ -172,6 +174,7 @@ class Diagnosis:
         found = [finding.term for finding in self.findings]
         beside = [said for said in (self.beside, self.stood if found else "") if said]
         own = (
+            *self.read_wrong,
             *self._apart(),
             *self._misplaced(),
             *self._no_estimates(),
@@ -199,7 +202,8 @@ class Diagnosis:
             )
         if one.held_out:
             return (
-                f"{listed(one.runs)} ask for other parameters of {joints} than the fitted runs; "
+                f"{listed(one.runs)} {'asks' if len(one.runs) == 1 else 'ask'} for other "
+                f"parameters of {joints} than the fitted runs; "
                 f"look what was changed between {listed(one.others)} and {listed(one.runs)}, and "
                 "ask of them what has changed (frozen)",
             )
