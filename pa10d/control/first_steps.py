@@ -24,30 +24,29 @@ PUSHED = 0.02  # of the torque limit, less than which moves no other joint
 STANDS = 0.1  # of the way of a joint, by which another that it shakes may give and yet stand
 SURE = 6.0  # standard errors
 FEWEST = 8  # cycles
-_ROWS = 7
-_COUNT, _P, _PP, _V, _VP, _VV, _AT = range(_ROWS)
+_ROWS = 6
+_COUNT, _P, _PP, _V, _VP, _VV = range(_ROWS)
 
 
 class FirstSteps:
-    """Sums of every pair of joints, since the arm was held before its first step."""
+    """Sums of every joint since it left its place, and where all stood then."""
 
     def __init__(self, strongest: Array, period: float) -> None:
         """strongest: (n,) N·m, the torque limits."""
         n = len(strongest)
         self._period, self._least = period, PUSHED * strongest
-        self._sums = np.zeros((_ROWS, n, n + 1))  # the last: of time alone
-        self._passed = np.zeros(n + 1)  # N·m·s by which each was pushed until now, and s
+        self._sums = np.zeros((_ROWS, n))
+        self._left_at = np.zeros((n, n))  # rad, of all joints, as each left its place
+        self._passed = np.zeros(n)  # N·m·s by which each was pushed until now
         self._side = np.zeros(n)  # of its place on which each is
         self._way = np.zeros(n)  # in which each was asked to move last
         self._stood = np.zeros((2, n))  # rad where each should be, and N·m that held it there
         self._begun = False
-        self._judged(
-            np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-        )  # compiled before it counts
+        nowhere = np.zeros(n)
+        self._judged(nowhere, nowhere, nowhere, nowhere)  # compiled before it counts
 
     def watch(self, q: Array, dq: Array, torque: Array, reference: Reference) -> None:
-        """Violation where torque moves the wrong joint, or the wrong way; (n,) rad, rad/s, N·m
-        sent."""
+        """Violation where torque moves a joint the wrong way; (n,) rad, rad/s, N·m sent."""
         led = reference.dq != 0.0
         if not self._begun and not led.any():
             self._stood[:] = reference.q, torque
@@ -76,56 +75,54 @@ class FirstSteps:
     def _judged(self, q: Array, dq: Array, torque: Array, wanted: Array) -> int:
         found: int = _look(
             q, dq, torque - self._stood[1], q - wanted, self._way, self._least, self._period,
-            self._passed, self._side, self._sums,
+            self._passed, self._side, self._left_at, self._sums,
         )  # fmt: skip
         return found
 
 
 @numba.njit(cache=True)
-def _look(q, dq, push, error, way, least, period, passed, sides, sums):
-    n = len(q)
-    passed[:n] += period * push
-    passed[n] += period
-    for i in range(n):
+def _look(q, dq, push, error, way, least, period, passed, sides, left_at, sums):
+    passed += period * push
+    for i in range(len(q)):
         side = np.sign(error[i])
         if abs(error[i]) < LEFT or abs(dq[i]) < CREEPS or side != sides[i]:
             sums[:, i] = 0.0
-            sums[_AT, i, :n] = q
+            left_at[i] = q
             sides[i] = side
             continue
-        for k in range(n + 1):
-            s = sums[:, i, k]
-            s[_COUNT] += 1.0
-            s[_P] += passed[k]
-            s[_PP] += passed[k] * passed[k]
-            s[_V] += dq[i]
-            s[_VP] += dq[i] * passed[k]
-            s[_VV] += dq[i] * dq[i]
-    for i in range(n):
-        moved = q - sums[_AT, i, :n]
-        away = error[i] * dq[i] > 0.0 and error[i] * push[i] < 0.0 and error[i] * moved[i] > 0.0
-        far = min(abs(error[i]), abs(moved[i]))
-        if far < FAR or not away or sums[_COUNT, i, i] < FEWEST:
+        s = sums[:, i]
+        s[_COUNT] += 1.0
+        s[_P] += passed[i]
+        s[_PP] += passed[i] * passed[i]
+        s[_V] += dq[i]
+        s[_VP] += dq[i] * passed[i]
+        s[_VV] += dq[i] * dq[i]
+    for i in range(len(q)):
+        moved = q - left_at[i]
+        against = push[i] * error[i] < 0.0 and way[i] * error[i] < 0.0
+        away = error[i] * dq[i] > 0.0 and error[i] * moved[i] > 0.0
+        if not (away and against) or min(abs(error[i]), abs(moved[i])) < FAR:
+            continue
+        if sums[_COUNT, i] < FEWEST or _slope(sums[:, i]) >= 0.0:
             continue
         give = LEFT + STANDS * abs(moved[i])
-        if way[i] * error[i] < 0.0:
-            taken = False  # along by another joint
-            for k in range(n):
-                pushed = abs(push[k]) >= least[k] and push[k] * moved[k] > 0.0
-                taken = taken or (k != i and pushed and abs(moved[k]) > give)
-            if not taken and _slope(sums[:, i, i])[0] < 0.0:
-                return i
+        taken = False  # along by another joint
+        for k in range(len(q)):
+            pushed = abs(push[k]) >= least[k] and push[k] * moved[k] > 0.0
+            taken = taken or (k != i and pushed and abs(moved[k]) > give)
+        if not taken:
+            return i
     return -1
 
 
 @numba.njit(cache=True)
 def _slope(s):
-    """rad/s per N·m·s of these sums, 0 where it is not sure; and the squares that it leaves."""
+    """rad/s per N·m·s of these sums, 0 where it is not sure."""
     count = s[_COUNT]
     pp = s[_PP] - s[_P] * s[_P] / count
     vp, vv = s[_VP] - s[_V] * s[_P] / count, s[_VV] - s[_V] * s[_V] / count
     if pp <= 1e-12 * s[_PP]:
-        return 0.0, vv
+        return 0.0
     rest = max(vv - vp * vp / pp, 0.0)
     sure = vp * vp * (count - 2.0) > SURE * SURE * rest * pp
-    return (vp / pp if sure else 0.0), rest
+    return vp / pp if sure else 0.0
