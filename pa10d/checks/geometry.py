@@ -1,4 +1,4 @@
-"""Which joints count the other way round, and whose torque is not in N·m at the joint.
+"""Which joints count the other way round; where none does, whose torque is in another unit.
 
 The arm's geometry alone tells a sign: a recording with a joint turned round is fitted worse than
 the same recording with that joint turned back. Which of two joints is turned round, where either
@@ -31,7 +31,8 @@ TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
 def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """Joints that are turned round, and torques that weigh another arm."""
     part = middle_of(recording)
-    turned = dict(_turned(part, robot))
+    view = TextbookView.of(part, robot, base_parameters(robot).kept)
+    turned = {} if view is None else dict(_turned(part, robot, view))
     for j, (signs, share) in sorted(turned.items()):
         label = joint_label(j, robot.joint_names)
         what = " and ".join(name for name in TURNED[signs] if name != "dq")
@@ -47,15 +48,14 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
             turns,
         )
     if not turned:
-        yield from check_scales(part, robot)
+        yield from check_scales(part, robot, view)
 
 
-def _turned(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
+def _turned(
+    part: Recording, robot: Robot, view: TextbookView
+) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
     """The joint whose turning round helps most is turned; then the others are asked again."""
     kept = base_parameters(robot).kept
-    view = TextbookView.of(part, robot, kept)
-    if view is None:
-        return
     left = view.left()
     if len(left) < FEWEST:
         return

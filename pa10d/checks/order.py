@@ -1,7 +1,7 @@
 """Columns that were dealt to other joints: exchanged, in reverse, or shifted by one.
 
-The arm's geometry tells it as it tells a sign (``pa10d.checks.geometry``): the textbook model, all
-its masses free, explains a recording best with every joint in its place.
+The arm's geometry tells it as it tells a sign (``pa10d.checks.textbook_view``): the textbook model,
+all its masses free, explains a recording best with every joint in its place.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.textbook_fit import blocks_of
 from pa10d.checks.textbook_view import CUTOFF, SURE, TextbookView, surely_better
-from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
+from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
 
@@ -30,10 +30,12 @@ OFF = 40.0  # times: real URDFs have links that weigh a twentieth of the true on
 TOLD = 0.5  # of the torque that weight must explain before its size is believed
 
 
-def check_scales(part: Recording, robot: Robot) -> Iterator[CheckFinding]:
+def check_scales(
+    part: Recording, robot: Robot, view: TextbookView | None
+) -> Iterator[CheckFinding]:
     """Joints whose torque is in another unit than the others'; where there are none, than the
-    weight of the URDF's bodies."""
-    unlike = dict(_unlike_others(part, robot))
+    weight of the URDF's bodies. view: of that part, None where it moves too little."""
+    unlike = {} if view is None else dict(_unlike_others(view))
     for j, (factor, share) in sorted(unlike.items()):
         mend = Mend(f"tau{j + 1}", f"{factor:.3g}")
         yield CheckFinding(
@@ -49,13 +51,10 @@ def check_scales(part: Recording, robot: Robot) -> Iterator[CheckFinding]:
         yield from _weighed(part, robot)
 
 
-def _unlike_others(part: Recording, robot: Robot) -> Iterator[tuple[int, tuple[float, float]]]:
+def _unlike_others(view: TextbookView) -> Iterator[tuple[int, tuple[float, float]]]:
     """Joints with the factor that their torque lacks, and the share of the error that is left with
     it. The one that helps most is scaled; then the others are asked again."""
-    view = TextbookView.of(part, robot, base_parameters(robot).kept)
-    if view is None:
-        return
-    joints = np.arange(robot.n)
+    joints = np.arange(view.tau.shape[1])
     asked = set(joints.tolist())
     while asked:
         left = view.left()

@@ -32,7 +32,8 @@ LONGEST = 30.0  # s of the recording that are used
 FEWEST = 8  # blocks
 BETTER = 0.7  # of what the textbook model leaves, that another reading must come down to
 LIKELY = 2.0  # standard errors, over blocks, by which each torque has to agree
-SURE = 4.0  # standard errors, over blocks: 21 questions to seven joints leave one false in 10^3
+SURE = 4.0  # standard errors, over blocks: the 150 questions that order, signs and units of seven
+# joints are asked leave one false in 200, by this alone
 
 
 def middle_of(recording: Recording, longest: float = LONGEST) -> Recording:
