@@ -78,7 +78,7 @@ def failing(
         said.append(
             f"No region stands out on {joint_words(more)}, {keeps} {listed(ratios)} times what the "
             f"model leaves on the runs that it was fitted to: {whose} noise is not known, but was "
-            "no more than that there. What is more those runs do not show, or it came since."
+            "hardly more than that there. What is more those runs do not show, or it came since."
         )
     blind = [j for j in blind if j not in more]
     if blind:

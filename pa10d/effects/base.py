@@ -156,9 +156,13 @@ class Value:
             return "no estimate"
         if not self.determined:
             return "not determined"
-        unit = "" if self.unit == "1" else f" {self.unit}"
         doubt = f" ± {self.std_error:.2g}" if self.std_error > 0.0 else ""  # a choice has none
-        return f"{self.value:.4g}{doubt}{unit}"
+        return f"{self.value:.4g}{doubt}{self.unit_after}"
+
+    @property
+    def unit_after(self) -> str:
+        """As it stands behind a number: nothing where there is none."""
+        return "" if self.unit == "1" else f" {self.unit}"
 
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""

@@ -130,10 +130,7 @@ def caption(kind: Effect, picture: Portrait) -> str:
     assert example is not None
     covariance = np.zeros((len(example.coefficients),) * 2)
     reported = kind.values(np.array(example.coefficients), covariance, example.shape, {})
-    told = [
-        f"{name} = {value.value:.3g}" + ("" if value.unit == "1" else f" {value.unit}")
-        for name, value in reported.items()
-    ]
+    told = [f"{name} = {value.value:.3g}{value.unit_after}" for name, value in reported.items()]
     where = "the torque" if kind.scope == "robot" else "the effect"
     text = f"The PA10: {picture.text}; {where} on {picture.joint}, with {', '.join(told)}."
     if not np.array_equal(picture.left, picture.torque):

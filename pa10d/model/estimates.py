@@ -62,7 +62,7 @@ def _said(term: Term, name: str, value: Value) -> str:
     kind: Effect = term.effect
     parameters: list[Coefficient | ShapeParameter] = [*kind.coefficients, *kind.shapes]
     of = next(p for p in parameters if p.name == name)
-    unit = "" if value.unit == "1" else f" {value.unit}"
+    unit = value.unit_after
     if value.value < of.lower == 0.0:
         return f"{name} comes out at {value.value:.3g}{unit}, and nothing has less than none"
     ends = f"{of.lower:g} to {of.upper:g}" if of.lower > -float("inf") else f"up to {of.upper:g}"

@@ -252,8 +252,7 @@ def _errors(found: CaseStudy, pace: str, laws: Sequence[str]) -> Table:
 
 
 def _parameter(name: str, found: Value) -> str:
-    unit = "" if found.unit == "1" else f" {found.unit}"
-    return f"{name} = {found.value:.3g} ± {found.std_error:.1g}{unit}"
+    return f"{name} = {found.value:.3g} ± {found.std_error:.1g}{found.unit_after}"
 
 
 def _numbers(values: Sequence[float] | np.ndarray) -> str:

@@ -53,9 +53,9 @@ from pa10d.trajectory.limits import limits_of
 from pa10d.trajectory.plan import Plan
 from pa10d.trajectory.poses import Surroundings
 
-TAKEN = "control takes every row of it"
 Array = NDArray[np.float64]
 
+TAKEN = "control takes every row of it"
 PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 
 

@@ -42,7 +42,7 @@ class SearchState:
     fit: LeastSquares = None  # type: ignore[assignment]
     held_matrix: PerJoint = field(default_factory=dict)
     loads: Array | None = None  # base parameters of the model that the columns look at
-    apart: bool = False  # these are not those of its own coefficients
+    loads_apart: bool = False  # these are not those of its own coefficients
     usual: Array | None = None  # (n,) N·m RMS that a frozen model may leave though nothing changed
     as_given: Array | None = None  # (n,) N·m RMS that it leaves held out as it was
     heeding: frozenset[tuple[str, tuple[int, ...]]] = frozenset()  # effects, joints: terms of whose
@@ -194,19 +194,19 @@ class SearchState:
         """
         if not self.frozen:
             model = replace(self.with_coefficients(agreed(self.fit)), loads=None)
-            self.loads, self.apart = model.h, False
+            self.loads, self.loads_apart = model.h, False
         else:
             model = self.model
         self._look_through(model)
 
     def look_at(self, loads: Array) -> None:
         """Columns are made anew with these loads; the caller refits."""
-        self.loads, self.apart = loads, True
+        self.loads, self.loads_apart = loads, True
         self._look_through(replace(self.with_coefficients(self.fit.beta), h=loads, loads=None))
 
     def look_through(self, beta: Array) -> None:
         """Columns are made anew with the loads of these coefficients; the caller refits."""
-        self.loads, self.apart = self.unknowns.rigid(beta), False
+        self.loads, self.loads_apart = self.unknowns.rigid(beta), False
         self._look_through(replace(self.with_coefficients(beta), loads=None))
 
     def _look_through(self, model: TorqueModel) -> None:
@@ -268,7 +268,7 @@ class SearchState:
             h=unknowns.rigid(beta),
             terms=unknowns.fitted(beta),
             covariance=self.fit.covariance(),
-            loads=self.loads if self.drawn_by_loads or self.apart else None,
+            loads=self.loads if self.drawn_by_loads or self.loads_apart else None,
         )
 
     def _columns(self, term: Term) -> tuple[PerJoint, PerJoint]:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from pa10d.common.words import joint_words, listed, percent
 from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MOVED_FAR
 from pa10d.diagnose.regression.state import SearchState, Suspects
-from pa10d.effects import Effect, Shape
-from pa10d.model import TorqueModel
+from pa10d.dynamics import Robot
+from pa10d.model import Term, TorqueModel
+from pa10d.model.term import in_units_of
 from pa10d.model.unknowns import vector_of
 from pa10d.regression.per_joint import PerJoint
 
@@ -87,7 +88,8 @@ def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> On
             continue
         theta = _fitted(state, before[0], fit)
         after = {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
-        named = f"{effect.named} ({_sized(effect, theta, shape)})"
+        term = Term(effect.id, tuple(joints), theta, dict(shape))
+        named = f"{effect.named}{_sized(state.model.robot, term)}"
         tried.append((_size(state, after), len(theta), named, after))
     whole = _size(state, before[1])
     least = min((size for size, *_ in tried), default=whole)
@@ -120,12 +122,16 @@ def _fitted(state: SearchState, left: PerJoint, columns: PerJoint) -> Array:
     return np.asarray(np.linalg.lstsq(rows, target, rcond=1e-9)[0])
 
 
-def _sized(effect: Effect, theta: Array, shape: Shape) -> str:
-    """``Fc about 2.5 N·m``."""
-    values = effect.values(theta, np.zeros((len(theta), len(theta))), shape, {})
-    return listed(
-        [f"{k} about {v.value:.2g} {v.unit}".rstrip() for k, v in values.items() if k not in shape]
-    )
+def _sized(robot: Robot, term: Term) -> str:
+    """`` (Fc about 2.5 N·m)``; empty where nothing comes out of it."""
+    nothing = np.zeros((len(term.coefficients),) * 2)
+    found = term.effect.values(term.coefficients, nothing, term.shape, {})
+    told = [
+        f"{name} about {value.value:.2g}{value.unit_after}"
+        for name, value in in_units_of(robot, term, found).items()
+        if name not in term.shape and value.determined
+    ]
+    return f" ({listed(told)})" if told else ""
 
 
 def _size(state: SearchState, left: PerJoint) -> float:

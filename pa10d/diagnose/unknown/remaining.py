@@ -302,20 +302,22 @@ def remaining(
             line = _with_outdone(line, *outdone[j])
         if gains and j in gains:
             line = _with_gain(line, gains[j], any(j in t.joints for t in found))
-        if left is None and line.material is not False and j in undetermined:
+        kept = usual is not None and line.material is not False and line.rms <= usual[j]
+        kept = kept and j not in moved
+        told = isinstance(left, Apart | OtherGeometry | OtherFriction) or j in (knocked or {})
+        if kept and not told:  # what it depends on is no change
+            line = replace(line, sentence=f"{_size(line, units[j])}.")
+        elif left is None and line.material is not False and j in undetermined:
             line = replace(line, sentence=f"{_size(line, units[j])}{NOT_DETERMINED}")
         elif left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
-        if left is None and j in traces:
+        if left is None and j in traces and not kept:
             line = _with_trace(line, traces[j])
         if line.material is not False and faster and j in faster:
             text = f" {faster[j][0].upper()}{faster[j][1:]}."
             line = replace(line, sentence=line.sentence + text)
-        kept = usual is not None and line.material is not False and line.rms <= usual[j]
-        if kept and j not in moved:
-            of_old = left is None or isinstance(left, Structure | Unnamed)
-            said = f"{_size(line, units[j])}." if of_old else line.sentence
-            line = replace(line, sentence=said + NOT_NEW)
+        if kept:
+            line = replace(line, sentence=line.sentence + NOT_NEW)
         if as_given is not None and line.rms > (1.0 + MUCH_WORSE) * as_given[j]:
             text = MOVED_AWAY.format(given=f"{as_given[j]:.3g}", unit=units[j])
             line = replace(line, sentence=line.sentence + text)
