@@ -257,7 +257,7 @@ def test_where_no_floor_is_known_noise_is_no_more_than_the_fitted_runs_keep():
     def said(most: float) -> str:
         return remaining(left, [None], [], ["N·m"], most_noise=np.array([most]))[0].sentence
 
-    assert "No more than 0.33 N·m is noise as it was on the runs that" in said(0.33)
+    assert "Hardly more than 0.33 N·m is noise as it was on the runs that" in said(0.33)
     assert "cannot say how much of it is noise" in said(5.5)
 
 
@@ -270,3 +270,21 @@ def test_two_angles_that_pull_at_one_joint_may_pull_at_another():
     assert said.sentence.endswith("what was before. Or it is q1 and q2, as on joint 2.")
     alone, _ = remaining(left, [None, None], [foretold], ["N·m"] * 2)
     assert alone.sentence.endswith("what was before.")
+
+
+def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_the_band_hides():
+    """Its line was cut down to "the model lacked about as much", whatever else was known."""
+
+    def said(**more) -> str:
+        seen = judgement_of_a_map(0.7)
+        left = judged(5.0)
+        return remaining(left, [None], [seen], ["N·m"], usual=np.array([1.0]), **more)[0].sentence
+
+    assert "depends on" not in said()
+    assert said().endswith("ask what is missing, not what changed.")
+    assert "72 times a turn" in said(faster={0: "an error that comes again 72 times a turn"})
+    left = judged(5.0)
+    (line,) = remaining(
+        left, [None], [], ["N·m"], usual=np.array([1.0]), knocked={0: "87 % lies in 0.6 of 11 s"}
+    )
+    assert "87 % lies in 0.6 of 11 s" in line.sentence

@@ -1,4 +1,4 @@
-"""How much of an error may be noise, where nobody knows its floor: no more than what the same model
+"""How much of an error may be noise, where nobody knows its floor: hardly more than the same model
 leaves on the runs that it was fitted to, for noise is in there, too."""
 
 from __future__ import annotations

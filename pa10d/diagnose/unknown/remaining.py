@@ -544,7 +544,7 @@ def _with_sentence(
         text = f"{size}; {knocked}"
     elif line.material is None and line.rms > MATERIAL_REST * most_noise:
         text = (
-            f"{size}, and motion does not predict it. No more than {most_noise:.3g} {unit} is "
+            f"{size}, and motion does not predict it. Hardly more than {most_noise:.3g} {unit} is "
             "noise as it was on the runs that the model was fitted to: what is more those do not "
             "show, or it came since. Record one motion twice: what comes again is no noise"
         )
