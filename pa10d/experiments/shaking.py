@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.control.gains import WORN
+from pa10d.control.held_friction import CREPT
 from pa10d.control.joint_figures import JointFigures
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.dynamics.mass import mass_matrices
@@ -30,7 +31,7 @@ LINES = 16
 APART = 2  # lines of a window's spectrum: Hann's, so that slow drift stays out of the others
 SWING = 0.8  # of the joint's steady speed, that the small torques may take from it or add
 SOFT, SOFT_MOST = 0.024, 12.0  # of the loop's rate, Hz: above it a spring may hide the link
-SHARP = 0.02  # rad/s at which friction of the reference has its full size
+SHARP = 0.02  # rad/s at which friction of the reference has its full size, at once
 
 
 def lines_of(rate: float) -> Array:
@@ -54,7 +55,7 @@ def torque_ahead(
     own inertia, gravity and coupling of the bodies as they were felt (``as_felt``: which of them);
     gravity without what holds the arm at the beginning. loss: of critical damping, of springs."""
     bodies = figures.bodies[as_felt] if len(figures.bodies) else robot.parameters
-    friction = figures.coulomb * np.tanh(motion.dq / SHARP) + figures.viscous * motion.dq
+    friction = figures.coulomb * sliding(motion.q, motion.dq) + figures.viscous * motion.dq
     _, q, dq, ddq = links_of(robot, figures, bodies, motion, loss)
     if len(figures.bodies):
         felt = inverse_dynamics(robot, bodies, q, dq, ddq)
@@ -63,6 +64,22 @@ def torque_ahead(
         own = np.diagonal(mass_matrices(robot, q), axis1=1, axis2=2)
         links = figures.link * own * ddq
     return np.asarray(friction + figures.rotor * motion.ddq + links)
+
+
+def sliding(q: Array, dq: Array) -> Array:
+    """(N, n) share of dry friction, with its sign, that joints slide against along a path (N, n):
+    all of it where they are fast, or farther than ``CREPT`` from where they stand or turn round. On
+    a slow path a joint has to slide, too: what is not given ahead the servo has to give, and one
+    that is soft beside friction would not."""
+    sense, last = np.sign(dq), len(q) - 1
+    rows, turns = np.arange(len(q))[:, None], sense[1:] != sense[:-1]
+    begun = np.vstack([np.zeros((1, q.shape[1])), np.where(turns, rows[:-1], 0)]).astype(int)
+    ended = np.vstack([np.where(turns, rows[1:], last), np.full((1, q.shape[1]), last)])
+    since = np.maximum.accumulate(begun, axis=0)
+    until = np.minimum.accumulate(ended[::-1], axis=0)[::-1]
+    ways = [np.abs(q - np.take_along_axis(q, end, axis=0)) for end in (since, until)]
+    share = np.minimum(np.minimum(*ways) / CREPT, 1.0)
+    return np.asarray(sense * np.maximum(np.abs(np.tanh(dq / SHARP)), share))
 
 
 def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rate: float) -> Array:
