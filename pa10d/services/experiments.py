@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from pa10d.control.live_model import live_model
 from pa10d.control.messages import Weights
 from pa10d.control.motion_check import wrong_with_rows
 from pa10d.dynamics import Robot, inverse_dynamics
-from pa10d.dynamics.carried import carrying
+from pa10d.dynamics.carried import carrying, weighing
 from pa10d.experiments.analysis import recommendation, tracking_of
 from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
@@ -99,7 +98,7 @@ def weighed_arm(data: Data, profile: Profile, robot: Robot) -> Robot:
     its motors hold is no matter of a rough URDF any more."""
     kept = kept_joints(data, profile)
     felt = None if kept is None else kept.known.felt
-    return robot if felt is None else replace(robot, parameters=felt)
+    return robot if felt is None else weighing(robot, felt)
 
 
 def prepare_motion(

@@ -4,7 +4,6 @@ with the encoder's counts, the drives' per mille and the bus's cycle of delay.""
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 from fake_backend import FakeBackend
@@ -19,10 +18,11 @@ from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
-from pa10d.daemon.motions.experiment import TRIES as HELD_WITHIN
+from pa10d.daemon.motions.experiment import FALLS as HELD_WITHIN
 from pa10d.daemon.motions.experiment import WEIGHINGS
 from pa10d.daemon.motions.first_motion import TRIES
 from pa10d.dynamics import robot_from_profile
+from pa10d.dynamics.carried import weighing
 from pa10d.experiments.measured_joints import measured_figures
 from pa10d.experiments.motion import measured_torque, rows_of, softly, weight_between, whole_motion
 from pa10d.experiments.pacing import Joints, paced
@@ -248,7 +248,7 @@ class ArmBench:
             self.arm.weigh(weight_of(self.robot, self.known.felt))
 
     def _take_joints(self):
-        self.around = Surroundings.of(replace(self.robot, parameters=self.known.felt))
+        self.around = Surroundings.of(weighing(self.robot, self.known.felt))
         self.joints = Joints(self.known.figures, self.known.gains, ahead=True)
 
     def _calm(self, fault, cut=None) -> bool:

@@ -9,11 +9,15 @@ import pytest
 
 from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import first_figures
+from pa10d.control.known_joints import MeasuredJoints
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.dynamics.carried import carrying, weighing
 from pa10d.experiments.measured_joints import felt_again
 from pa10d.experiments.seen import Seen
 from pa10d.profile import load_profile
-from pa10d.services.joints import begun, weighed
+from pa10d.services import experiments
+from pa10d.services.joints import begun, learnt, weighed
+from pa10d.trajectory.capsules import capsules_of
 from pa10d.trajectory.plan import Plan
 
 RATE, WRIST = 100.0, 5  # Hz, 0-based
@@ -89,3 +93,29 @@ def test_more_motions_leave_less_doubt(arm):
     before, after = doubt([]), doubt([far])
     assert after[0] < 0.5 * before[0]
     assert after[1] < 0.5 * before[1]
+
+
+@pytest.mark.parametrize("weight", [None, 2.0])
+def test_shapes_are_the_urdfs_whatever_bodies_weigh(arm, weight):
+    """A plan that was free by thinner bodies was refused by the pre-check, which has the URDF's."""
+    _, robot, _ = arm
+    felt = robot.parameters * np.linspace(0.4, 2.0, robot.n)[:, None]
+    felt[:, 4:] *= 0.5
+    felt[-1, 1:4] *= 1.5
+    bare, felt_robot = robot, weighing(robot, felt)
+    if weight is not None:
+        bare, felt_robot = (carrying(r, weight, np.array([0, 0, 0.1])) for r in (robot, felt_robot))
+    known, planned = capsules_of(bare), capsules_of(felt_robot)
+    for one in ("start", "end", "radius", "pairs"):
+        assert np.array_equal(getattr(known, one), getattr(planned, one))
+    assert np.array_equal(weighing(robot, felt).parameters, felt)
+
+
+def test_plans_of_a_measured_arm_keep_its_shapes(arm, monkeypatch):
+    profile, robot, known = arm
+    felt = known.figures.but(bodies=0.5 * robot.parameters[None])
+    kept = MeasuredJoints(learnt(profile, robot, felt), "", (), "pa10", "f")
+    monkeypatch.setattr(experiments, "kept_joints", lambda *_: kept)
+    planned = experiments.weighed_arm(None, profile, robot)
+    assert np.array_equal(planned.parameters, 0.5 * robot.parameters)
+    assert planned.bare is robot
