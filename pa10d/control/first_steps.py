@@ -1,9 +1,10 @@
 """Does a torque act the wrong way round? Seen in the small steps that a first motion begins with,
-one joint at a time.
+one joint at a time: as others are moved, what a joint weighs changes, which looks like a push.
 
 Friction held the joint until then. It goes the other way than it is asked to, the faster the more
 it is pushed; one that moves may take others along, of which nothing is said. Speed since it left
-its place is v0 + c·∫(u - u0)dt: least squares, a few sums.
+its place is v0 + a·t + c·∫(u - u0)dt: least squares, a few sums. Under u0 friction held it; a is
+what was lacking.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ PUSHED = 0.02  # of the torque limit, less than which moves no other joint
 STANDS = 0.1  # of the way of a joint, by which another that it shakes may give and yet stand
 SURE = 6.0  # standard errors
 FEWEST = 8  # cycles
-_ROWS = 6
-_COUNT, _P, _PP, _V, _VP, _VV = range(_ROWS)
+_ROWS = 9
+_COUNT, _P, _PP, _V, _VP, _VV, _T, _TP, _VT = range(_ROWS)
 
 
 class FirstSteps:
@@ -52,6 +53,9 @@ class FirstSteps:
             self._stood[:] = reference.q, torque
             return
         self._begun = True
+        if np.count_nonzero(led) > 1:
+            self._sums[:] = 0.0
+            return
         self._way[led] = np.sign(reference.dq[led])
         if np.abs(reference.q - self._stood[0]).max() > NEAR:
             return
@@ -97,13 +101,17 @@ def _look(q, dq, push, error, way, least, period, passed, sides, left_at, sums):
         s[_V] += dq[i]
         s[_VP] += dq[i] * passed[i]
         s[_VV] += dq[i] * dq[i]
+        t = s[_COUNT] * period
+        s[_T] += t
+        s[_TP] += t * passed[i]
+        s[_VT] += t * dq[i]
     for i in range(len(q)):
         moved = q - left_at[i]
         against = push[i] * error[i] < 0.0 and way[i] * error[i] < 0.0
         away = error[i] * dq[i] > 0.0 and error[i] * moved[i] > 0.0
         if not (away and against) or min(abs(error[i]), abs(moved[i])) < FAR:
             continue
-        if sums[_COUNT, i] < FEWEST or _slope(sums[:, i]) >= 0.0:
+        if sums[_COUNT, i] < FEWEST or _slope(sums[:, i], period) >= 0.0:
             continue
         give = LEFT + STANDS * abs(moved[i])
         taken = False  # along by another joint
@@ -116,13 +124,16 @@ def _look(q, dq, push, error, way, least, period, passed, sides, left_at, sums):
 
 
 @numba.njit(cache=True)
-def _slope(s):
+def _slope(s, period):
     """rad/s per N·m·s of these sums, 0 where it is not sure."""
     count = s[_COUNT]
     pp = s[_PP] - s[_P] * s[_P] / count
     vp, vv = s[_VP] - s[_V] * s[_P] / count, s[_VV] - s[_V] * s[_V] / count
-    if pp <= 1e-12 * s[_PP]:
+    tt = period * period * count * (count * count - 1.0) / 12.0
+    tp, vt = s[_TP] - s[_T] * s[_P] / count, s[_VT] - s[_V] * s[_T] / count
+    own = pp - tp * tp / tt  # what is no straight rise
+    if own <= 1e-6 * s[_PP]:
         return 0.0
-    rest = max(vv - vp * vp / pp, 0.0)
-    sure = vp * vp * (count - 2.0) > SURE * SURE * rest * pp
-    return vp / pp if sure else 0.0
+    c = (vp - vt * tp / tt) / own
+    rest = max(vv - vt * vt / tt - c * c * own, 0.0)
+    return c if c * c * own * (count - 3.0) > SURE * SURE * rest else 0.0

@@ -3,7 +3,8 @@
 A joint that something pushes away slows down as the servo pushes back. Where it goes away faster
 the more the servo pushes back, its torque has the wrong sign. Since it left its place the speed is
 a·t + c·∫(u - u0)dt: c is 1/J, or -1/J. Least squares, five sums a joint. Another joint that goes
-the way it is pushed may take it along: until it rests again nothing is said of it.
+the way it is pushed may take it along: until it rests again nothing is said of it. Nor is it of one
+that comes back before: a torque of the wrong sign only drives a joint away; a neighbour sways.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 LEFT, FAR = 1e-3, 0.01  # rad: where it begins, and what is enough to judge
 SURE = 6.0  # standard errors
+BACK = 0.02  # rad/s towards its place, by which a joint comes back
 PUSHED = 0.02  # of the torque limit: friction alone moves a joint in ways of its own
 FEWEST = 8  # cycles
 TAKES = 0.3  # of a joint's speed, with which another that is pushed may take it along
@@ -64,6 +66,8 @@ def _look(error, dq, torque, least, period, sums, left, far, sure, fewest, takes
             sums[_FROM, j], sums[_STOOD, j] = torque[j], 1.0
             continue
         s = sums[:, j]
+        if error[j] * dq[j] < 0.0 and abs(dq[j]) > BACK:
+            s[_STOOD] = 0.0
         if s[_STOOD] == 0.0:
             continue
         for k in range(len(error)):

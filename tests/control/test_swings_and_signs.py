@@ -96,6 +96,15 @@ def test_a_load_that_nobody_knew_is_no_wrong_sign(push):
     assert held(lambda t: push * np.sin(20 * t), 1.0)[0] is None
 
 
+@pytest.mark.parametrize("w", [8.0, 15.0, 30.0])
+@pytest.mark.parametrize("grows", [100.0, 1000.0])
+def test_nor_is_a_sway_that_grows(w, grows):
+    """As of a neighbour's spring: the joint comes back again and again."""
+    found, q = held(lambda t: grows * t**2 * np.sin(w * t), 1.0, seconds=1.5)
+    assert found is None
+    assert abs(q) > 0.1
+
+
 def test_a_joint_that_another_takes_along_has_no_wrong_sign():
     """The first one is borne by more than it weighs; the second hangs on it, lightly held."""
     mass = np.array([[2.0, 0.6], [0.6, 0.25]])
