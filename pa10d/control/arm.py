@@ -74,6 +74,7 @@ class Arm:
         self._held_by: tuple[Array, Array] | None = None  # the same, and the torque that held it
         self._by_thought = np.zeros(backend.n, dtype=bool)  # … of these as far as anybody knew
         self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
+        self._told = np.zeros(backend.n)  # N·m by which it was held there beyond the description
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
@@ -131,8 +132,10 @@ class Arm:
         if (why := why_not_powered(found, recover)) is not None:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
-        self.path.power_up(self._holding_torque(self.path.q))
+        thought = self._holding_torque(self.path.q)
+        self.path.power_up(thought)
         self._stood_at = self.path.q.copy()
+        self._told = thought - self._gravity(self._stood_at)
         self._open_since = self.path.time
         self._switch(ArmState.ENABLING)
         try:
@@ -200,6 +203,8 @@ class Arm:
 
     def weigh(self, gravity: Callable[[Array], Array]) -> None:
         """What holds a pose is known otherwise from now on: N·m (n,)."""
+        more = self._gravity(self._stood_at) - gravity(self._stood_at)
+        self._told = np.where(self._told == 0.0, 0.0, self._told + more)
         self._gravity = gravity
         if self._held_by is not None:
             there, torque = self._held_by
@@ -419,24 +424,22 @@ class Arm:
             thought = self._gravity(q)
             weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
             torque = np.where(weight, torque, self._thought())
-        self._held_by, self._by_thought = (q, torque.copy()), torque == self._thought()
-        if self.path.fell is not None:
-            axis, weighed = self.path.fell
+        self._held_by = q, torque.copy()
+        self._by_thought = torque == self._gravity(q)
+        for axis, weighed in self.path.fell.items():
             self._held_by[1][axis], self._by_thought[axis] = weighed.torque, False
 
     def _thought(self) -> Array:
-        """N·m (n,) by the description; of an arm that is being enabled, by all that was known when
-        its brakes opened: another joint that fell before may have told what it weighs."""
-        here = self._gravity(self.path.q)
-        if self.state != ArmState.ENABLING:
-            return here
-        return self.path.thought + here - self._gravity(self._stood_at)
+        """N·m (n,) by the description, and by what was told beyond that of the pose in which the
+        brakes opened, which is near: a joint that fell before has told what it weighs."""
+        near = np.abs(self.path.q - self._stood_at).max() <= CARRIED
+        return self._gravity(self.path.q) + (self._told if near else 0.0)
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found
         counts there."""
         q = self.path.q.copy()
-        if self._held_by is None or self.path.fell is None:
+        if self._held_by is None or not self.path.fell:
             return
         there, torque = self._held_by
         if np.abs(q - there).max() <= CARRIED:

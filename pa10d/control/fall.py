@@ -22,6 +22,7 @@ from pa10d.control.joint_figures import ROUGH
 Array = NDArray[np.float64]
 
 LEFT = 1e-3  # rad from its place, before which a gear's play may be all that moves
+STIRS = 0.1 * LEFT  # rad, that no encoder's noise is
 FEWEST, FEW = 5, 3  # periods: three numbers are fitted, or two
 WIDEST = 12.0  # times as much may have been lacking as the least: then a sixth is gained at worst
 SURE = 3.0  # standard errors
@@ -53,6 +54,15 @@ class Weighed:
         )
 
 
+@dataclass(frozen=True)
+class Driven:
+    """By what a joint fell: torque: N·m that it was given in the mean over its way; rise: rad/s²,
+    in the mean as well, from rest."""
+
+    torque: float
+    rise: float
+
+
 class FallWatch:
     """The last cycles of an arm that is powered up and has not been moved yet."""
 
@@ -78,6 +88,7 @@ class FallWatch:
         come nearer, or more than the ``most`` that it may weigh. inertia: kg·m² as presumed, where
         an answer that is rough is better than none."""
         rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
+        rows = rows[_still(rows[:, 1 + axis]) :]
         seen = rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis]
         found = weight_of(*seen)
         if found is not None and SURE * found.error > LACKING * abs(found.torque - thought):
@@ -85,6 +96,12 @@ class FallWatch:
         if found is None and inertia is not None:
             found = roughly(*seen, inertia)
         return None if found is None or abs(found.torque) > most else found
+
+
+def _still(q: Array) -> int:
+    """The last row in which a joint stood in its brake: torque had come up to what was thought."""
+    moves = np.flatnonzero(np.abs(q - q[0]) > STIRS) if len(q) else np.zeros(0, dtype=np.int64)
+    return max(int(moves[0]) - 1, 0) if len(moves) else 0
 
 
 def weight_of(time: Array, q: Array, sent: Array) -> Weighed | None:
@@ -106,9 +123,28 @@ def roughly(time: Array, q: Array, sent: Array, inertia: float) -> Weighed | Non
     """The same of a joint that is presumed to have this inertia, kg·m². None where its own torque
     does not push the way it should, or nothing is surely lacking."""
     rows = _falling(time, q, sent)
-    if rows is None or len(rows[0]) < FEW:
+    if rows is None:
         return None
     speed, middle, pushed = rows
+    sloped = _by_slope(speed, middle, pushed, inertia) if len(speed) >= FEW else None
+    least, most = sloped or _by_way(driven(time, q, sent), float(sent[0]), inertia)
+    if least * most <= 0.0 or abs(most) > WIDEST * abs(least):
+        return None
+    if len(speed) >= FEWEST:
+        columns = np.stack([np.ones_like(middle), middle, pushed], axis=1)
+        found, covariance = _fitted(speed, columns)
+        if found[2] < -SURE * np.sqrt(covariance[2, 2]):
+            return None
+    taken = 2.0 * least * most / (least + most)
+    error = max(abs(taken - least), abs(most - taken)) / SURE
+    begin = float(sent[0])
+    return Weighed(begin + taken, error, (begin + least, begin + most))
+
+
+def _by_slope(
+    speed: Array, middle: Array, pushed: Array, inertia: float
+) -> tuple[float, float] | None:
+    """N·m that may have been lacking, least and most, by how it gathered speed; None: unsure."""
     columns = np.stack([np.ones_like(middle), middle], axis=1)
     lacking: list[float] = []
     for body in (inertia / ROUGH, inertia * ROUGH):
@@ -116,16 +152,31 @@ def roughly(time: Array, q: Array, sent: Array, inertia: float) -> Weighed | Non
         doubt = SURE * np.sqrt(covariance[1, 1])
         lacking += [float(-body * (found[1] + sign * doubt)) for sign in (-1.0, 1.0)]
     least, most = sorted([min(lacking), max(lacking)], key=abs)
-    if least * most <= 0.0 or abs(most) > WIDEST * abs(least):
+    return None if least * most <= 0.0 or abs(most) > WIDEST * abs(least) else (least, most)
+
+
+def _by_way(fell: Driven | None, begin: float, inertia: float) -> tuple[float, float]:
+    """The same of what was lacking to ``begin`` N·m; zeros: nobody knows."""
+    if fell is None:
+        return 0.0, 0.0
+    more = fell.torque - begin
+    ends = [more - body * fell.rise for body in (inertia / ROUGH, inertia * ROUGH)]
+    least, most = sorted(ends, key=abs)
+    return least, most
+
+
+def driven(time: Array, q: Array, sent: Array) -> Driven | None:
+    """By what speed it has and how far it got: ½·J·v² = ∫(u - w)dx from rest, whenever that was. It
+    needs no more than two periods, and a spring that unwinds, which spoils any slope, matters less.
+    None where it did not get faster all the way: something else has moved it."""
+    way, speed = np.diff(q), np.diff(q) / np.diff(time)
+    moves = np.flatnonzero(np.abs(q[1:] - q[0]) > STIRS)
+    gains = np.abs(speed[moves])
+    if len(moves) < 2 or (np.diff(gains) <= 0.0).any() or (way[moves] * way[-1] <= 0.0).any():
         return None
-    if len(speed) >= FEWEST:
-        found, covariance = _fitted(speed, np.column_stack([columns, pushed]))
-        if found[2] < -SURE * np.sqrt(covariance[2, 2]):
-            return None
-    taken = 2.0 * least * most / (least + most)
-    error = max(abs(taken - least), abs(most - taken)) / SURE
-    begin = float(sent[0])
-    return Weighed(begin + taken, error, (begin + least, begin + most))
+    half = np.append(np.ones(len(way) - 1), 0.5)  # up to where the last speed is that of
+    far = float(half @ way)
+    return Driven(float((half * way) @ sent[:-1]) / far, float(speed[-1]) ** 2 / (2.0 * far))
 
 
 def _falling(time: Array, q: Array, sent: Array) -> tuple[Array, Array, Array] | None:

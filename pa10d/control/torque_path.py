@@ -64,13 +64,13 @@ class TorquePath:
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
-        self._caught = False  # a joint that fell is borne by what it weighs
         self.thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
         self._stood, self._falls = StoodWith(n), FallWatch(n)
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
-        self.fell: tuple[int, Weighed] | None = None  # a joint, as this power-up weighed it
+        self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
+        self.fell: dict[int, Weighed] = {}  # joints that ended a power-up, as it weighed them
 
     @property
     def q(self) -> Array:
@@ -134,7 +134,7 @@ class TorquePath:
             if axis is not None:
                 cause += self._in_vain(axis)
             fault = LoopFault("not_held", cause, axis)
-            fault.weighed = self.fell is not None
+            fault.weighed = bool(self.fell)
             raise fault from violation
 
     def catch(self) -> None:
@@ -147,21 +147,23 @@ class TorquePath:
         found = self._falls.weighed(axis, thought, most)
         if found is not None:
             self.controller.bear(axis, found.torque)
-            self._caught = True
+            self._caught[axis] = found
 
     def _in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
         it weighs, where that can be told from the way it fell."""
+        self.fell.update(self._caught)
         first, _ = self._farthest()  # what carries a joint takes it along, not the other way round
         if first < axis and (found := self._weighed(first)) is not None:
-            self.fell = first, found
+            self.fell[first] = found
             return f"; joint {first + 1} has fallen farther and taken it along, and {found.phrase}"
         thought, sent = self.thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
         said = f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
-        if (found := self._weighed(axis)) is None:
-            return said
-        self.fell = axis, found
-        return f"{said}; {found.phrase}"
+        if (found := self._weighed(axis)) is not None:
+            self.fell[axis] = found
+            return f"{said}; {found.phrase}"
+        others = [(j, one) for j, one in self._caught.items() if j != axis]
+        return said + "".join(f"; joint {j + 1} fell, too, and {one.phrase}" for j, one in others)
 
     def _farthest(self) -> tuple[int, float]:
         """The joint that is farthest from its place, and how far, of what it may be."""
@@ -209,7 +211,7 @@ class TorquePath:
                     violation.was_there = self._places.towards(self.reference.q, self.q, axis)
                     if self._untouched and self._new:
                         violation.cause += self._in_vain(axis)
-                        violation.weighed = self.fell is not None
+                        violation.weighed = bool(self.fell)
                 raise
             raise self._swings.violation(axis) from violation
 
@@ -241,7 +243,7 @@ class TorquePath:
         self._places.restart(self.q)
         self._stood.restart()
         self._falls.restart()
-        self._untouched, self._caught, self.fell = True, False, None
+        self._untouched, self._caught, self.fell = True, {}, {}
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())

@@ -9,7 +9,7 @@ from arms import PERIOD, cycles, limits, servo, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import Arm
-from pa10d.control.fall import LACKING, SURE, FallWatch, roughly, weight_of
+from pa10d.control.fall import LACKING, SURE, FallWatch, driven, roughly, weight_of
 from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
@@ -66,6 +66,36 @@ def test_only_what_comes_surely_nearer_counts_and_nothing_that_no_weight_can_be(
     assert seen(*early).weighed(0, 0.3, 3.0) is not None
     assert weight_of(*early).error > LACKING / SURE * 0.05
     assert seen(*early).weighed(0, 0.8, 3.0) is None, "it may be no nearer than what is thought"
+
+
+def test_what_was_lacking_is_counted_from_what_was_thought():
+    """Torque comes up while the brake holds: rows before tell nothing of how much was lacking."""
+    t, q, sent = falling(8.0, seconds=0.035, period=0.01)
+    braked = np.zeros(5)
+    before = np.arange(-5.0, 0.0) * 0.01
+    rows = np.append(before, t), np.append(braked, q), np.append(braked, sent)
+    whole = seen(*rows).weighed(0, 0.3, 3.0, J)
+    assert whole.between == pytest.approx(roughly(t, q, sent, J).between)
+
+
+@pytest.mark.parametrize("times", [1 / 3, 1.0, 3.0])
+@pytest.mark.parametrize("stiff", [None, 120.0])
+def test_two_periods_are_enough_to_come_nearer(times, stiff):
+    """Of a rotor that its spring pulls along, or of a joint that slides: 1e-3 m is half of its way
+    until it is too fast. No slope can be fitted; what speed it has after what way says enough."""
+    t, q, sent = falling(8.0, seconds=0.03, period=0.01)
+    if stiff is not None:  # N·m/rad, of a rotor before a link that hangs in its spring
+        q = -(WEIGHT - RUBS - 0.3) / stiff * (1.0 - np.cos(np.sqrt(stiff / J) * t))
+    found = roughly(t[:4], q[:4], sent[:4], times * J)
+    assert 0.3 < min(found.between) < WEIGHT - RUBS
+    assert abs(found.torque - (WEIGHT - RUBS)) < WEIGHT - RUBS - 0.3
+
+
+def test_a_joint_that_slowed_down_on_its_way_was_moved_by_something_else():
+    t, q, sent = falling(0.0, seconds=0.03, period=0.01)
+    back = np.array([0.0, -4e-4, -6e-4, -1.6e-3])
+    assert driven(t[:4], q[:4], sent[:4]) is not None
+    assert driven(t[:4], back, sent[:4]) is None
 
 
 @pytest.mark.parametrize("times", [1 / 3, 0.5, 1.0, 2.0, 3.0])
@@ -155,6 +185,26 @@ def fallen(heaviest):
     return arm
 
 
+def test_one_that_was_caught_is_held_again_by_what_it_weighs_whoever_ends_it():
+    arm = fallen(10.0)
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm._held_by = None
+    del arm.path.catch
+    arm.enable()
+    until(arm, ArmState.HOLDING)
+    arm.state = ArmState.ENABLING  # it stands; had it swayed it would be that still
+    arm.backend.plant.dq[1] = 1.5
+    until(arm, ArmState.FAULT)
+    assert arm.fault.joint == 2
+    assert "joint 1 fell, too" in arm.fault.cause
+    assert arm.fault.weighed
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+    assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
+
+
 def test_what_one_joint_told_is_not_forgotten_as_another_falls():
     arm = fallen(10.0)
     until(arm, ArmState.FAULT)
@@ -166,6 +216,24 @@ def test_what_one_joint_told_is_not_forgotten_as_another_falls():
     arm.backend.plant.dq[1] = 1.5
     until(arm, ArmState.FAULT)
     assert arm.fault.joint == 2
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.weigh(lambda q: np.array([0.6, 0.1]))  # as with other gains, after a swing
+    arm.enable()
+    assert arm.path.thought == pytest.approx([knew, 0.1], abs=0.2)
+
+
+def test_nor_as_another_one_ends_it_once_the_arm_is_held():
+    """Held, and on a motion near by, a joint that does not stand is held by what is known of it
+    when it is powered again, not by a rough URDF."""
+    arm = fallen(10.0)
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+    until(arm, ArmState.HOLDING)
+    knew = arm.path.thought[0]
+    arm.backend.plant.dq[:] = 0.5, 3.0
+    until(arm, ArmState.FAULT)
     arm.reset()
     until(arm, ArmState.INACTIVE)
     arm.enable()

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from pa10d.identify.scale import Body
 
 LOOK_EVERY = 0.1  # s
-TRIES = 3  # with calmer gains, or slower, each; of one joint, to be held at all
+TRIES = 3  # with calmer gains, or slower, each
+FALLS = 5  # of one joint, each of which tells more of what holds it
 WEIGHINGS = 3  # by smaller motions, each of which lets the next be larger
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
@@ -154,7 +155,7 @@ class Experiment:
         if fault is None or not fault.weighed:
             return False
         fell[fault.joint] += 1
-        if fell[fault.joint] >= TRIES:
+        if fell[fault.joint] >= FALLS:
             return False
         self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
         self.result.notes.append(self.falls[-1])
