@@ -46,7 +46,7 @@ def felt_bodies(
     """
     mean, spread = robot.parameters.ravel(), _prior(robot)
     information, pull = np.zeros_like(spread), np.zeros_like(mean)
-    tables = [_rows(robot, figures, *one) for one in seen]
+    tables = [rows_felt(robot, figures, *one) for one in seen]
     tables += [_inertia_row(robot, figures, j, pose) for j, pose in shaken]
     for rows, wanted, error in tables:
         weighed = rows / error[:, None] ** 2
@@ -89,7 +89,7 @@ def _inertia_row(
     return row[None], np.array([measured]), np.array([ABOUT * (figures.rotor[j] + measured)])
 
 
-def _rows(
+def rows_felt(
     robot: Robot, figures: JointFigures, q: Array, torque: Array, rate: float
 ) -> tuple[Array, Array, Array]:
     """Regressor rows (M, 10n), N·m that bodies had to give (M,), and its error N·m."""

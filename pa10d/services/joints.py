@@ -44,6 +44,7 @@ from pa10d.experiments.measured_joints import (
     sentences,
     weighed_more,
 )
+from pa10d.experiments.mounting import wrong_mount
 from pa10d.experiments.seen import Seen
 from pa10d.profile import Profile
 from pa10d.services.library import Library, open_library
@@ -133,6 +134,9 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
     seen = {part: _seen(library, found, run) for part, run in runs.items()}
     before = KnownJoints.from_document(known).figures
     figures = measured_figures(robot, seen, torque_steps(found, robot), before)
+    told = [(one.q, one.torque, one.rate) for one in seen.values()]
+    if (reason := wrong_mount(robot, figures, told)) is not None:
+        raise UserError(reason)
     learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)

@@ -1,0 +1,89 @@
+"""A mount that is not the profile's is told by what the joints weigh, and no rough URDF is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pa10d.common.errors import UserError
+from pa10d.control.joint_figures import ROUGH, presumed_figures
+from pa10d.dynamics import inverse_dynamics, robot_from_profile
+from pa10d.experiments.mounting import wrong_mount
+from pa10d.experiments.seen import Seen
+from pa10d.profile import load_profile
+from pa10d.services import joints
+from pa10d.trajectory.plan import Plan
+
+RATE, SECONDS = 50.0, 8.0
+LEANING = np.array([0.0, 0.5, 0.2, 1.0, 0.1, 0.6, 0.0])
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return robot_from_profile(load_profile("pa10-sim"))
+
+
+def moved(robot, off, down, seed=0):
+    """Strokes about a pose, as the arm would be with bodies ``off`` times as heavy as its URDF's,
+    their centres elsewhere, and gravity along ``down``; joints rub."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(round(SECONDS * RATE)) / RATE
+    w = 2.0 * np.pi / SECONDS * rng.integers(1, 4, robot.n)
+    q = LEANING + 0.35 * np.sin(np.outer(t, w))
+    dq, ddq = 0.35 * w * np.cos(np.outer(t, w)), -0.35 * w**2 * np.sin(np.outer(t, w))
+    bodies = robot.parameters * off[:, None]
+    bodies[:, 1:4] *= rng.uniform(0.7, 1.3, (robot.n, 1))
+    true = robot.with_gravity(9.81 * down)
+    torque = inverse_dynamics(true, bodies, q, dq, ddq) + rubs(robot) * np.sign(dq)
+    return [(q, torque, RATE)]
+
+
+def rubs(robot):
+    return 0.02 * robot.effort
+
+
+def said(robot, off, down, seed=0):
+    figures = presumed_figures(robot)
+    known = figures.but(coulomb=rubs(robot), rotor=0.0 * figures.rotor)
+    return wrong_mount(robot, known, moved(robot, off, down, seed))
+
+
+@pytest.mark.parametrize(
+    ("down", "words"),
+    [((0, 0, 1), "the other way"), ((1, 0, 0), r"along \+x of the base"), ((0, -1, 0), "along -y")],
+)
+def test_gravity_points_elsewhere(robot, down, words):
+    off = np.exp(np.random.default_rng(1).uniform(-0.7, 0.7, robot.n))
+    assert re.search(words, said(robot, off, np.array(down, float)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_rough_urdf_is_no_wrong_mount(robot, seed):
+    rng = np.random.default_rng(seed)
+    off = np.exp(rng.uniform(-np.log(ROUGH), np.log(ROUGH), robot.n))
+    assert said(robot, off, np.array([0.0, 0.0, -1.0]), seed) is None
+
+
+def test_nor_is_what_feels_no_gravity(robot):
+    down = np.array([0.0, 0.0, -1.0])
+    weightless = replace(robot, gravity=np.zeros(3))
+    assert said(weightless, np.ones(robot.n), 0.0 * down) is None
+
+
+def test_a_first_motion_ends_with_that(robot, monkeypatch):
+    """No gains would help, and every weight that was felt would be another one."""
+    profile, turned = load_profile("pa10-sim"), np.array([0.0, 0.0, 1.0])
+    figures = presumed_figures(robot).but(coulomb=rubs(robot), rotor=np.zeros(robot.n))
+    ((q, torque, rate),) = moved(robot, np.ones(robot.n), turned)
+    seen = Seen(Plan("first_motion", (1,), ()), rate, q, torque)
+    for name, value in (
+        ("load_robot", (profile, robot)), ("open_library", None), ("_seen", seen),
+        ("measured_figures", figures),
+    ):  # fmt: skip
+        monkeypatch.setattr(joints, name, lambda *_, value=value: value)
+    known = joints.learnt(profile, robot, presumed_figures(robot)).document()
+    with pytest.raises(UserError, match=r"gravity points the other way.*base\.rpy"):
+        joints.learn("", "", {"response": "r"}, known)
