@@ -478,7 +478,9 @@ class Arm:
         if self.fault is None:
             fault = blamed_on_time(fault, self.starved())
             broke = error.__cause__ if isinstance(error, BackendBroke) else None
-            log.warning("fault while %s: %s", fault.state, fault.sentence, exc_info=broke)
+            # whoever runs the motion may try it again, and knows of what to do where it does not
+            said = fault.sentence if self.motion is None else fault.seen
+            log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
             self.journal.fault(fault)
 

@@ -57,7 +57,7 @@ class Fault:
     device: bool = False  # said by the backend
     hertz: float = 0.0  # of an oscillation
     was_there: bool = False  # where it should go, since power-up: nothing bars that way
-    weighed: bool = False  # how the joint fell told what holds it: the next enabling begins with it
+    weighed: int = 0  # a joint (from 1) whose fall told what holds it: begun with next; 0: none
 
     @property
     def dead_axis(self) -> int | None:
@@ -75,11 +75,15 @@ class Fault:
         return self.kind in ("not_held", "wrong_sign")
 
     @property
-    def sentence(self) -> str:
-        """One line for a person; joints numbered from 1."""
+    def seen(self) -> str:
+        """What was seen, for a person; joints numbered from 1."""
         named = self.axis is None or self.cause.startswith("joint ")
-        where = "" if named else f"joint {(self.axis or 0) + 1}: "
-        return f"{where}{self.cause}" + (f"; {self.remedy}" if self.remedy else "")
+        return ("" if named else f"joint {(self.axis or 0) + 1}: ") + self.cause
+
+    @property
+    def sentence(self) -> str:
+        """The same, and what to do, in one line."""
+        return self.seen + (f"; {self.remedy}" if self.remedy else "")
 
     @property
     def joint(self) -> int | None:
@@ -108,7 +112,7 @@ class Fault:
             device=bool(document.get("device", False)),
             hertz=float(document.get("hertz", 0.0)),
             was_there=bool(document.get("was_there", False)),
-            weighed=bool(document.get("weighed", False)),
+            weighed=int(document.get("weighed", 0)),
         )
 
 
@@ -118,7 +122,7 @@ class LoopFault(Exception):
     def __init__(self, kind: str, cause: str, axis: int | None = None, hertz: float = 0.0) -> None:
         super().__init__(cause)
         self.kind, self.cause, self.axis, self.hertz = kind, cause, axis, hertz
-        self.was_there = self.weighed = False
+        self.was_there, self.weighed = False, 0
 
 
 LONGEST = 2000  # characters of a cause: it goes through pipe and ring in one piece
@@ -133,8 +137,7 @@ def blamed_on_time(fault: Fault, starved: Starved | None) -> Fault:
         fault.kind in FROM_STARVING or (fault.kind in OF_DRIVES and _missed_us(fault.cause))
     ):
         return fault
-    then = fault.sentence.removesuffix(f"; {fault.remedy}")
-    cause = f"{starved.cause} ({then})"
+    cause = f"{starved.cause} ({fault.seen})"
     return replace(fault, kind="starved", cause=cause, axis=None, remedy=starved.remedy)
 
 
@@ -146,7 +149,7 @@ def fault_from(error: Exception, n: int, state: str, time: float, sequence: int)
     """Any exception as a fault of an arm of ``n`` joints; what a backend says of itself is taken
     as plain text and numbers, whatever it is."""
     device, axis, hertz = isinstance(error, BackendFault), None, 0.0
-    was_there = weighed = False
+    was_there, weighed = False, 0
     if isinstance(error, BackendFault):
         kind, cause, remedy = str(error.kind), str(error.cause), str(error.remedy)
         axis = int(error.axis) if isinstance(error.axis, Integral) else None

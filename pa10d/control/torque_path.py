@@ -134,7 +134,7 @@ class TorquePath:
             if axis is not None:
                 cause += self._in_vain(axis)
             fault = LoopFault("not_held", cause, axis)
-            fault.weighed = bool(self.fell)
+            fault.weighed = 1 + list(self.fell)[-1] if self.fell else 0
             raise fault from violation
 
     def catch(self) -> None:
@@ -211,7 +211,7 @@ class TorquePath:
                     violation.was_there = self._places.towards(self.reference.q, self.q, axis)
                     if self._untouched and self._new:
                         violation.cause += self._in_vain(axis)
-                        violation.weighed = bool(self.fell)
+                        violation.weighed = 1 + list(self.fell)[-1] if self.fell else 0
                 raise
             raise self._swings.violation(axis) from violation
 

@@ -18,8 +18,7 @@ from pa10d.control.pid import Pid
 from pa10d.control.reference import MotionUnderWay
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
-from pa10d.daemon.motions.experiment import FALLS as HELD_WITHIN
-from pa10d.daemon.motions.experiment import WEIGHINGS
+from pa10d.daemon.motions.experiment import FALLS, WEIGHINGS
 from pa10d.daemon.motions.first_motion import TRIES
 from pa10d.dynamics import robot_from_profile
 from pa10d.dynamics.carried import weighing
@@ -115,8 +114,8 @@ class ArmBench:
         """The same, as an experiment does: again where a fall told what holds its joint."""
         fell = Counter()
         while (fault := self.enable()) is not None and fault.weighed:
-            fell[fault.axis] += 1
-            if fell[fault.axis] >= HELD_WITHIN:
+            fell[fault.weighed] += 1
+            if fell[fault.weighed] > FALLS:
                 break
             self.notes.append(f"joint {fault.joint} {fault.cause}")
             self._reset()
@@ -157,7 +156,7 @@ class ArmBench:
             np.maximum(self.beyond, np.maximum(q - self.limits.upper, self.limits.lower - q),
                        out=self.beyond)  # fmt: skip
         self.arm.cycle()
-        taken = self.ring.read(began)[0]
+        taken = self.went = self.ring.read(began)[0]
         return taken[self.ring.layout.get(taken, "recording") > 0], self.arm.fault
 
     def run_on(self, plan):
@@ -231,7 +230,8 @@ class ArmBench:
             if fault is None:
                 return plan, rows, None
             tried[fault.axis] += 1
-            cut = Seen(plan, self.rate, *(self.ring.layout.get(rows, k) for k in ("q", "torque")))
+            went = (self.ring.layout.get(self.went, k) for k in ("q", "torque"))
+            cut = Seen(plan, self.rate, *went)
             cut = cut if part == "friction" else None
             if tried[fault.axis] < TRIES and self._calm(fault, cut):
                 continue

@@ -148,3 +148,19 @@ def test_a_new_connection_knows_nothing_of_the_last(arm):
     arm.connect()
     cycles(arm, 3)
     assert enabled(arm) == pytest.approx(jolt, rel=0.2)
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_the_log_says_what_to_do_where_nobody_may_try_it_again(arm, caplog, moving):
+    """A line of a motion that blames gains was read by all whose next try went well."""
+    enabled(arm)
+    cycles(arm, 200)
+    if moving:
+        arm.run(swing(arm.path.reference.q))
+        cycles(arm, 100)
+    arm.backend.plant.dq[1] = 20.0
+    until(arm, ArmState.FAULT)
+    (line,) = [one.getMessage() for one in caplog.records if "fault while" in one.getMessage()]
+    assert f"joint 2: {arm.fault.cause}" in line
+    assert (arm.fault.remedy in line) is not moving
+    assert arm.fault.sentence.endswith(arm.fault.remedy)

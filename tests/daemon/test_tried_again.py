@@ -11,7 +11,7 @@ from known_joints import measured_joints
 
 from pa10d.common.errors import Stopped, UserError
 from pa10d.control.faults import Fault
-from pa10d.daemon.motions.experiment import TRIES, WEIGHINGS, Experiment, WeightsInDoubt
+from pa10d.daemon.motions.experiment import FALLS, TRIES, WEIGHINGS, Experiment, WeightsInDoubt
 from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.checks import Check
 from pa10d.experiments.request import MotionRequest
@@ -86,21 +86,22 @@ def test_what_somebody_has_stopped_is_not_tried_again(monkeypatch, tmp_path):
     assert isinstance(found, Stopped)
 
 
-FELL = Fault("not_held", "moves at 0.8 rad/s; about 0.3 N·m would have held it", 5, weighed=True)
+FELL = Fault("not_held", "moves at 0.8 rad/s; about 0.3 N·m would have held it", 5, weighed=6)
 
 
 def test_a_joint_that_told_its_weight_as_it_fell_is_enabled_again(monkeypatch, tmp_path):
-    """Each joint of its own, and as fast as before: it was never moved."""
-    other = replace(FELL, axis=6)
-    paces, found = tried(monkeypatch, [FELL, FELL, other], MotionRequest("x"), tmp_path)
-    assert paces == 4 * [1.0]
-    assert [note[:7] for note in found.notes] == ["joint 6", "joint 6", "joint 7"]
+    """Each joint of its own, whichever is too fast, and as fast as before: it was never moved."""
+    other = replace(FELL, weighed=2)
+    falls = [*FALLS * [FELL], other]
+    paces, found = tried(monkeypatch, falls, MotionRequest("x"), tmp_path)
+    assert paces == (FALLS + 2) * [1.0]
+    assert [note[:7] for note in found.notes] == (FALLS + 1) * ["joint 6"]
 
 
-def test_it_falls_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
+def test_it_tells_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
     monkeypatch, tmp_path
 ):
-    for faults, tries in (([FELL] * 9, TRIES), ([replace(FELL, weighed=False)], 1)):
+    for faults, tries in (([FELL] * 9, FALLS + 1), ([replace(FELL, weighed=0)], 1)):
         paces, error = tried(monkeypatch, faults, MotionRequest("x"), tmp_path)
         assert (len(paces), type(error)) == (tries, UserError)
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.1  # s
 TRIES = 3  # with calmer gains, or slower, each
-FALLS = 5  # of one joint, each of which tells more of what holds it
+FALLS = 3  # that may tell what holds one joint
 WEIGHINGS = 3  # by smaller motions, each of which lets the next be larger
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
@@ -127,7 +127,7 @@ class Experiment:
     async def carry_out(self) -> Outcome:
         """To the end; the arm is left as it was found. An arm that was measured is tried with
         calmer gains where it swings, and slower where it was predicted to follow and did not."""
-        tries, fell, weighings = 1, Counter[int | None](), 0
+        tries, fell, weighings = 1, Counter[int](), 0
         while True:
             try:
                 found = await self._once()
@@ -148,14 +148,15 @@ class Experiment:
                     raise
                 tries += 1
 
-    async def _weighed(self, fell: Counter[int | None]) -> bool:
+    async def _weighed(self, fell: Counter[int]) -> bool:
         """Whether a joint was not held, and how it fell told what holds it: then the next enabling
-        begins with that. It may fall as far each time: few are allowed. fell: how often."""
+        begins with that. It may fall as far each time: few are allowed. fell: how often each told.
+        """
         fault = self._robot.fault
         if fault is None or not fault.weighed:
             return False
-        fell[fault.joint] += 1
-        if fell[fault.joint] >= FALLS:
+        fell[fault.weighed] += 1
+        if fell[fault.weighed] > FALLS:
             return False
         self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
         self.result.notes.append(self.falls[-1])
@@ -356,7 +357,8 @@ class Experiment:
                 report(float(get(last, "row")) / rows, "moving")
         state = await self._robot.until("holding", "inactive", "fault", "offline", timeout=STOPPED)
         if state in ("fault", "offline"):
-            log.warning("experiment ended while %s%s", state, self._why())
+            fault = self._robot.fault  # it may be tried again; what to do is said where it is not
+            log.warning("experiment ended while %s%s", state, f": {fault.seen}" if fault else "")
 
     async def _finish_recording(self, ended: asyncio.Future[JsonObject]) -> None:
         await asyncio.wait([ended], timeout=SHORT)
