@@ -279,20 +279,27 @@ def keep_for(data: Data, profile: Profile, measured: MeasuredJoints) -> Measured
 
 
 def calmer(
-    data: str, profile: str, known: JsonObject, fault: JsonObject, run: str | None = None
+    data: str,
+    profile: str,
+    known: JsonObject,
+    fault: JsonObject,
+    went: Sequence[Sequence[Sequence[float]]] | None = None,
 ) -> JsonObject | None:
     """What is learnt from a joint that swung, or fell behind: gains with which it does not, and a
     ``note`` of what was changed. None where gains would become too soft to hold anything, or firm
     enough to shake it.
 
-    known: what was learnt before, with the gains that let it swing; run: of the ``friction`` part
-    that ended so.
+    known: what was learnt before, with the gains that let it swing; went: rad and N·m (N, n) until
+    then, of a ``friction`` part and the way to its start.
     """
     before, what = KnownJoints.from_document(known), Fault.from_document(fault)
     if what.kind == "following_error":
         own, robot = load_robot(profile)
-        seen = None if run is None else _seen(open_library(data), own, run)
-        found = None if seen is None else weighed(own, robot, before, what, seen)
+        found = None
+        if went is not None:
+            q, torque = (np.array(values, dtype=float).reshape(-1, robot.n) for values in went)
+            seen = Seen(Plan("first_motion", (), ()), own.control.rate, q, torque)
+            found = weighed(own, robot, before, what, seen)
         found = found or firmed(own, robot, before, what)
     else:
         found = _calmed_after(profile, before, what)

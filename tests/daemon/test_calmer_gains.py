@@ -14,7 +14,9 @@ from pa10d.common.errors import UserError
 from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
+from pa10d.control.ring import Ring
 from pa10d.daemon.motions import first_motion
+from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.outcome import Outcome
 from pa10d.experiments.request import MotionRequest
@@ -47,7 +49,7 @@ class Workers:
 
     def __init__(self, calmest, slower=False):
         self.calmest, self.slower, self.calls = calmest, slower, []
-        self.unmet = []
+        self.unmet, self.went = [], []
 
     async def run(self, what, _, **asked):
         name = what.split(":")[1]
@@ -60,6 +62,7 @@ class Workers:
             return 0.5 if self.slower and asked["speed"] == 1.0 else None
         if name == "calmer":
             assert Fault.from_document(asked["fault"]).joint == 2
+            self.went.append(asked["went"])
             step = int(asked["known"]["gains"]["kd"][0]) + 1
             return None if step > self.calmest else known(step) | {"note": f"note {step}"}
         if name == "learn":
@@ -81,6 +84,7 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(
 
     class Experiment:
         falls, result = (), Outcome("first_motion")
+        went = np.zeros((3, 2)), np.ones((3, 2))
 
         def __init__(self, daemon, request, report, figures):
             self.request = request
@@ -176,3 +180,26 @@ def test_what_swings_is_never_tried_more_slowly(monkeypatch):
     robot, workers, _ = measured(monkeypatch, 9, calmest=0, slower=True)
     assert robot.speeds == [1.0]
     assert "slower" not in workers.calls
+
+
+def test_one_that_fell_behind_is_weighed_by_its_way_to_the_start_as_well(monkeypatch):
+    """Of that nothing is recorded: "its servo is as firm as it can be" was said."""
+    behind = Fault("following_error", "is 0.2 rad from where it should be", axis=1)
+    for fault, seen in ((behind, [3 * [[0.0, 0.0]], 3 * [[1.0, 1.0]]]), (FAULT, None)):
+        _, workers, _ = measured(monkeypatch, 1, fault=fault)
+        assert workers.went == [seen]
+
+
+def test_all_that_went_before_the_fault_is_looked_at(tmp_path):
+    robot = SimpleNamespace(ring=Ring.create(2, 512, 0.01), fault=None)
+    row = np.zeros(robot.ring.layout.width)
+    for k in range(300):
+        robot.ring.layout.get(row, "q")[:] = k
+        robot.ring.append(row)
+    robot.fault = replace(FAULT, sequence=250)
+    daemon = SimpleNamespace(robot=robot, runtime=tmp_path)
+    experiment = Experiment(daemon, REQUEST, lambda *_: None)
+    experiment._began = 100
+    q, torque = experiment.went
+    assert q[:, 0].tolist() == list(range(100, 250))
+    assert torque.shape == q.shape

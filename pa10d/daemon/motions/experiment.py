@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pa10d.common.errors import NotNow, Stopped, UserError
 from pa10d.common.jsonable import JsonObject
@@ -34,10 +35,13 @@ if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
     from pa10d.identify.scale import Body
 
+Array = NDArray[np.float64]
+
 LOOK_EVERY = 0.1  # s
 TRIES = 3  # with calmer gains, or slower, each
 FALLS = 3  # that may tell what holds one joint
 WEIGHINGS = 3  # by smaller motions, each of which lets the next be larger
+WENT = 20.0  # s before a fault that are looked at
 SHORT = 0.5  # s in which a run ends as a rule
 CLOSE_RUN = 10.0  # s for the recorder to finish a run
 PASSING = ("disk",)  # subjects of what a plan is checked for that are no lack of its own
@@ -121,6 +125,7 @@ class Experiment:
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(NUMBERS)}"
         self.moved = False
+        self._began = 0  # of the records, where the last motion began
         self.falls: list[str] = []  # of its notes those of joints that were not held at first
         self.result = Outcome(request.kind)
 
@@ -147,6 +152,14 @@ class Experiment:
                 if tries == TRIES or not (await self._calmed() or await self._slowed()):
                     raise
                 tries += 1
+
+    @property
+    def went(self) -> tuple[Array, Array]:
+        """rad and N·m sent, (N, n), of all that a fault has ended, the way to its start as well."""
+        ring, fault = self._robot.ring, self._robot.fault
+        last = None if fault is None or not fault.sequence else fault.sequence
+        rows, _ = ring.read(max(self._began, ring.written - round(WENT / ring.period)), last)
+        return ring.layout.get(rows, "q"), ring.layout.get(rows, "torque")
 
     async def _weighed(self, fell: Counter[int]) -> bool:
         """Whether a joint was not held, and how it fell told what holds it: then the next enabling
@@ -320,6 +333,7 @@ class Experiment:
     async def _run(self, motion: PlannedMotion, name: str | None, report: Progress) -> None:
         """One motion, recorded."""
         number, robot = next(NUMBERS), self._robot
+        self._began = robot.ring.written
         announced = await robot.recorder.announce(
             motion=number, rows=motion.last, name=name,
             kind=self._request.kind, plan_file=motion.plan_file, tags=list(self._request.tags),

@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pa10d.common.errors import UserError
 from pa10d.control.faults import Fault
 from pa10d.control.gains import PidGains
@@ -22,6 +25,8 @@ from pa10d.services.joints import STILL_FALLS, STILL_SWINGS
 
 if TYPE_CHECKING:
     from pa10d.daemon.daemon import Daemon
+
+Array = NDArray[np.float64]
 
 SHARES = {"friction": 0.2, "response": 0.6, "poses": 0.2}  # of the time
 TRIES = 5  # of one joint: with calmer gains where it swings, firmer ones where it falls behind
@@ -105,10 +110,10 @@ class FirstMotion:
                 if fault is None or fault.kind not in STILL:
                     raise
                 tried[fault.joint] += 1
-                cut = experiment.result.runs[-1] if experiment.result.runs else None
-                cut = cut if name == "friction" else None
+                tells = name == "friction" and fault.kind == "following_error"
+                went = experiment.went if tells else None
                 again = tried[fault.joint] < TRIES
-                calmer = await self._calmer(known, fault, cut) if again else None
+                calmer = await self._calmer(known, fault, went) if again else None
                 if calmer is not None:
                     known = calmer
                 elif (speed := await self._slower(name, known, fault, parameters)) is not None:
@@ -127,11 +132,12 @@ class FirstMotion:
             return found.runs[0], known
 
     async def _calmer(
-        self, known: KnownJoints, fault: Fault, run: str | None
+        self, known: KnownJoints, fault: Fault, went: tuple[Array, Array] | None
     ) -> KnownJoints | None:
-        """What is known after a joint swung or fell behind; None where no gains would help. run: of
-        the part that it ended, of one that can tell weights."""
-        told = {"known": known.document(), "fault": fault.document(), "run": run}
+        """What is known after a joint swung or fell behind; None where no gains would help. went:
+        rad and N·m (N, n), until then, of a part that can tell weights."""
+        seen = None if went is None else [values.tolist() for values in went]
+        told = {"known": known.document(), "fault": fault.document(), "went": seen}
         calmer = await self._ask("calmer", **told)
         if calmer is None:
             return None
