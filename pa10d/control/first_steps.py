@@ -1,10 +1,10 @@
 """Does a torque act the wrong way round? Seen in the small steps that a first motion begins with,
-one joint at a time: as others are moved, what a joint weighs changes, which looks like a push.
+one joint at a time.
 
 Friction held the joint until then. It goes the other way than it is asked to, the faster the more
 it is pushed; one that moves may take others along, of which nothing is said. Speed since it left
-its place is v0 + a·t + c·∫(u - u0)dt: least squares, a few sums. Under u0 friction held it; a is
-what was lacking.
+its place is v0 + a·t + c·∫(u - u0)dt: least squares, a few sums. Under u0 it was held where it
+began; what it weighs is other as others lean, and a is what was lacking.
 """
 
 from __future__ import annotations
@@ -53,9 +53,6 @@ class FirstSteps:
             self._stood[:] = reference.q, torque
             return
         self._begun = True
-        if np.count_nonzero(led) > 1:
-            self._sums[:] = 0.0
-            return
         self._way[led] = np.sign(reference.dq[led])
         if np.abs(reference.q - self._stood[0]).max() > NEAR:
             return
