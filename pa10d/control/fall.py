@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 LEFT = 1e-3  # rad from its place, before which a gear's play may be all that moves
 STIRS = 0.1 * LEFT  # rad, that no encoder's noise is
+CREEPS, HARDLY = 0.02, 0.1  # rad/s, slower than which it stands, and of how fast it is
+SLOWED = 0.5  # of the fastest that it was
 FEWEST, FEW = 5, 3  # periods: three numbers are fitted, or two
 WIDEST = 12.0  # times as much may have been lacking as the least: then a sixth is gained at worst
 SURE = 3.0  # standard errors
@@ -88,7 +90,7 @@ class FallWatch:
         come nearer, or more than the ``most`` that it may weigh. inertia: kg·m² as presumed, where
         an answer that is rough is better than none."""
         rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
-        rows = rows[_still(rows[:, 1 + axis]) :]
+        rows = rows[_still(rows[:, 0], rows[:, 1 + axis]) :]
         seen = rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis]
         found = weight_of(*seen)
         if found is not None and SURE * found.error > LACKING * abs(found.torque - thought):
@@ -98,10 +100,12 @@ class FallWatch:
         return None if found is None or abs(found.torque) > most else found
 
 
-def _still(q: Array) -> int:
-    """The last row in which a joint stood in its brake: torque had come up to what was thought."""
-    moves = np.flatnonzero(np.abs(q - q[0]) > STIRS) if len(q) else np.zeros(0, dtype=np.int64)
-    return max(int(moves[0]) - 1, 0) if len(moves) else 0
+def _still(time: Array, q: Array) -> int:
+    """The last row in which a joint stood, or hardly moved beside how fast it is: in its brake,
+    which may slip and drag before it opens. Torque had come up by then."""
+    speed = np.abs(np.diff(q)) / np.diff(time)
+    stands = speed < max(CREEPS, HARDLY * float(speed[-1])) if len(speed) else speed > 0.0
+    return int(np.flatnonzero(stands)[-1]) + 1 if stands.any() else 0
 
 
 def weight_of(time: Array, q: Array, sent: Array) -> Weighed | None:
@@ -168,11 +172,13 @@ def _by_way(fell: Driven | None, begin: float, inertia: float) -> tuple[float, f
 def driven(time: Array, q: Array, sent: Array) -> Driven | None:
     """By what speed it has and how far it got: ½·J·v² = ∫(u - w)dx from rest, whenever that was. It
     needs no more than two periods, and a spring that unwinds, which spoils any slope, matters less.
-    None where it did not get faster all the way: something else has moved it."""
+    None where it got much slower, or turned round: something else has moved it."""
     way, speed = np.diff(q), np.diff(q) / np.diff(time)
     moves = np.flatnonzero(np.abs(q[1:] - q[0]) > STIRS)
     gains = np.abs(speed[moves])
-    if len(moves) < 2 or (np.diff(gains) <= 0.0).any() or (way[moves] * way[-1] <= 0.0).any():
+    if len(moves) < 2 or (way[moves] * way[-1] <= 0.0).any():
+        return None
+    if gains[-1] < SLOWED * gains.max():
         return None
     half = np.append(np.ones(len(way) - 1), 0.5)  # up to where the last speed is that of
     far = float(half @ way)

@@ -15,6 +15,7 @@ from pa10d.control.faults import Fault
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
 from pa10d.daemon.motions import first_motion
 from pa10d.daemon.motions.experiment import Experiment
 from pa10d.daemon.robot.stops import Stops
@@ -190,16 +191,18 @@ def test_one_that_fell_behind_is_weighed_by_its_way_to_the_start_as_well(monkeyp
         assert workers.went == [seen]
 
 
-def test_all_that_went_before_the_fault_is_looked_at(tmp_path):
-    robot = SimpleNamespace(ring=Ring.create(2, 512, 0.01), fault=None)
-    row = np.zeros(robot.ring.layout.width)
+def test_all_that_a_fault_ended_is_looked_at(tmp_path):
+    """From where the motion began until the drives have it."""
+    robot = SimpleNamespace(ring=Ring.create(2, 512, 0.01))
+    row, get = np.zeros(robot.ring.layout.width), robot.ring.layout.get
     for k in range(300):
-        robot.ring.layout.get(row, "q")[:] = k
+        get(row, "q")[:], get(row, "torque")[:] = k, k < 280
+        get(row, "state")[...] = ArmState.RUNNING if k < 250 else ArmState.STOPPING
+        get(row, "state")[...] = ArmState.FAULT if k >= 290 else get(row, "state")
         robot.ring.append(row)
-    robot.fault = replace(FAULT, sequence=250)
     daemon = SimpleNamespace(robot=robot, runtime=tmp_path)
     experiment = Experiment(daemon, REQUEST, lambda *_: None)
     experiment._began = 100
     q, torque = experiment.went
-    assert q[:, 0].tolist() == list(range(100, 250))
+    assert q[:, 0].tolist() == list(range(100, 280))
     assert torque.shape == q.shape

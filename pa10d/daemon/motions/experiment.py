@@ -18,6 +18,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.laws import Law
+from pa10d.control.states import ArmState
 from pa10d.daemon.jobs.jobs import Progress, part
 from pa10d.daemon.motions.numbers import NUMBERS, SHIFTED, STOPPED
 from pa10d.daemon.motions.way_back import bring_inside
@@ -155,11 +156,13 @@ class Experiment:
 
     @property
     def went(self) -> tuple[Array, Array]:
-        """rad and N·m sent, (N, n), of all that a fault has ended, the way to its start as well."""
-        ring, fault = self._robot.ring, self._robot.fault
-        last = None if fault is None or not fault.sequence else fault.sequence
-        rows, _ = ring.read(max(self._began, ring.written - round(WENT / ring.period)), last)
-        return ring.layout.get(rows, "q"), ring.layout.get(rows, "torque")
+        """rad and N·m sent, (N, n), of what a fault has ended: the way to its start as well, and
+        the stop, as far as it was the servo's."""
+        ring = self._robot.ring
+        rows, _ = ring.read(max(self._began, ring.written - round(WENT / ring.period)))
+        q, torque, state = (ring.layout.get(rows, key) for key in ("q", "torque", "state"))
+        ours = np.isin(state, (ArmState.RUNNING, ArmState.STOPPING)) & torque.any(axis=1)
+        return q[ours], torque[ours]
 
     async def _weighed(self, fell: Counter[int]) -> bool:
         """Whether a joint was not held, and how it fell told what holds it: then the next enabling
