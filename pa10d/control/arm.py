@@ -437,13 +437,18 @@ class Arm:
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found
-        counts there."""
+        counts there, of one that went far as a share of what the description says."""
         q = self.path.q.copy()
         if self._held_by is None or not self.path.fell:
             return
         there, torque = self._held_by
+        here, gone = self._gravity(q), self._gravity(there)
         if np.abs(q - there).max() <= CARRIED:
-            self._held_by = q, torque + self._gravity(q) - self._gravity(there)
+            self._held_by = q, torque + here - gone
+            return
+        share = torque / np.where(gone == 0.0, np.inf, gone)  # masses are wrong, wherever it is
+        told = ~self._by_thought & (share >= 1.0 / ROUGH) & (share <= ROUGH)
+        self._held_by, self._by_thought = (q, np.where(told, share * here, here)), ~told
 
     def _switch(self, state: ArmState) -> None:
         self.state, self._switch_by = state, None

@@ -2,9 +2,10 @@
 
 A joint that something pushes away slows down as the servo pushes back. Where it goes away faster
 the more the servo pushes back, its torque has the wrong sign. Since it left its place the speed is
-a·t + c·∫(u - u0)dt: c is 1/J, or -1/J. Least squares, five sums a joint. Another joint that goes
-the way it is pushed may take it along: until it rests again nothing is said of it. Nor is it of one
-that comes back before: a torque of the wrong sign only drives a joint away; a neighbour sways.
+a·t + c·∫(u - u0)dt: c is 1/J, or -1/J. Least squares, five sums a joint. Another joint that moves
+about as fast, pushed or falling, may take it along: until it rests again nothing is said of it. Nor
+is it of one that comes back before: a torque of the wrong sign only drives a joint away; a
+neighbour sways.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ Array = NDArray[np.float64]
 
 LEFT, FAR = 1e-3, 0.01  # rad: where it begins, and what is enough to judge
 SURE = 6.0  # standard errors
-BACK = 0.02  # rad/s towards its place, by which a joint comes back
+BACK = 0.02  # rad/s, by which a joint comes back to its place, or moves another
 PUSHED = 0.02  # of the torque limit: friction alone moves a joint in ways of its own
 FEWEST = 8  # cycles
-TAKES = 0.3  # of a joint's speed, with which another that is pushed may take it along
+TAKES = 0.3  # of a joint's speed, with which another may take it along
 _ROWS = 10
 _TIME, _PUSH, _FROM, _TT, _TP, _PP, _TV, _PV, _VV, _STOOD = range(_ROWS)
 
@@ -71,9 +72,7 @@ def _look(error, dq, torque, least, period, sums, left, far, sure, fewest, takes
         if s[_STOOD] == 0.0:
             continue
         for k in range(len(error)):
-            push = torque[k] - sums[_FROM, k]
-            pushed = abs(push) > least[k] and push * dq[k] > 0.0
-            if k != j and pushed and abs(dq[k]) > takes * abs(dq[j]):
+            if k != j and abs(dq[k]) > max(takes * abs(dq[j]), BACK):
                 s[_STOOD] = 0.0
         if s[_STOOD] == 0.0:
             continue

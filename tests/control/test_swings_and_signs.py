@@ -105,16 +105,19 @@ def test_nor_is_a_sway_that_grows(w, grows):
     assert abs(q) > 0.1
 
 
-def test_a_joint_that_another_takes_along_has_no_wrong_sign():
-    """The first one is borne by more than it weighs; the second hangs on it, lightly held."""
+@pytest.mark.parametrize("falls", [False, True])
+def test_a_joint_that_another_takes_along_has_no_wrong_sign(falls):
+    """The first one is borne by more than it weighs, or falls and is pushed back by a servo that is
+    too weak; the second hangs on it, lightly held."""
     mass = np.array([[2.0, 0.6], [0.6, 0.25]])
     watch = WrongWayWatch(np.array([50.0, 50.0]), PERIOD)
     q, v = np.zeros(2), np.zeros(2)
     for k in range(100):
         torque = -np.array([50.0, 40.0]) * q - np.array([5.0, 1.0]) * v
-        torque[0] += min(40.0, 2.0 * k)
+        more = np.array([min(40.0, 2.0 * k), 0.0])
+        torque += 0.0 if falls else more
         watch.watch(q, v, torque)
-        v = v + PERIOD * np.linalg.solve(mass, torque)
+        v = v + PERIOD * np.linalg.solve(mass, torque + (more if falls else 0.0))
         q = q + PERIOD * v
     assert abs(q[1]) > 0.02
 

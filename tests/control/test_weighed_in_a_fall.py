@@ -270,3 +270,16 @@ def test_what_is_learnt_later_counts_for_joints_that_were_held_by_what_was_thoug
     arm.weigh(lambda q: np.array([5.0, 2.0]))
     arm.enable()
     assert arm.path.thought == pytest.approx([6.0, 2.0], abs=0.3)
+
+
+def test_a_joint_that_went_far_is_held_by_as_many_times_what_its_urdf_says():
+    """Its brake took long; a body that is twice as heavy is that anywhere."""
+    arm = fallen(10.0)
+    there = arm.path.q.copy()
+    arm.weigh(lambda q: np.array([2.5 - (q[0] - there[0]), 0.0]))
+    arm.backend.plant.q[0] -= 1.0
+    arm.path.measured_q[0] -= 1.0
+    arm.path._speed.restart()
+    arm.cycle()
+    arm._take_along()
+    assert arm._held_by[1][0] == pytest.approx(6.0 / 2.5 * 3.5, rel=0.2)
