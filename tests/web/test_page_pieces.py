@@ -224,6 +224,25 @@ def test_without_an_arm_recordings_are_investigated(archive, visit):
     assert not visitor.errors
 
 
+UNMARKED = """() => {
+  const { change, state } = globalThis.pa10dModules.get("base/store.js");
+  const compared = { status: "succeeded", request: { model: "m0", runs: ["valid_a"] } };
+  change({ runs: state.runs.map((run) => ({ ...run, tags: [] })), comparisons: [compared] });
+}"""
+
+
+def test_where_no_run_is_marked_those_of_the_model_are_chosen(archive, visit):
+    visitor = visit(archive[0])
+    visitor.open("diagnose")
+    page = visitor.page
+    page.evaluate(UNMARKED)
+    pickers = page.locator("#diagnose summary")
+    until(page, "document.querySelector('#diagnose summary b').textContent === 'train_a'")
+    assert pickers.filter(has_text="Judge by").locator("b").text_content() == "valid_a"
+    assert page.locator("#diagnose-start").is_enabled()
+    assert not visitor.errors
+
+
 BROKEN = """async () => {
   const { change, watch } = globalThis.pa10dModules.get("base/store.js");
   const heard = [];

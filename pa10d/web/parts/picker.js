@@ -30,12 +30,18 @@ export function modelPicker(label, onChange = () => {}) {
   };
 }
 
-/** Several runs; `tag` says which are chosen at first. */
-export function runPicker(label, tag, onChange = () => {}) {
+/** Several runs; `tag` says which are chosen at first. Where none is tagged so: those that `otherwise`
+    names. */
+export function runPicker(label, tag, onChange = () => {}, otherwise = () => []) {
   const list = el("div", { class: "choices" });
   const summary = el("summary", {});
   let own = null; // ids chosen by hand
-  const chosen = () => own ?? tagged(tag).map((run) => run.id);
+  const named = () => otherwise().map(runOf).filter((run) => run && run.status !== "started");
+  const chosen = () => {
+    if (own) return own;
+    const marked = tagged(tag);
+    return (marked.length ? marked : named()).map((run) => run.id);
+  };
   const refresh = () => {
     const ids = chosen();
     const runs = state.runs.filter((run) => run.status !== "started");
@@ -51,7 +57,7 @@ export function runPicker(label, tag, onChange = () => {}) {
       } }), `${run.name} `, el("small", {}, [run.kind && titled(run.kind), seconds(run.duration)].filter(Boolean).join(", ")))));
     onChange();
   };
-  watch(["runs"], refresh);
+  watch(["runs", "models", "comparisons"], refresh);
   const box = el("details", { class: "picker runs" }, summary, list);
   box.addEventListener("keydown", (event) => { if (event.key === "Escape" && box.open) { box.open = false; summary.focus(); } });
   document.addEventListener("pointerdown", (event) => { if (!box.contains(event.target)) box.open = false; });
@@ -59,7 +65,18 @@ export function runPicker(label, tag, onChange = () => {}) {
     box,
     get ids() { return chosen().filter((id) => state.runs.some((run) => run.id === id)); },
     set ids(value) { own = value; refresh(); },
+    refresh,
   };
 }
 
-export const nameOf = (run) => state.runs.find((one) => one.id === run || one.name === run)?.name ?? run;
+/** What a model was fitted to, and what it was compared with last that it had not seen. */
+export const fittedTo = (name) => current().find((model) => model.name === name)?.runs ?? [];
+export const judgedBy = (name) => {
+  const seen = new Set(fittedTo(name).map((run) => runOf(run)?.id));
+  const model = current().find((one) => one.name === name);
+  const last = state.comparisons.find((one) => one.status === "succeeded" && [name, model?.id].includes(one.request.model));
+  return (last?.request.runs ?? []).filter((run) => !seen.has(runOf(run)?.id));
+};
+
+const runOf = (run) => state.runs.find((one) => one.id === run || one.name === run);
+export const nameOf = (run) => runOf(run)?.name ?? run;

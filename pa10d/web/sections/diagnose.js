@@ -12,12 +12,13 @@ import { addedOf, heading, SETTLES, versionWith } from "../parts/guide.js";
 import { armView } from "../parts/arm.js";
 import { postSound } from "../parts/forced.js";
 import { finished } from "../parts/jobs.js";
-import { modelPicker, runPicker } from "../parts/picker.js";
+import { fittedTo, judgedBy, modelPicker, runPicker } from "../parts/picker.js";
 
 let parts = null, shown = null;
 
 export function mount(box) {
-  const model = modelPicker("Model"), fit = runPicker("Fit to", "fit"), judge = runPicker("Judge by", "judge");
+  const model = modelPicker("Model", () => { parts?.fit.refresh(); parts?.judge.refresh(); });
+  const fit = runPicker("Fit to", "fit", undefined, () => fittedTo(model.value)), judge = runPicker("Judge by", "judge", undefined, () => judgedBy(model.value));
   const frozen = el("input", { type: "checkbox", id: "frozen" });
   const start = el("button", { class: "primary", type: "button", id: "diagnose-start", onclick: guarded("The diagnosis could not be started.", async () => {
     const job = await postSound("diagnoses", { model: model.value, fit: fit.ids, validate: judge.ids, frozen: frozen.checked });
