@@ -118,6 +118,8 @@ STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical streng
 INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it is part of
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
+SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
+# thousand right ones
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that
 BROKEN_SHARE = 0.5  # of a joint's squared error, gone where runs, or their two parts, may differ:
 #   most of it

@@ -18,6 +18,7 @@ from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
     MATERIAL_REST,
+    SHARE_OFF,
     SIZED_LEVEL,
     STANDS_IN,
     USUAL,
@@ -412,7 +413,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         before = state.as_given  # not as it was moved to do without
     after = versions[index - given + 1].held_out["held out"]
     size = _size(state, index, judged)
-    rivals = [r.candidate for r in search.rivals_of(term)]
+    rivals = [r.candidate for r in search.rivals_of(index)]
     confusions = tuple(_confusion(term, r) for r in rivals)
     places_named = {(r.effect.id, r.joints) for r in rivals}
     simpler = [
@@ -471,7 +472,7 @@ def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
     """What is named on a joint whose error follows something unnamed, too, may be part of that; so
     may a law that moves another torque than its own shape says."""
     j = helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
-    told = lines[j].significant or not _whole(finding.term)
+    told = lines[j].significant or not _whole(finding)
     if not (told and lines[j].ratio > STANDS_IN):
         return finding
     text = (
@@ -481,10 +482,19 @@ def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
     return replace(finding, sentence=finding.sentence + text)
 
 
-def _whole(term: Term) -> bool:
-    """Are coefficients that a shape alone should settle what they can be?"""
-    kinds = zip(term.effect.coefficients, term.coefficients, strict=True)
-    return all(k.lower <= c <= k.upper for k, c in kinds if k.whole_at_one)
+def _whole(finding: Finding) -> bool:
+    """Are coefficients that a shape alone should settle what they can be, and within their own
+    doubt what they should be?"""
+    kinds = zip(finding.term.effect.coefficients, finding.term.coefficients, strict=True)
+    for kind, value in kinds:
+        if not kind.whole_at_one:
+            continue
+        if not kind.lower <= value <= kind.upper:
+            return False
+        told = finding.parameters.get(kind.name)
+        if told is not None and abs(value - 1.0) > SHARE_OFF * told.std_error_random > 0.0:
+            return False
+    return True
 
 
 def sized(model: TorqueModel, index: int) -> bool:

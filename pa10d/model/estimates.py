@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from pa10d.common.words import listed
 from pa10d.effects import Coefficient, Effect, ShapeParameter, Value
+from pa10d.effects.rotor import ROTOR
 from pa10d.model.term import Term
 
 NEAR = 1e-3  # of an end: there a search was stopped by it
@@ -19,16 +20,20 @@ NONE = 1.96  # standard errors within which a size may as well be nothing (5 %, 
 BEYOND = 3.0  # standard errors below nothing: no accident (0.1 %, one-sided)
 
 
-def as_estimates(term: Term, found: Mapping[str, Value], less: bool) -> dict[str, Value]:
+def as_estimates(
+    term: Term, found: Mapping[str, Value], less: bool, inertia: float = float("inf")
+) -> dict[str, Value]:
     """The parameters ``found`` of a term, those that are none marked; less: it may be below
-    nothing, beside what else the model has there."""
+    nothing, beside what else the model has there; inertia: kg·m² that its joint moves, of which the
+    rotor is a part."""
     kind = term.effect
     told = {c.name: c for c in kind.coefficients if not (c.nuisance or c.whole_at_one)}
     out = dict(found)
     for name, value in found.items():
         shape = next((s for s in kind.shapes_in(term.shape) if s.name == name), None)
         beyond = (name in told and not less and _ended(value, told[name])) or (
-            shape is not None and _stopped(value, shape)
+            shape is not None
+            and (_stopped(value, shape) or (name == ROTOR.name and value.value >= inertia))
         )
         if beyond:
             out[name] = replace(value, determined=False, beyond=True)
@@ -63,6 +68,8 @@ def _said(term: Term, name: str, value: Value) -> str:
     parameters: list[Coefficient | ShapeParameter] = [*kind.coefficients, *kind.shapes]
     of = next(p for p in parameters if p.name == name)
     unit = value.unit_after
+    if of.name == ROTOR.name:
+        return f"{name} comes out at {value.value:.3g}{unit}, and all that the joint moves is less"
     if value.value < of.lower == 0.0:
         return f"{name} comes out at {value.value:.3g}{unit}, and nothing has less than none"
     ends = f"{of.lower:g} to {of.upper:g}" if of.lower > -float("inf") else f"up to {of.upper:g}"

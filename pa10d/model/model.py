@@ -17,6 +17,7 @@ from pa10d.common.errors import UserError
 from pa10d.dynamics import BaseParameters, Robot
 from pa10d.dynamics.base import parameter_name, parameter_unit
 from pa10d.dynamics.rotors import rotors_within
+from pa10d.dynamics.typical import typical_inertia
 from pa10d.effects import Context, Value
 from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
@@ -174,7 +175,12 @@ class TorqueModel:
         once = not (kind.repeatable or kind.one_of_each)
         # a change of what is there already, or of two that share what each may have
         less = others[0] < index if once else bool(kind.one_of_each) and len(others) > 1
-        return as_told(self.robot, term, as_estimates(term, found, less))
+        moved = self._moved(term.joints[0]) if "rotor" in term.shape else np.inf
+        return as_told(self.robot, term, as_estimates(term, found, less, moved))
+
+    def _moved(self, joint: int) -> float:
+        """kg·m² (kg): the inertia that a joint moves, its rotor included."""
+        return float(typical_inertia(self.robot, self.rigid)[joint])
 
     def coefficient_values(self, index: int) -> dict[str, Value]:
         """Of one effect, each as ``term_values`` has it where that has it: one error everywhere."""

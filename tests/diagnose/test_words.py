@@ -133,6 +133,21 @@ def test_a_spring_whose_torque_is_not_its_own_may_stand_in_for_another():
         assert said.endswith("for what is missing there.") == doubted
 
 
+@pytest.mark.parametrize(("error", "doubted"), [(0.028, True), (0.1, False)])
+def test_a_gap_whose_torque_is_surely_not_its_own_may_stand_in(error, doubted):
+    """A gap of 0.8 mrad: its share was 0.737, nine standard errors off, and nothing was said."""
+    line = Remaining(0, 0.2635, 0.0615, "high frequencies", False, False, None, (), "")
+    term = Term("backlash", (0,), np.array([0.737]), {"b": 9e-4})
+    finding = Finding(
+        term,
+        {"share": Value(0.737, error, "1")},
+        *(np.array([0.4]), np.array([0.26])),
+        *(1e-9, 1.0, Value(0.4, 0.1, "N·m"), (), None, "Joint 1 has play."),
+    )
+    said = _beside_more(finding, [line]).sentence
+    assert said.endswith("for what is missing there.") == doubted
+
+
 def test_what_the_band_hides_is_said_where_nothing_was_found_in_it():
     """0.18 N·m of cogging above the low-pass, beside 0.012 that were judged."""
     alone = SimpleNamespace(

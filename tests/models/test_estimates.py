@@ -62,6 +62,22 @@ def test_what_a_spring_swings_with_is_unknown_where_its_mode_is():
     assert not_one(term, {name: found[name] for name in shape})
 
 
+def test_a_rotor_is_a_part_of_what_its_joint_moves():
+    """Load friction was told with "rotor = 0.2094 ± 0.063 kg·m²" of a joint of 0.11 in all."""
+    shape = {"v0": 0.05, "rotor": 0.2094}
+    term = Term("load_friction", (0,), np.array([0.07]), shape, {"rotor": 0.063})
+    values = term.effect.values(
+        term.coefficients, np.diag([0.006**2]), term.shape, term.shape_errors
+    )
+    found = as_estimates(term, values, False, 0.11)
+    assert str(found["rotor"]) == "no estimate"
+    assert found["mu"].determined
+    assert "rotor comes out at 0.209 kg·m², and all that the joint moves is less" in no_estimates(
+        term, found
+    )
+    assert as_estimates(term, values, False, 0.25)["rotor"].determined
+
+
 def test_choices_are_no_numbers():
     shape = {"qs": 0.1, "side": 1.0}
     term, found = told("contact", [1.0], [2.0], shape, {"qs": 10.0})

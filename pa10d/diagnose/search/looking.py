@@ -104,6 +104,19 @@ def prefer(
     return chosen, [j for j in tied if j.place != chosen.place]
 
 
+def still_tied(
+    judging: Judging, place: Place, rivals: Sequence[JudgedCandidate]
+) -> list[JudgedCandidate]:
+    """Those of a term's rivals that this data cannot tell from it beside all that the state has;
+    the term itself is out of it."""
+    _, judged = look(judging)
+    own = next((j for j in judged if j.place == place), None)
+    if own is None:
+        return list(rivals)
+    apart = {j.place for j in judged if j is not own and not _tied(judging.state, own, j)}
+    return [r for r in rivals if r.place not in apart]
+
+
 def _shortlists(found: list[Candidate]) -> Iterator[list[Candidate]]:
     """One after the other, until the fit side speaks for none that is left."""
     while first := _shortlist(found):

@@ -26,7 +26,7 @@ from pa10d.diagnose.search.candidates import Candidate, scan, sharpened
 from pa10d.diagnose.search.corners import with_corners
 from pa10d.diagnose.search.harm import harmful, rms, spoils, taken_by, turns_worse
 from pa10d.diagnose.search.judging import JudgedCandidate, Judging, Place, Suspects
-from pa10d.diagnose.search.looking import bent_rivals, look, prefer
+from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
@@ -296,12 +296,21 @@ class Search:
         found = scan(self.state, [(effect, joints)])
         return sharpened(self.state, found)[0] if found else None
 
-    def rivals_of(self, term: Term) -> list[JudgedCandidate]:
-        """What explained the same error equally well when the term was chosen."""
-        for step in self.steps:
-            if step.chosen.place == (term.effect_id, term.joints):
-                return step.rivals
-        return []
+    def rivals_of(self, index: int) -> list[JudgedCandidate]:
+        """What explained the same error as a term equally well when it was chosen, and does so yet
+        beside all that was found since."""
+        term = self.state.terms[index]
+        place = term.effect_id, term.joints
+        rivals = next((step.rivals for step in self.steps if step.chosen.place == place), [])
+        if not rivals or term.effect.series_spring:  # of springs others bend the bodies as well
+            return rivals
+        bare = self.state.copy()
+        bare.drop(index)
+        bare.refit()
+        asked = [(r.candidate.effect, r.candidate.joints) for r in rivals]
+        return still_tied(
+            Judging(bare, [(term.effect, term.joints), *asked], self.fixed), place, rivals
+        )
 
     def contest(self) -> list[int]:
         """Joints on which the findings are beaten by a plain smooth map of the motion, of a gain by
