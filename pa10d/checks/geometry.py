@@ -15,14 +15,22 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.scales import check_scales
-from pa10d.checks.textbook_view import CUTOFF, FEWEST, TextbookView, middle_of, surely_better
+from pa10d.checks.textbook_view import (
+    CUTOFF,
+    FEWEST,
+    TextbookView,
+    ahead,
+    likelihood,
+    middle_of,
+    surely_better,
+)
 from pa10d.dynamics import Robot, base_parameters, inverse_dynamics
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-3  # share of what is left by which two ways to turn joints are equally good
+ALIKE = 1e-2  # of the log-likelihood per sample, by which two ways to turn joints are the same one
 Way = tuple[int, tuple[int, int]]
 """A joint, and the signs of its q and its tau."""
 TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
@@ -54,43 +62,61 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
 def _turned(
     part: Recording, robot: Robot, view: TextbookView
 ) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
-    """The joint whose turning round helps most is turned; then the others are asked again."""
+    """The joint whose turning round helps most is turned, if it surely helps; then the others are
+    asked again."""
     kept = base_parameters(robot).kept
     left = view.left()
     if len(left) < FEWEST:
         return
-    joints = np.arange(robot.n)
     asked = set(range(robot.n))
     while asked:
         found = {}
         for j in sorted(asked):
-            other = TextbookView.of(_with_signs(part, j, (-1, 1)), robot, kept)
+            other = TextbookView.of(_with_signs(part, j, (-1, 1)), robot, kept, view.scale)
             for signs in TURNED:
                 seen = view if signs[0] > 0 else other
                 if seen is not None:
                     found[j, signs] = seen.scaled(j, signs[1]).left()
-        shares = {
-            key: float(new.sum() / max(left.sum(), 1e-300))
-            for key, new in found.items()
-            if surely_better(new, left, joints == key[0])
-        }
-        if not shares:
+        way = _likeliest(found, left, part, robot)
+        if way is None:
             return
-        j, signs = _likeliest(shares, part, robot)
-        yield j, (signs, shares[j, signs])
+        j, signs = way
+        yield j, (signs, float(found[way].sum() / max(left.sum(), 1e-300)))
         part = _with_signs(part, j, signs)
-        view, left = TextbookView.of(part, robot, kept) or view, found[j, signs]
+        view, left = TextbookView.of(part, robot, kept, view.scale) or view, found[way]
         asked.remove(j)
 
 
-def _likeliest(shares: Mapping[Way, float], part: Recording, robot: Robot) -> Way:
-    """The way that leaves least. Turning one of two joints is as good as turning the other with
-    everything mirrored or of negative mass; of such the one nearest to the URDF's bodies."""
-    least = min(shares.values())
-    alike = [way for way, share in shares.items() if share <= (1 + ALIKE) * least]
-    if len(alike) == 1:
-        return alike[0]
-    return max(alike, key=lambda way: _likeness(_with_signs(part, *way), robot))
+def _likeliest(
+    found: Mapping[Way, Array], left: Array, part: Recording, robot: Robot
+) -> Way | None:
+    """The way that explains most, if that is surely more than the recording as it is; of those that
+    are not surely behind it, its joint's own or sure, too, the one nearest to the URDF's bodies:
+    turning one of two joints is as good as turning the other with everything mirrored or of
+    negative mass. A way that explains less is never the answer, even where it alone is sure, nor is
+    one by which friction would drive its joint."""
+    joints = np.arange(robot.n)
+    best = max(found, key=lambda way: likelihood(found[way], left), default=None)
+    if best is None or not surely_better(found[best], left, joints == best[0]):
+        return None
+    most = likelihood(found[best], left)
+    same = {way for way, new in found.items() if likelihood(new, left) >= most - ALIKE}
+    alike = [
+        way
+        for way, new in found.items()
+        if way in same
+        or (
+            not ahead(found[best], new)
+            and (way[0] == best[0] or surely_better(new, left, joints == way[0]))
+        )
+    ]
+    kept = base_parameters(robot).kept
+    turned = {way: _with_signs(part, *way) for way in alike}
+    views = {way: TextbookView.of(one, robot, kept) for way, one in turned.items()}
+    braking = [way for way in alike if (v := views[way]) is not None and not v.drives(way[0])]
+    if not same & {*braking}:  # what is behind it at all is no more than the next best
+        return None
+    return max(braking, key=lambda way: _likeness(turned[way], robot))
 
 
 def _likeness(part: Recording, robot: Robot) -> float:

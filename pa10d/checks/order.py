@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend
-from pa10d.checks.textbook_view import TextbookView, middle_of, surely_better
+from pa10d.checks.textbook_view import TextbookView, likelihood, middle_of, surely_better
 from pa10d.dynamics import Robot, base_parameters
 from pa10d.measurement.recording import Recording
 
@@ -29,10 +29,10 @@ def check_order(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     """One finding at most: the order that explains most, if it surely explains more."""
     if robot.n < 2:
         return
-    found = dict(_better(_thinned(middle_of(recording, LONGEST)), robot))
-    if not found:
+    found = _better(_thinned(middle_of(recording, LONGEST)), robot)
+    if found is None:
         return
-    (order, moved), share = min(found.items(), key=lambda item: item[1])
+    order, moved, share = found
     kinds = [*moved, *(["dq"] if "q" in moved and recording.dq is not None else [])]
     mends = tuple(
         Mend(f"{kind}{j + 1}", "", source=f"{kind}{k + 1}")
@@ -51,27 +51,33 @@ def check_order(recording: Recording, robot: Robot) -> Iterator[CheckFinding]:
     )
 
 
-def _better(
-    part: Recording, robot: Robot
-) -> Iterator[tuple[tuple[tuple[int, ...], tuple[str, ...]], float]]:
-    """Orders, of what, that are surely better, and which share of the error they leave."""
+def _better(part: Recording, robot: Robot) -> tuple[tuple[int, ...], tuple[str, ...], float] | None:
+    """The order, of what, that explains most, if that is surely more; and which share of the error
+    it leaves."""
     kept = base_parameters(robot).kept
     view = TextbookView.of(part, robot, kept)
     if view is None:
-        return
+        return None
     left = view.left()
+    found: dict[tuple[tuple[int, ...], tuple[str, ...]], Array] = {}
     for order in _orders(robot.n):
         places = list(order)
-        other = TextbookView.of(replace(part, q=part.q[:, places]), robot, kept)
+        dealt = replace(part, q=part.q[:, places])
+        other = TextbookView.of(dealt, robot, kept, view.scale)
         for moved in MOVED:
             seen = other if "q" in moved else view
             if seen is None:
                 continue
-            new = (replace(seen, tau=view.tau[:, places]) if "tau" in moved else seen).left()
-            of_torque = new[:, np.argsort(order)] if "tau" in moved else new
-            dealt = np.arange(robot.n) != places
-            if surely_better(of_torque, left, dealt):
-                yield (order, moved), float(new.sum() / left.sum())
+            new = (seen.dealt(places) if "tau" in moved else seen).left()
+            found[order, moved] = new[:, np.argsort(order)] if "tau" in moved else new
+    whole = {way: new for way, new in found.items() if len(new) == len(left)}
+    if not whole:
+        return None
+    best = max(whole, key=lambda way: likelihood(whole[way], left))
+    (order, what), new = best, whole[best]
+    if not surely_better(new, left, np.arange(robot.n) != list(order)):
+        return None
+    return order, what, float(new.sum() / left.sum())
 
 
 def _orders(n: int) -> list[tuple[int, ...]]:

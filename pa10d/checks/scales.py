@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.textbook_fit import blocks_of
-from pa10d.checks.textbook_view import CUTOFF, SURE, TextbookView, surely_better
+from pa10d.checks.textbook_view import CUTOFF, SURE, TextbookView, likelihood, surely_better
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.measurement.recording import Recording
 from pa10d.regression.equation import prepare
@@ -53,16 +53,17 @@ def check_scales(
 
 def _unlike_others(view: TextbookView) -> Iterator[tuple[int, tuple[float, float]]]:
     """Joints with the factor that their torque lacks, and the share of the error that is left with
-    it. The one that helps most is scaled; then the others are asked again."""
+    it. The one that helps most is scaled, if it surely helps; then the others are asked again."""
     joints = np.arange(view.tau.shape[1])
     asked = set(joints.tolist())
     while asked:
         left = view.left()
         found = {(j, f): view.scaled(j, f).left() for j in sorted(asked) for f in TRIED}
-        better = {w: new for w, new in found.items() if surely_better(new, left, joints == w[0])}
-        if not better:
+        if not found:
             return
-        j, near = min(better, key=lambda way: float(better[way].sum()))
+        j, near = max(found, key=lambda way: likelihood(found[way], left))
+        if not surely_better(found[j, near], left, joints == j):
+            return
         factor = _best(view, j, near)
         view = view.scaled(j, factor)
         yield j, (factor, float(view.left().sum() / left.sum()))
@@ -71,9 +72,9 @@ def _unlike_others(view: TextbookView) -> Iterator[tuple[int, tuple[float, float
 
 def _best(view: TextbookView, joint: int, near: float) -> float:
     """The factor, within half a decade, by which least is left."""
-    decade = float(np.log10(near))
+    decade, left = float(np.log10(near)), view.left()
     found = scipy.optimize.minimize_scalar(
-        lambda power: float(view.scaled(joint, 10**power).left().sum()),
+        lambda power: -likelihood(view.scaled(joint, 10**power).left(), left),
         bounds=(decade - 0.5, decade + 0.5),
         method="bounded",
         options={"xatol": SCALED_TO},
