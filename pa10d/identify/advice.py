@@ -53,7 +53,8 @@ def _unmoved(robot: Robot, seen: MotionExtent) -> Iterator[str]:
         if seen.range[j] < SMALL_RANGE:
             yield (
                 f"{_joint(robot, j)} hardly moves ({seen.range[j]:.2g} {robot.angle_unit(j)}): its "
-                f"friction and inertia are not excited; move it over its range, both ways"
+                f"friction and inertia are not excited, nor is its own torque fitted, of which "
+                f"friction or a brake holds any part at rest; move it over its range, both ways"
             )
         elif seen.reversals[j] < FEW_REVERSALS:
             yield (

@@ -21,6 +21,7 @@ Indices = Sequence[NDArray[np.int64]]
 """Per joint: which unknowns the columns of its equation belong to."""
 
 NEAR_NULL = 1e-5  # of the largest singular value: motion too poor to tell
+ROUNDED = 1e-12  # of the target: less of it than that is left by nothing but chance
 NUMERICAL = 1e-10  # of the largest singular value: nothing but rounding
 DEMANDED = 10.0  # standard deviations of the noise by which data must ask for a near-null direction
 HELD = 0.5**0.5  # of a singular value: half of what is known of a direction was known beforehand
@@ -162,11 +163,13 @@ def solve(
     scale = np.linalg.norm(stacked[:, :-1], axis=0)
     scale[scale == 0] = 1.0
     stacked[:, :-1] /= scale
-    whole = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][:size]
-    triangle, target = whole[:, :-1], whole[:, -1]
+    whole = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0]
+    triangle, target = whole[:size, :-1], whole[:size, -1]
+    rows = max(sum(f.rows for f in factors) - size, 1)
+    noise = max(abs(float(whole[size, -1])) / np.sqrt(rows), ROUNDED * float(np.abs(target).max()))
     left, values, right = np.linalg.svd(triangle)
     along = left.T @ target
-    solved = asked_for(values, along, np.linalg.norm(told / scale @ right.T, axis=0))
+    solved = asked_for(values, along / noise, np.linalg.norm(told / scale @ right.T, axis=0))
     turn = right[solved].T / values[solved] / scale[:, None]
     beta = turn @ along[solved]
     return Streamed(beta, sigma, turn, triangle * scale, target, right[~solved].T, values, scale)
