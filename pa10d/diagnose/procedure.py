@@ -450,6 +450,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
             state.frozen,
             others,
             sized(versions[-1], index) and _size_told(term, parameters),
+            (judged.evidence.before, judged.evidence.after),
         )
         + (none and f" But {none}.")
         + (NOT_ONE if not_one(term, parameters) else ""),

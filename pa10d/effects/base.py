@@ -34,6 +34,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+SURELY = 1.96  # standard errors by which a size is other than nothing (5 %, two-sided)
 ROOM = 1e3  # times beyond the bounds of a logarithmic scale: no other unit, and never nothing
 Shape = Mapping[str, float]
 """Values of an effect's shape parameters by name."""
@@ -82,6 +83,8 @@ class ShapeParameter:
             return True
         if self.smoothing and error == 0.0:  # assumed: the data showed nothing of it
             return False
+        if self.scale == "log":  # nothing at one of its ends, no end at the other
+            return SURELY * error <= abs(value)
         return bool(
             error <= (abs(value) if self.lower >= 0.0 else 0.25 * (self.upper - self.lower))
         )

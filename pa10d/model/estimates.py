@@ -12,11 +12,11 @@ from dataclasses import replace
 
 from pa10d.common.words import listed
 from pa10d.effects import Coefficient, Effect, ShapeParameter, Value
+from pa10d.effects.base import SURELY
 from pa10d.effects.rotor import ROTOR
 from pa10d.model.term import Term
 
 NEAR = 1e-3  # of an end: there a search was stopped by it
-NONE = 1.96  # standard errors within which a size may as well be nothing (5 %, two-sided)
 BEYOND = 3.0  # standard errors below nothing: no accident (0.1 %, one-sided)
 
 
@@ -27,7 +27,8 @@ def as_estimates(
     nothing, beside what else the model has there; inertia: kg·m² that its joint moves, of which the
     rotor is a part."""
     kind = term.effect
-    told = {c.name: c for c in kind.coefficients if not (c.nuisance or c.whole_at_one)}
+    coefficients = {c.name: c for c in kind.coefficients}
+    told = {n: c for n, c in coefficients.items() if not (c.nuisance or c.whole_at_one)}
     out = dict(found)
     for name, value in found.items():
         shape = next((s for s in kind.shapes_in(term.shape) if s.name == name), None)
@@ -39,8 +40,15 @@ def as_estimates(
             out[name] = replace(value, determined=False, beyond=True)
     sizes = [out[name] for name in told if name in out]
     added = less or kind.question != "textbook"
-    if added and sizes and all(NONE * v.std_error > abs(v.value) for v in sizes):
+    if added and sizes and all(SURELY * v.std_error > abs(v.value) for v in sizes):
         out.update({n: replace(out[n], determined=False) for n in told if n in out})
+    for name in out.keys() - told.keys() - {s.name for s in kind.shapes} - kind.derived.keys():
+        if (
+            added
+            and name not in coefficients
+            and SURELY * out[name].std_error > abs(out[name].value)
+        ):
+            out[name] = replace(out[name], determined=False)
     for name, needs in kind.derived.items():
         if name in out and not all(out[n].determined for n in needs if n in out):
             out[name] = replace(out[name], determined=False)

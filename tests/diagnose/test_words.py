@@ -105,6 +105,20 @@ def test_one_joint_is_told_by_its_sentence_its_cards_and_its_plots():
     assert "with it 14 % of joint 2's squared error is gone" in said
 
 
+def test_what_helps_only_beside_what_came_later_is_told_by_that():
+    """It was told that "the model lacks 0 N·m; with it -2 % of joint 1's squared error is gone"."""
+    term = Term("presliding_hysteresis", (0,), np.array([0.35]), {"zs": 0.002})
+    came = np.array([0.0372]), np.array([0.03748])
+    told = sentence(term, *came, Value(0.35, 0.04, "N·m"), [], False)
+    assert "with it -2 % of joint 1's squared error is gone." in told
+    last = np.array([0.0185]), np.array([0.0148])
+    told = sentence(term, *came, Value(0.35, 0.04, "N·m"), [], False, beside=last)
+    assert "of which the model lacks 0.011 N·m; with it 36 % of joint 1's squared error is" in told
+    assert told.endswith("is gone, beside what follows: when it came, hardly any was.")
+    told = sentence(term, *last, Value(0.35, 0.04, "N·m"), [], False, beside=last)
+    assert told.endswith("36 % of joint 1's squared error is gone.")
+
+
 @pytest.mark.parametrize(("ratio", "significant"), [(10.0, True), (10.0, False), (1.6, True)])
 def test_what_is_named_beside_much_that_is_not_may_stand_in_for_it(ratio, significant):
     """Another joint's torque in this one's reading: "an offset", 4 standard errors, and 10 times

@@ -78,6 +78,23 @@ def test_a_rotor_is_a_part_of_what_its_joint_moves():
     assert as_estimates(term, values, False, 0.25)["rotor"].determined
 
 
+def test_a_ripple_that_may_as_well_be_nothing_has_no_order():
+    """It was told as "N = 8.486 ± 0.63 cycles/rev, amplitude = 0.021 ± 0.048 N·m"."""
+    _, found = told("torque_ripple", [0.015, 0.015], [0.048, 0.048], {"N": 8.486}, {"N": 0.63})
+    assert str(found["amplitude"]) == str(found["N"]) == "not determined"
+    _, found = told("torque_ripple", [0.015, 0.015], [0.005, 0.005], {"N": 8.486}, {"N": 0.63})
+    assert found["amplitude"].determined
+    assert found["N"].determined
+
+
+def test_a_stiffness_that_may_as_well_be_endless_is_none():
+    """A gear of 4.6e6 N·m/rad by its own encoders was told as 5.5e4 ± 4.3e4."""
+    shape = {"K": 5.49e4, "zeta": 0.1}
+    for error, determined in ((4.3e4, False), (2e4, True)):
+        _, found = told("joint_elasticity", [1.0], [0.1], shape, {"K": error, "zeta": 0.01})
+        assert found["K"].determined is determined
+
+
 def test_choices_are_no_numbers():
     shape = {"qs": 0.1, "side": 1.0}
     term, found = told("contact", [1.0], [2.0], shape, {"qs": 10.0})

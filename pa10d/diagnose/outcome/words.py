@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pa10d.common.words import joint_words, listed, percent, times
-from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_REST, OWN_SHARE
+from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_GAIN, MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.effects import Effect, Value, effect
 from pa10d.model import Term
@@ -25,14 +25,20 @@ def sentence(
     frozen: bool,
     others: Sequence[int] = (),
     sized: bool = True,
+    beside: tuple[Array, Array] | None = None,
 ) -> str:
     """What and where, how large, and what it takes away of the joint that it helps most.
 
     before, after: (n,) N·m held out; frozen: the model stayed as it was, so something changed;
     others: joints (0-based) on which the same effect is not named; sized: its coefficients are
-    other than nothing by their own errors
+    other than nothing by their own errors; beside: (n,) N·m each that all that was found leaves
+    without it and with it
     """
     worst, own = helped_most(term, before, after)
+    late = beside is not None and after[worst] > (1.0 - MATERIAL_GAIN) * before[worst]
+    if late and beside is not None:  # what came after it made room for it
+        before, after = beside
+        worst, own = helped_most(term, before, after)
     share = percent(1.0 - (after[worst] / max(before[worst], 1e-300)) ** 2)
     about = f"about {size.value:.2g} {size.unit}"
     if frozen:
@@ -40,7 +46,8 @@ def sentence(
     else:
         lacks = float(np.sqrt(max(before[worst] ** 2 - after[worst] ** 2, 0.0)))
         said = missing(term, about + _lacking(size, lacks if own == 1 else None))
-    text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone."
+    when = ", beside what follows: when it came, hardly any was" if late else ""
+    text = f"{said}; with it {share} of joint {worst + 1}'s squared error is gone{when}."
     if not frozen and others and term.effect.only_against_others:
         text += f" {term.effect.only_against_others.format(others=joint_words(others))}."
     if frozen and term.effect.question == "missing" and not term.effect.also_changes:

@@ -147,6 +147,8 @@ def _shortlist(found: list[Candidate]) -> list[Candidate]:
 def _tied(state: SearchState, best: JudgedCandidate, other: JudgedCandidate) -> bool:
     """By what they change where either of them speaks: what they shift elsewhere is the same
     for both but for chance, and where another joint still lacks something that is much."""
+    if _says_more(state, best, other):
+        return True
     residual = state.held_residual()
     every = np.arange(state.held.n)
     spoken = {int(j) for one in (best, other) for j in every[one.speaks_on]}
@@ -154,3 +156,13 @@ def _tied(state: SearchState, best: JudgedCandidate, other: JudgedCandidate) -> 
     overlap, z = rivalry(state.held, residual, a, b)
     alike = np.all(other.evidence.after < (1.0 + MATERIAL_GAIN) * best.evidence.after)
     return overlap > SAME_DIRECTION and (z < TELL_APART or bool(alike))
+
+
+def _says_more(state: SearchState, best: JudgedCandidate, other: JudgedCandidate) -> bool:
+    """Does one that was not sure enough explain more than the best, and leave less where that one
+    is? What it moves elsewhere may be why it was not sure."""
+    own = list(best.candidate.joints or range(state.held.n))
+    wider = {*other.candidate.joints} != {*best.candidate.joints}
+    less = np.all(other.evidence.after[own] < best.evidence.after[own])
+    whole = other.is_itself and not other.evidence.worse
+    return bool(wider and whole and other.gain > best.gain and less)

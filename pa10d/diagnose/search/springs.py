@@ -34,20 +34,33 @@ Array = NDArray[np.float64]
 Place = tuple[Effect, tuple[int, ...]]
 
 
-def with_springs(state: SearchState, suspects: Sequence[Place], least: float) -> list[SearchState]:
-    """States with one spring more, for the joints where it promises to take more than ``least``
-    (weighted squared error of the fit side); the one that leaves least comes first."""
-    there = {t.joints for t in state.terms if t.effect.series_spring}
-    places = {j[0]: kind for kind, j in suspects if kind.series_spring and j not in there}
+def promising(state: SearchState, suspects: Sequence[Place], least: float) -> list[Guess]:
+    """The joints where one spring more promises to take more than ``least`` (weighted squared error
+    of the fit side), as many as are followed."""
+    places = _open(state, suspects)
     if not places or state.frozen:
         return []
-    tried = guesses(state, sorted(places))
-    likely = [g for g in tried if g.gain > least and g.drop > MATERIAL_GAIN]
-    found = []
-    for guess in likely[:SPRINGS_FOLLOWED]:
+    likely = [
+        g for g in guesses(state, sorted(places)) if g.gain > least and g.drop > MATERIAL_GAIN
+    ]
+    return likely[:SPRINGS_FOLLOWED]
+
+
+def with_springs(
+    state: SearchState, suspects: Sequence[Place], guessed: Sequence[Guess]
+) -> list[SearchState]:
+    """States with one of these springs more; the one that leaves least comes first."""
+    places, found = _open(state, suspects), []
+    for guess in guessed:
         new = _with_spring(state, places[guess.joint], _starts(state, guess))
         found += [] if new is None else [new]
     return [s for _, s in sorted(found, key=lambda pair: pair[0])]
+
+
+def _open(state: SearchState, suspects: Sequence[Place]) -> dict[int, Effect]:
+    """By joint, the spring that it may have and has not."""
+    there = {t.joints for t in state.terms if t.effect.series_spring}
+    return {j[0]: kind for kind, j in suspects if kind.series_spring and j not in there}
 
 
 def with_firm_spring(

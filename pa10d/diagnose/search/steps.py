@@ -30,7 +30,7 @@ from pa10d.diagnose.search.looking import bent_rivals, look, prefer, still_tied
 from pa10d.diagnose.search.pairs import pair_beside
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.refitting import settled
-from pa10d.diagnose.search.springs import with_firm_spring, with_springs
+from pa10d.diagnose.search.springs import promising, with_firm_spring, with_springs
 from pa10d.diagnose.search.timing import align, late_joints
 from pa10d.diagnose.search.turning import told_by_reversals
 from pa10d.diagnose.unknown.stepping import steps_in_time
@@ -63,6 +63,8 @@ class Search:
     outdone: dict[int, tuple[tuple[str, ...], float]] = field(default_factory=dict)  # see contest
     bent: tuple[JudgedCandidate, ...] = ()  # that the last look refused for their shape alone
     bent_since: dict[Place, JudgedCandidate] = field(default_factory=dict)  # once they were refined
+    followed: set[int] = field(default_factory=set)  # joints of which no spring held, and in which
+    # nothing was found since
     progress: Callable[[float, str], None] = lambda share, text: None
 
     def run(self, steps: int | None = None) -> Search:
@@ -114,6 +116,7 @@ class Search:
         """refused: what was in the model and did not stay. What could not come in may yet do so
         beside what comes next: that may have been why."""
         put_off: set[Place] = set()
+        self.followed.clear()
         added = 0
         while added < steps:
             self.progress(added / steps, f"step {added + 1}: looking through the library")
@@ -123,6 +126,7 @@ class Search:
             spring = self.spring_beside(good)
             if spring is not None:
                 refused |= self.prune() | self.reconsider()
+                self.followed.clear()
                 self.steps.append(Addition(*spring, before, rms(self.state.held_residual())))
                 added, put_off = added + 1, set()
                 continue
@@ -131,6 +135,7 @@ class Search:
                 if pair is None or added + len(pair.found) > steps:
                     break
                 self.state = pair.state
+                self.followed.clear()
                 refused |= self.prune() | self.reconsider()
                 after = rms(self.state.held_residual())
                 for one, rivals in zip(pair.found, ([], pair.rivals), strict=True):
@@ -144,6 +149,10 @@ class Search:
             if dropped is None:
                 put_off.add(chosen.place)
                 continue
+            kind, joints = chosen.candidate.effect, chosen.candidate.joints
+            self.followed -= (
+                {*joints} if joints and not kind.seen_by_shared_bodies else {*self.followed}
+            )
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
             added, put_off = added + 1, set()
@@ -256,7 +265,12 @@ class Search:
         """Add the spring that, with the bodies fitted behind it, takes more than any candidate does
         beside bodies that have bent to it; the other joint's where the data cannot tell."""
         most = max((j.candidate.gain for j in good), default=LEAST_GAIN)
-        return self._best_of(with_springs(self.state, self.suspects, most), most)
+        guessed = promising(self.state, self.suspects, most)
+        if good:  # the rest comes first; in the end all are followed once more
+            guessed = [g for g in guessed if g.joint not in self.followed]
+        found = self._best_of(with_springs(self.state, self.suspects, guessed), most)
+        self.followed |= {g.joint for g in guessed}
+        return found
 
     def swinging(self, joints: Sequence[int]) -> bool:
         """Add the spring of the first of these joints whose link swings by itself, at its own mode

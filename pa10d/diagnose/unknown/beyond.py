@@ -39,11 +39,9 @@ class Beyond:
 
 def beyond(state: SearchState) -> list[Beyond | None]:
     """Per joint the place, by its own angle or speed, that holds most of its error for the time
-    that is spent there. None where the fit side has been where the error is, and where the model
-    was fitted elsewhere. Of the many quantities of other joints one lies beyond by accident."""
+    that is spent there. None where the fit side has been where the error is. Of the many quantities
+    of other joints one lies beyond by accident."""
     n = state.train.n
-    if state.frozen:
-        return [None] * n
     residual = state.held_residual()
 
     def worst(joint: int) -> Beyond | None:

@@ -18,6 +18,7 @@ class TorqueRipple(Effect):
     equation = "τ = a·sin(N·q) + b·cos(N·q)"
     follows_angle = True
     coefficients = (Coefficient("a", "N·m"), Coefficient("b", "N·m"))
+    derived = {"N": ("amplitude",)}
     shapes = (ShapeParameter("N", "cycles/rev", 3.0, 4000.0, "linear", step=0.15),)
     repeatable = True
     line_order = "N"
