@@ -40,6 +40,7 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
+from pa10d.diagnose.search.with_numbers import only_with_numbers
 from pa10d.diagnose.unknown.as_it_stood import left_far_more, one_change, stood_words
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
@@ -128,6 +129,7 @@ def diagnose(
         search.suspects = [*asked, *_new_kinds(model, given_error, search)]
         if len(search.suspects) > len(asked):
             search.run(steps)
+        only_with_numbers(search, model, as_given)
     if only is None:
         search.contest()
     whole = only is None and not frozen
@@ -148,7 +150,7 @@ def diagnose(
     far, stood = np.zeros(model.robot.n, dtype=bool), ""
     if state.usual is not None and only is None:
         alone = rms(state.bare(given).held_residual())
-        far = left_far_more(state, alone, left.rms)
+        far = left_far_more(state, alone, left.rms, given_error.floor.values)
         if far.any():
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
             stood = stood_words(given_error.rms, alone, model.noise, far, change)

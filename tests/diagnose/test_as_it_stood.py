@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from two_links import recordings, textbook
 
 from pa10d.diagnose.outcome.words import none_found
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.unknown.as_it_stood import stood_words
+from pa10d.diagnose.unknown.as_it_stood import left_far_more, stood_words
 
 DOUBT = 1e7
 """Of the covariance: as wide as after a short run of an arm that lacks much."""
@@ -52,3 +53,12 @@ def test_an_error_far_above_that_of_the_models_own_runs_is_told():
         "as it was given the model leaves 9.1 where it leaves 1.8 on its own runs, and 5.4 moving "
         "within its own doubt, on joint 1; "
     )
+
+
+@pytest.mark.parametrize(("floor", "told"), [(0.2729, False), (0.2, True), (np.nan, True)])
+def test_what_keeps_no_more_than_noise_has_not_been_left_more(floor, told):
+    """Of eight clean arms seven were said not to be known to be unchanged, by a joint that left
+    8 % more than on the model's own runs and was "explained to the floor"."""
+    state = SimpleNamespace(usual=np.array([0.258]), as_given=np.array([0.279]))
+    far = left_far_more(state, np.array([0.279]), np.array([0.279]), np.array([floor]))
+    assert far.tolist() == [told]

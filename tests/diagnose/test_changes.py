@@ -13,6 +13,7 @@ from two_links import V0, recordings, textbook, textbook_torque
 from pa10d.diagnose.outcome.diagnosis import Confusion
 from pa10d.diagnose.outcome.words import reason, sentence
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search import with_numbers
 from pa10d.diagnose.search.judging import JudgedCandidate
 from pa10d.effects import Value, all_effects, effect
 from pa10d.effects.base import smooth_sign
@@ -56,6 +57,15 @@ def test_what_rose_or_fell_is_named_with_its_size(name):
     assert finding.rms_after[joint] < 0.1 * finding.rms_before[joint]
     way = "more" if size > 0 else "less"
     assert finding.sentence.startswith(f"Joint {joint + 1} now has {way} ")
+
+
+def test_a_change_of_which_not_one_number_is_known_is_not_named(monkeypatch):
+    """A clean arm "now has Stribeck friction", with Fs, vs and delta all not determined."""
+    monkeypatch.setattr(with_numbers, "not_one", lambda term, found: bool(found))
+    torque = CHANGES["coulomb rose"][-1]
+    found = asked(textbook(recordings(4)), recordings(3, lambda t, q, dq, ddq: torque(dq)))
+    assert found.findings == ()
+    assert found.left.rms[1] > 2.0 * found.left.floor.values[1]
 
 
 def test_friction_that_came_at_low_speed_is_named_with_its_shape():

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.words import joint_words, listed, percent
-from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MOVED_FAR
+from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MATERIAL_REST, MOVED_FAR
 from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.dynamics import Robot
 from pa10d.model import Term, TorqueModel
@@ -36,14 +36,16 @@ class OneChange:
     shares: Array
 
 
-def left_far_more(state: SearchState, moved: Array, now: Array) -> NDArray[np.bool_]:
+def left_far_more(state: SearchState, moved: Array, now: Array, floor: Array) -> NDArray[np.bool_]:
     """(n,) joints of which a frozen model as it was given leaves more than it usually does, and far
     more than where it moves within its doubt, or more than usual even there and with all findings:
-    ``moved`` without, ``now`` with them, (n,) N·m RMS held out."""
+    ``moved`` without, ``now`` with them, (n,) N·m RMS held out. Not those that keep no more than
+    noise; floor: (n,) N·m of it, nan where it is not known."""
     if state.usual is None or state.as_given is None:
         return np.zeros(state.held.n, dtype=bool)
     elsewhere = (state.as_given > MOVED_FAR * moved) | (now > state.usual)
-    return np.asarray(elsewhere & (state.as_given > state.usual))
+    noise = state.as_given <= MATERIAL_REST * floor
+    return np.asarray(elsewhere & (state.as_given > state.usual) & ~noise)
 
 
 def stood_words(
