@@ -133,9 +133,10 @@ class Arm:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
         thought = self._holding_torque(self.path.q)
-        self.path.power_up(thought)
+        described = self._gravity(self.path.q)
+        self.path.power_up(thought, described)
         self._stood_at = self.path.q.copy()
-        self._told = thought - self._gravity(self._stood_at)
+        self._told = thought - described
         self._open_since = self.path.time
         self._switch(ArmState.ENABLING)
         try:

@@ -35,19 +35,21 @@ KEPT = 1024  # cycles: falls are shorter
 @dataclass(frozen=True)
 class Weighed:
     """torque, error: N·m that hold a joint where it fell, and their standard error. between: N·m,
-    where all that is known is what it may be."""
+    where all that is known is what it may be; again: that is by all falls until now."""
 
     torque: float
     error: float
     between: tuple[float, float] | None = None
+    again: bool = False
 
     @property
     def phrase(self) -> str:
         """For a person."""
         if self.between is None:
+            fell = "by how it fell until now" if self.again else "by the way it fell"
             return (
-                f"by the way it fell about {self.torque:.2g} N·m would have held it: the next "
-                "enabling begins with that"
+                f"{fell} about {self.torque:.2g} N·m would have held it: the next enabling begins "
+                "with that"
             )
         low, high = self.between
         return (
@@ -98,6 +100,35 @@ class FallWatch:
         if found is None and inertia is not None:
             found = roughly(*seen, inertia)
         return None if found is None or abs(found.torque) > most else found
+
+
+class Tried:
+    """Under how many times its described weight each joint went down, and under how many up: it
+    weighs something between, wherever it fell to meanwhile, for that is a share of its bodies."""
+
+    def __init__(self, n: int) -> None:
+        self._low, self._high = np.full(n, -np.inf), np.full(n, np.inf)
+
+    def between(
+        self, axis: int, thought: float, described: float, way: float, found: Weighed | None
+    ) -> Weighed | None:
+        """What was found, or the middle of what is left where it was tried before that it is not.
+        way: rad that it went under ``thought`` N·m; described: N·m."""
+        if described == 0.0 or not 1.0 / ROUGH <= thought / described <= ROUGH:
+            return found
+        share, heavier = thought / described, way * described < 0.0
+        bounds = (self._low, self._high) if heavier else (self._high, self._low)
+        nearest = max if heavier else min
+        bounds[0][axis] = nearest(share, float(bounds[0][axis]))
+        if self._low[axis] >= self._high[axis]:  # it weighs otherwise by now
+            bounds[0][axis], bounds[1][axis] = share, np.inf if heavier else -np.inf
+        low, high = float(self._low[axis]), float(self._high[axis])
+        if not np.isfinite([low, high]).all():
+            return found
+        if found is not None and low < found.torque / described < high:
+            return found
+        middle = 0.5 * (low + high) * described
+        return Weighed(middle, 0.5 * (high - low) * abs(described) / SURE, again=True)
 
 
 def _still(time: Array, q: Array) -> int:

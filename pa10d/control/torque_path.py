@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from backends.protocol import Feedback
 from pa10d.control.estimator import SpeedEstimator
-from pa10d.control.fall import FallWatch, Weighed
+from pa10d.control.fall import FallWatch, Tried, Weighed
 from pa10d.control.faults import LoopFault
 from pa10d.control.first_steps import FirstSteps
 from pa10d.control.limits import ArmLimits
@@ -64,9 +64,10 @@ class TorquePath:
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
-        self.thought = np.zeros(n)  # N·m, to hold the pose in which brakes opened last
+        self._described = np.zeros(n)  # N·m by the description, and
+        self.thought = np.zeros(n)  # … by all that is known, to hold where brakes opened last
         self._moved_at = np.full(n, -np.inf)  # s, when each moved last
-        self._stood, self._falls = StoodWith(n), FallWatch(n)
+        self._stood, self._falls, self._tried = StoodWith(n), FallWatch(n), Tried(n)
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
         self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
@@ -171,10 +172,12 @@ class TorquePath:
         return int(np.argmax(far)), float(far.max())
 
     def _weighed(self, axis: int) -> Weighed | None:
-        """This joint, by the way it fell, be it roughly."""
+        """This joint, by the way it fell, be it roughly, and by how it fell before."""
         inertia = None if self._inertia is None else float(self._inertia[axis])
-        most = float(self._heaviest[axis])
-        return self._falls.weighed(axis, float(self.thought[axis]), most, inertia)
+        most, thought = float(self._heaviest[axis]), float(self.thought[axis])
+        found = self._falls.weighed(axis, thought, most, inertia)
+        way = float(self.q[axis] - self.reference.q[axis])
+        return self._tried.between(axis, thought, float(self._described[axis]), way, found)
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""
@@ -233,9 +236,11 @@ class TorquePath:
         self.controller.applied(wanted, sent)
         return sent
 
-    def power_up(self, gravity: Array) -> None:
-        """Hold where the arm is, beginning with the torque that gravity is thought to need."""
+    def power_up(self, gravity: Array, described: Array | None = None) -> None:
+        """Hold where the arm is, beginning with the torque that gravity is thought to need;
+        described: N·m (n,) that the description alone says, None: the same."""
         self.limp = False
+        self._described = gravity.copy() if described is None else described.copy()
         self._powered_at, self.thought = self.time, gravity.copy()
         self._swings.restart()
         self._wrong_way.restart()

@@ -9,7 +9,7 @@ from arms import PERIOD, cycles, limits, servo, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import Arm
-from pa10d.control.fall import LACKING, SURE, FallWatch, driven, roughly, weight_of
+from pa10d.control.fall import LACKING, SURE, FallWatch, Tried, Weighed, driven, roughly, weight_of
 from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
@@ -283,3 +283,17 @@ def test_a_joint_that_went_far_is_held_by_as_many_times_what_its_urdf_says():
     arm.cycle()
     arm._take_along()
     assert arm._held_by[1][0] == pytest.approx(6.0 / 2.5 * 3.5, rel=0.2)
+
+
+def test_what_was_tried_and_was_too_little_or_too_much_is_not_begun_with_again():
+    """A spring that unwinds looks like more than was lacking, so that falls go to and fro."""
+    tried, described = Tried(2), 12.0
+    far, near = Weighed(36.0, 5.0, (20.0, 90.0)), Weighed(17.0, 1.0)
+    assert tried.between(1, 12.0, described, -0.02, far) is far
+    found = tried.between(1, 30.0, 10.0, 0.02, Weighed(9.0, 5.0))  # and sagged meanwhile
+    assert found.torque == pytest.approx(0.5 * (1.0 + 3.0) * 10.0)
+    assert tried.between(1, 20.0, 10.0, -0.02, None).torque == pytest.approx(25.0)
+    assert tried.between(1, 29.0, 10.0, 0.02, far).torque == pytest.approx(24.5)
+    assert tried.between(0, 12.0, described, -0.02, near) is near, "another joint"
+    assert tried.between(1, 29.5, 10.0, -0.02, far) is far, "it carries more by now"
+    assert tried.between(1, 2.0, 0.01, -0.02, far) is far, "no share of next to nothing"
