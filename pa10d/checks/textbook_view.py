@@ -33,6 +33,7 @@ LONGEST = 30.0  # s of the recording that are used
 FEWEST = 8  # blocks
 BETTER = 0.7  # of what the textbook model leaves, that another reading must come down to; of all
 # torques together: the product of their shares
+BY_CHANCE = 1.0  # standard error: no more than what is not there shows
 LIKELY = 2.0  # standard errors, over blocks, by which each torque has to agree
 SURE = 4.0  # standard errors, over blocks: the 150 questions that order, signs and units of seven
 # joints are asked, each in two ways, leave one false in 100, by this alone
@@ -98,7 +99,7 @@ class TextbookView:
         if friction @ own[:, viscous] >= 0.0:
             return False
         without = replace(self, columns=np.delete(self.columns, [coulomb, viscous], axis=2))
-        return _errors_less(self.left()[:, joint], without.left()[:, joint]) > 1.0
+        return _errors_less(self.left()[:, joint], without.left()[:, joint]) > BY_CHANCE
 
     def left(self) -> Array:
         """(blocks, n) sums of squares that the textbook model leaves, each by its joint's scale."""

@@ -42,12 +42,9 @@ def as_estimates(
     added = less or kind.question != "textbook"
     if added and sizes and all(SURELY * v.std_error > abs(v.value) for v in sizes):
         out.update({n: replace(out[n], determined=False) for n in told if n in out})
-    for name in out.keys() - told.keys() - {s.name for s in kind.shapes} - kind.derived.keys():
-        if (
-            added
-            and name not in coefficients
-            and SURELY * out[name].std_error > abs(out[name].value)
-        ):
+    others = out.keys() - coefficients.keys() - {s.name for s in kind.shapes} - kind.derived.keys()
+    for name in others if added else ():  # sizes that are made of several
+        if SURELY * out[name].std_error > abs(out[name].value):
             out[name] = replace(out[name], determined=False)
     for name, needs in kind.derived.items():
         if name in out and not all(out[n].determined for n in needs if n in out):

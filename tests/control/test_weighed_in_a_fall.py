@@ -155,9 +155,7 @@ def test_the_next_enabling_begins_with_what_no_servo_has_found():
         arm = fallen(heaviest)
         assert arm.fault.weighed == int(heaviest > 6.0)
         until(arm, ArmState.FAULT)
-        arm.reset()
-        until(arm, ArmState.INACTIVE)
-        arm.enable()
+        again(arm)
         assert arm.path.thought[0] == pytest.approx(begins, abs=0.2)
 
 
@@ -166,6 +164,24 @@ class Falls(Flywheels):
 
     def step(self, torque, dt):
         super().step(np.asarray(torque) - np.array([6.0, 0.0]), dt)
+
+
+def again(arm):
+    """It is powered once more."""
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+
+
+def the_second_falls(arm, said):
+    """… and that ends it, with the first one weighed."""
+    arm.backend.plant.dq[1] = 1.5
+    until(arm, ArmState.FAULT)
+    assert arm.fault.joint == 2
+    assert said in arm.fault.cause
+    assert arm.fault.weighed == 1
+    again(arm)
+    assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
 
 
 def fallen(heaviest):
@@ -197,23 +213,13 @@ def test_one_that_was_caught_is_held_again_by_what_it_weighs_whoever_ends_it():
     arm.enable()
     until(arm, ArmState.HOLDING)
     arm.state = ArmState.ENABLING  # it stands; had it swayed it would be that still
-    arm.backend.plant.dq[1] = 1.5
-    until(arm, ArmState.FAULT)
-    assert arm.fault.joint == 2
-    assert "joint 1 fell, too" in arm.fault.cause
-    assert arm.fault.weighed == 1
-    arm.reset()
-    until(arm, ArmState.INACTIVE)
-    arm.enable()
-    assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
+    the_second_falls(arm, "joint 1 fell, too")
 
 
 def test_what_one_joint_told_is_not_forgotten_as_another_falls():
     arm = fallen(10.0)
     until(arm, ArmState.FAULT)
-    arm.reset()
-    until(arm, ArmState.INACTIVE)
-    arm.enable()
+    again(arm)
     knew = arm.path.thought[0]
     cycles(arm, 6)
     arm.backend.plant.dq[1] = 1.5
@@ -230,16 +236,12 @@ def test_nor_as_another_one_ends_it_once_the_arm_is_held():
     """Held, and on a motion near by, a joint that does not stand is held by what is known of it
     when it is powered again, not by a rough URDF."""
     arm = fallen(10.0)
-    arm.reset()
-    until(arm, ArmState.INACTIVE)
-    arm.enable()
+    again(arm)
     until(arm, ArmState.HOLDING)
     knew = arm.path.thought[0]
     arm.backend.plant.dq[:] = 0.5, 3.0
     until(arm, ArmState.FAULT)
-    arm.reset()
-    until(arm, ArmState.INACTIVE)
-    arm.enable()
+    again(arm)
     assert arm.path.thought[0] == pytest.approx(knew, abs=0.2)
 
 
@@ -251,15 +253,7 @@ def test_a_joint_that_is_taken_along_is_not_the_one_that_is_weighed():
     arm.enable()
     while np.abs(arm.backend.plant.q - arm._stood_at)[0] < 0.03:
         arm.cycle()
-    arm.backend.plant.dq[1] = 1.5
-    until(arm, ArmState.FAULT)
-    assert arm.fault.joint == 2
-    assert "joint 1 has fallen farther and taken it along" in arm.fault.cause
-    assert arm.fault.weighed == 1
-    arm.reset()
-    until(arm, ArmState.INACTIVE)
-    arm.enable()
-    assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
+    the_second_falls(arm, "joint 1 has fallen farther and taken it along")
     assert arm.path.thought[1] == pytest.approx(0.0, abs=1e-9)
 
 

@@ -72,3 +72,19 @@ def test_a_stop_that_only_the_held_out_runs_touch():
     line = found.remaining[0]
     assert line.ratio > 3.0
     assert "lies where q1 is above" in line.sentence
+
+
+def test_a_change_where_the_runs_that_it_is_sought_in_have_not_been():
+    """A stop that only the held-out runs touch: of a frozen model's error it was said that it lies
+    where the joint brakes hard."""
+    calm = recordings(4)
+    edge = max(calm[name].q[:, 0].max() for name in ("fit_a", "fit_b"))
+
+    def stop(t, q, dq, ddq):
+        return np.column_stack([60.0 * np.maximum(0.0, q[:, 0] - edge), np.zeros(len(t))])
+
+    hit = recordings(4, stop)
+    runs = [hit["fit_a"], hit["fit_b"]], [hit["valid_a"], hit["valid_b"]]
+    found = diagnose(textbook(calm), *runs, frozen=True)
+    assert found.findings == ()
+    assert "lies where q1 is above" in found.remaining[0].sentence

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from how_often import how_often
@@ -53,7 +55,11 @@ def test_bodies_and_spring_are_fitted_at_once(state):
 
 
 def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(state):
-    chosen, rivals = Search(state, suspects(False, 2), len(state.terms)).spring_beside([])
+    """One that did not hold before is followed again when nothing else is left, not sooner."""
+    search = Search(state, suspects(False, 2), len(state.terms), followed={0, 1})
+    other = SimpleNamespace(candidate=SimpleNamespace(gain=0.0))
+    assert search.spring_beside([other]) is None
+    chosen, rivals = search.spring_beside([])
     assert chosen.place == ("joint_elasticity", (1,))
     assert chosen.candidate.shape["K"] == pytest.approx(STIFFNESS, rel=0.1)
     assert not rivals

@@ -162,7 +162,7 @@ def _says_more(state: SearchState, best: JudgedCandidate, other: JudgedCandidate
     """Does one that was not sure enough explain more than the best, and leave less where that one
     is? What it moves elsewhere may be why it was not sure."""
     own = list(best.candidate.joints or range(state.held.n))
-    wider = {*other.candidate.joints} != {*best.candidate.joints}
+    elsewhere = {*other.candidate.joints} != {*best.candidate.joints}
     less = np.all(other.evidence.after[own] < best.evidence.after[own])
     whole = other.is_itself and not other.evidence.worse
-    return bool(wider and whole and other.gain > best.gain and less)
+    return bool(elsewhere and whole and other.gain > best.gain and less)

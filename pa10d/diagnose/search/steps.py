@@ -149,10 +149,10 @@ class Search:
             if dropped is None:
                 put_off.add(chosen.place)
                 continue
-            kind, joints = chosen.candidate.effect, chosen.candidate.joints
-            self.followed -= (
-                {*joints} if joints and not kind.seen_by_shared_bodies else {*self.followed}
-            )
+            if chosen.candidate.joints and not chosen.candidate.effect.seen_by_shared_bodies:
+                self.followed -= {*chosen.candidate.joints}
+            else:
+                self.followed.clear()
             refused |= dropped | self.reconsider()
             self.steps.append(Addition(chosen, tied, before, rms(self.state.held_residual())))
             added, put_off = added + 1, set()

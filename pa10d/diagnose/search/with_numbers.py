@@ -17,8 +17,7 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
 
     as_given: the held-out side as the given model saw it
     """
-    while True:
-        state = search.state
+    while len((state := search.state).terms) > search.fixed:
         version = snapshot(given, state, len(state.terms), as_given)
         none = [
             index
