@@ -19,6 +19,8 @@ MOVING = 0.02  # of the joint's fast speed
 FROZEN = 0.25  # s
 STILL = 5e-3  # rad (m)
 LITTLE = 0.1  # rad (m)
+DULL = 0.5  # of the moving samples at one value
+OFTEN = 10  # stays at it
 MATERIAL = 0.01  # of the samples: fewer wrong ones make a fit poorer, not wrong
 
 
@@ -35,7 +37,8 @@ def check_channels(
         yield from motion
         if np.ptp(q) > STILL:
             yield from _clipped(tau, moving, label, j, torque)
-            yield from _frozen(tau, moving, recording, label, j)
+            dull = list(_dull(tau, moving, label, j, torque))
+            yield from dull or _frozen(tau, moving, recording, label, j)
 
 
 def _moving(q: Array) -> NDArray[np.bool_]:
@@ -107,6 +110,29 @@ def _clipped(
                 "What an amplifier was told (a duty, a voltage) may stand at its limit: force it",
                 j + 1,
             )
+
+
+def _dull(
+    tau: Array, moving: NDArray[np.bool_], label: str, j: int, unit: str
+) -> Iterator[CheckFinding]:
+    """A channel that comes back to one value and mostly shows that: a logger that repeats old ones
+    repeats many."""
+    values, counts = np.unique(tau[moving], return_counts=True)
+    if len(values) < 2:
+        return
+    most = int(np.argmax(counts))
+    stays = len(_runs((tau == values[most]) & moving))
+    if 0 < most < len(values) - 1 and counts[most] > DULL * moving.sum() and stays > OFTEN:
+        step = float(np.diff(values).min())
+        yield CheckFinding(
+            "error",
+            "dull",
+            f"{label}: the torque is exactly {values[most] + 0.0:.4g} {unit} in "
+            f"{percent(counts[most] / moving.sum())} of the samples in which the joint moves, and "
+            f"its steps are {step:.2g} {unit}: what moves it is below what this channel shows",
+            "record it finer. Forced, the other joints can be fitted; no word of this one counts",
+            j + 1,
+        )
 
 
 def _frozen(

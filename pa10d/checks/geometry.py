@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,10 @@ from numpy.typing import NDArray
 from pa10d.checks.finding import CheckFinding, Mend, joint_label
 from pa10d.checks.scales import check_scales
 from pa10d.checks.textbook_view import (
+    BETTER,
     CUTOFF,
     FEWEST,
+    SURE,
     TextbookView,
     ahead,
     likelihood,
@@ -31,6 +34,7 @@ from pa10d.regression.equation import prepare
 Array = NDArray[np.float64]
 
 ALIKE = 1e-2  # of the log-likelihood per sample, by which two ways to turn joints are the same one
+MOST_WAYS = 3  # joints, for each of which both q and tau are tried
 Way = tuple[int, tuple[int, int]]
 """A joint, and the signs of its q and its tau."""
 TURNED = {(-1, 1): ("q", "dq"), (1, -1): ("tau",), (-1, -1): ("q", "dq", "tau")}
@@ -41,7 +45,7 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
     part = middle_of(recording)
     view = TextbookView.of(part, robot, base_parameters(robot).kept)
     turned = {} if view is None else dict(_turned(part, robot, view))
-    for j, (signs, share) in sorted(turned.items()):
+    for j, (signs, why) in sorted(turned.items()):
         label = joint_label(j, robot.joint_names)
         what = " and ".join(name for name in TURNED[signs] if name != "dq")
         have = [name for name in TURNED[signs] if name != "dq" or recording.dq is not None]
@@ -49,8 +53,7 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
         yield CheckFinding(
             "warning",
             "turned",
-            f"{label}: {what} counts the other way than the URDF: turned round, the textbook model "
-            f"leaves {share:.0%} of the error",
+            f"{label}: {what} counts the other way than the URDF: {why}",
             f"--map {' '.join(turn.option for turn in turns)}",
             j + 1,
             turns,
@@ -61,14 +64,20 @@ def check_geometry(recording: Recording, robot: Robot) -> Iterator[CheckFinding]
 
 def _turned(
     part: Recording, robot: Robot, view: TextbookView
-) -> Iterator[tuple[int, tuple[tuple[int, int], float]]]:
-    """The joint whose turning round helps most is turned, if it surely helps; then the others are
-    asked again."""
+) -> Iterator[tuple[int, tuple[tuple[int, int], str]]]:
+    """Joints with their signs and what tells so: first those that friction would drive, all
+    together; then the one whose turning round helps most, if it surely helps, and again."""
     kept = base_parameters(robot).kept
-    left = view.left()
-    if len(left) < FEWEST:
+    if len(view.left()) < FEWEST:
         return
     asked = set(range(robot.n))
+    for j, signs, why in _driven(part, robot, view):
+        yield j, (signs, why)
+        part = _with_signs(part, j, signs)
+        asked.remove(j)
+    if len(asked) < robot.n:
+        view = TextbookView.of(part, robot, kept, view.scale) or view
+    left = view.left()
     while asked:
         found = {}
         for j in sorted(asked):
@@ -81,10 +90,48 @@ def _turned(
         if way is None:
             return
         j, signs = way
-        yield j, (signs, float(found[way].sum() / max(left.sum(), 1e-300)))
+        share = float(found[way].sum() / max(left.sum(), 1e-300))
+        yield j, (signs, f"turned round, the textbook model leaves {share:.0%} of the error")
         part = _with_signs(part, j, signs)
         view, left = TextbookView.of(part, robot, kept, view.scale) or view, found[way]
         asked.remove(j)
+
+
+def _driven(
+    part: Recording, robot: Robot, view: TextbookView
+) -> list[tuple[int, tuple[int, int], str]]:
+    """Joints that friction surely would drive, and to no small part: q or tau of each is turned
+    round. Which of the two, what joints do to each other tells; where it surely does not, that is
+    said, too."""
+    kept = base_parameters(robot).kept
+    rubs = [view.rubs(j) for j in range(robot.n)]
+    driven = [j for j, (errors, share) in enumerate(rubs) if errors < -SURE and share < BETTER]
+    each = [(1, -1), (-1, 1)] if len(driven) <= MOST_WAYS else [(1, -1)]
+    found = {}
+    for ways in product(each, repeat=len(driven)) if driven else ():
+        turned = part
+        for j, signs in zip(driven, ways, strict=True):
+            turned = _with_signs(turned, j, signs)
+        seen = TextbookView.of(turned, robot, kept, view.scale)
+        if seen is not None and not any(seen.drives(j) for j in driven):
+            found[ways] = (turned, seen.left())
+    if not found:
+        return []
+    left = view.left()
+    most = max(likelihood(new, left) for _, new in found.values())
+    same = [w for w, (_, new) in found.items() if likelihood(new, left) >= most - ALIKE]
+    best = max(same, key=lambda ways: _likeness(found[ways][0], robot))
+    if ahead(left, found[best][1]):
+        return []
+    alike = [ways for ways, (_, new) in found.items() if not ahead(found[best][1], new)]
+    told = []
+    for place, (j, signs) in enumerate(zip(driven, best, strict=True)):
+        why = f"as it is, friction would drive the joint ({-rubs[j][0]:.0f} standard errors)"
+        if any(ways[place] != signs for ways in alike):
+            other = TURNED[-signs[0], -signs[1]][0]
+            why += f"; turning {other} instead would do nearly as well"
+        told.append((j, signs, why))
+    return told
 
 
 def _likeliest(

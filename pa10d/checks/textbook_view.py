@@ -89,6 +89,11 @@ class TextbookView:
 
     def drives(self, joint: int) -> bool:
         """Would the friction of a joint drive it, more than none would by chance?"""
+        return self.rubs(joint)[0] < -BY_CHANCE
+
+    def rubs(self, joint: int) -> tuple[float, float]:
+        """Standard errors by which friction explains a joint's torque, negative where it would
+        drive the joint; and the share of the squared error that it leaves."""
         n = self.tau.shape[1]
         rigid = self.columns.shape[2] - OWN * n
         coulomb, viscous = (rigid + kind * n + joint for kind in (1, 2))
@@ -96,10 +101,11 @@ class TextbookView:
         rows = self.keep[:, joint]
         own = self.columns[rows, joint]
         friction = own[:, [coulomb, viscous]] @ parameters[[coulomb, viscous]]
-        if friction @ own[:, viscous] >= 0.0:
-            return False
-        without = replace(self, columns=np.delete(self.columns, [coulomb, viscous], axis=2))
-        return _errors_less(self.left()[:, joint], without.left()[:, joint]) > BY_CHANCE
+        bare = replace(self, columns=np.delete(self.columns, [coulomb, viscous], axis=2))
+        left, without = self.left()[:, joint], bare.left()[:, joint]
+        errors = max(_errors_less(left, without), 0.0)
+        driven = friction @ own[:, viscous] < 0.0
+        return -errors if driven else errors, float(left.sum() / max(without.sum(), 1e-300))
 
     def left(self) -> Array:
         """(blocks, n) sums of squares that the textbook model leaves, each by its joint's scale."""

@@ -254,7 +254,7 @@ class Effect(ABC):
     line_order: ClassVar[str] = ""  # shape parameter that is a line's order in the spectrum
     # of the residual against the angle (cycles per turn): the search begins at such lines
     joint_property: ClassVar[Literal["", "armature", "damping", "friction"]] = ""  # what URDF
-    # and MJCF have a place for
+    # and MJCF have a place for, by what the effect comes to where the joint slides
     live: ClassVar[bool] = False  # the control loop evaluates it itself, in every cycle
     commanded: ClassVar[bool] = True  # a controller has to ask for this torque, too
     remembers: ClassVar[str] = ""  # what its torque depends on beside this instant, and what is
@@ -310,6 +310,10 @@ class Effect(ABC):
         equation alone, (N, …), even where others feel the effect."""
         together = np.concatenate([self.columns(context, joints, s) for s in shapes], axis=-1)
         return together[:, joints[0]] if own and self.reaches_other_joints else together
+
+    def as_property(self, coefficients: Array, shape: Shape) -> float:
+        """What the place of ``joint_property`` holds of it."""
+        return float(coefficients[0])
 
     def starts(self, context: Context, joints: Sequence[int]) -> list[Shape]:
         """Shapes from which the nonlinear search begins; one empty shape where there is none."""

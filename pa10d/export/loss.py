@@ -88,7 +88,8 @@ def _turning_at_once(kept: TorqueModel, seen: Context, lag: float) -> Array:
     out = replace(kept, terms=others).predict(seen)
     for term in (term for term, rubs in zip(kept.terms, dry, strict=True) if rubs):
         (j,) = term.joints
-        out[:, j] += term.coefficients[0] * np.sign(seen.dq[:, j] + lag * seen.ddq[:, j])
+        size = term.effect.as_property(term.coefficients, term.shape)
+        out[:, j] += size * np.sign(seen.dq[:, j] + lag * seen.ddq[:, j])
     return out
 
 

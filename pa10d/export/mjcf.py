@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from pa10d.export.urdf import inertial_of, possible_mass
+from pa10d.export.urdf import inertial_of, joint_property, possible_mass
 from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 
@@ -68,11 +68,7 @@ def mjcf(model: TorqueModel, about: str) -> tuple[str, list[str]]:
 
 
 def _properties(model: TorqueModel, joint: int) -> dict[str, str]:
-    found = dict.fromkeys(PROPERTIES.values(), 0.0)
-    for term in model.terms:
-        if term.effect.joint_property in PROPERTIES and term.joints == (joint,):
-            found[PROPERTIES[term.effect.joint_property]] += float(term.coefficients[0])
-    written = {key: _row([value]) for key, value in found.items()}
+    written = {name: _row([joint_property(model, joint, key)]) for key, name in PROPERTIES.items()}
     return written | {"solreffriction": _row([FIRMEST, 1.0])}
 
 

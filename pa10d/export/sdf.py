@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import scipy
 
-from pa10d.export.urdf import CARRIED, inertial_of, possible_mass
+from pa10d.export.urdf import CARRIED, inertial_of, joint_property, possible_mass
 from pa10d.export.words import grouped, in_comment
 from pa10d.model import TorqueModel
 
@@ -52,8 +52,7 @@ def sdf(model: TorqueModel, about: str) -> tuple[str, list[str]]:
                 _add(limit, key, [getattr(robot, key)[j]])
         dynamics = ET.SubElement(axis, "dynamics")
         for key in CARRIED:
-            at = [t for t in model.terms if t.effect.joint_property == key and t.joints == (j,)]
-            _add(dynamics, key, [sum(float(t.coefficients[0]) for t in at)])
+            _add(dynamics, key, [joint_property(model, j, key)])
     ET.indent(root)
     gravity = " ".join(repr(float(g)) for g in robot.gravity)
     said = f"identified by pa10d: {about}; gravity, which is the world's: {gravity}"

@@ -65,6 +65,15 @@ def inertial_of(parameters: Array) -> tuple[float, Array, Array]:
     return m, c, about_origin - m * (c @ c * np.eye(3) - np.outer(c, c))
 
 
+def joint_property(model: TorqueModel, j: int, key: str) -> float:
+    """Armature, damping or friction of a joint, by all effects that it is made of."""
+    return sum(
+        term.effect.as_property(term.coefficients, term.shape)
+        for term in model.terms
+        if term.effect.joint_property == key and term.joints == (j,)
+    )
+
+
 def possible_mass(parameters: Array, joint: str) -> Array:
     """The same standard parameters (10,); those of no body are refused."""
     if parameters[0] <= 0:
@@ -93,13 +102,9 @@ def _inertial(parameters: Array, joint: str) -> ET.Element:
 
 
 def _friction(joint: ET.Element, model: TorqueModel, j: int) -> None:
-    found = dict.fromkeys(CARRIED, 0.0)
-    for term in model.terms:
-        key = term.effect.joint_property
-        if key in found and term.joints == (j,):
-            found[key] += float(term.coefficients[0])
+    found = {key: _text(joint_property(model, j, key)) for key in CARRIED}
     _drop(joint, "dynamics")
-    ET.SubElement(joint, "dynamics", {key: _text(value) for key, value in found.items()})
+    ET.SubElement(joint, "dynamics", found)
 
 
 def _rigidly_attached(root: ET.Element, link: str, moving: set[str]) -> list[str]:

@@ -34,12 +34,14 @@ READ_WRONG = frozenset({"turned", "order", "torque_scale", "sign", "clock"})
 
 def read_wrong(infos: Iterable[RunInfo]) -> tuple[str, ...]:
     """What the checks of runs said when they were brought in, and whoever fits them ought to hear
-    again: columns that may be another's, turned round, in another unit, on another clock."""
+    again: columns that may be another's, turned round, in another unit, on another clock, and
+    every error, which was forced."""
     return tuple(
         f"run {info.name}: {kept['sentence']}, as its check said → {kept['advice']}"
         for info in infos
         for kept in info.findings or ()
-        if kept["code"] in READ_WRONG and kept["severity"] == "warning"
+        if kept["severity"] == "error"
+        or (kept["code"] in READ_WRONG and kept["severity"] == "warning")
     )
 
 

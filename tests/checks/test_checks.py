@@ -134,6 +134,22 @@ def test_a_flaw_is_named_at_its_joint(robot, case):
     assert all(f.sentence and "\n" not in f.sentence for f in findings)
 
 
+def _dull(values):
+    """What a coarse amplifier shows of a torque that is mostly below its first step."""
+    return 0.0 + np.trunc(values / (0.8 * np.abs(values).max())) * 2.0
+
+
+def test_a_channel_that_shows_next_to_nothing_is_no_lost_sensor(robot):
+    """And says nothing against the other joints, which are looked at all the same."""
+    changes = {"tau": lambda tau: _joint(2, lambda v: -v)(_joint(5, _dull)(tau))}
+    found = check_recording(_but(_sound(robot), **changes), None, robot)
+    told = [f for f in found if f.code in ("dull", "frozen")]
+    assert [(f.code, f.joint, f.severity) for f in told] == [("dull", 6, "error")]
+    assert "is exactly 0 N·m in" in told[0].sentence
+    assert "steps are 2 N·m" in told[0].sentence
+    assert "turned" in _codes(found, 3)
+
+
 def test_a_few_bad_samples_make_a_fit_poorer_and_many_make_it_wrong(robot):
     def held(count):
         def apply(values):

@@ -57,6 +57,19 @@ def test_a_joint_turned_round_is_named_with_its_line(clean, robot, joint, q, tau
     assert _said(_turned(clean, joint, q, tau), robot) == [("turned", joint, line)]
 
 
+@pytest.mark.parametrize("joints", [(3, 4), (1, 2, 3, 4, 5, 6)])
+def test_torques_turned_round_together_are_named_by_friction_that_would_drive(clean, robot, joints):
+    """What joints do to each other is then as good with the others turned round instead."""
+    run = clean
+    for joint in joints:
+        run = _turned(run, joint, tau=-1)
+    found = list(check_geometry(run, robot))
+    assert [(f.code, f.joint, f.advice) for f in found] == [
+        ("turned", j, f"--map 'tau{j}[-1]=tau{j}'") for j in joints
+    ]
+    assert all("friction would drive the joint" in f.sentence for f in found)
+
+
 STANDING = """<robot name="two"><link name="base"/>
 <joint name="a" type="continuous"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/></joint>
 <link name="l1"><inertial><mass value="3"/><origin xyz="0.04 0 0.2"/>

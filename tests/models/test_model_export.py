@@ -13,6 +13,7 @@ from pa10d.effect_kit import draws
 from pa10d.effects import all_effects
 from pa10d.export.formats import export
 from pa10d.export.python_module import python_module
+from pa10d.export.sdf import sdf
 from pa10d.export.urdf import urdf_with_inertia
 from pa10d.model.impossible import impossible, mass_matrices
 from pa10d.model.notes import FeasibleNote
@@ -228,6 +229,31 @@ def test_urdf_keeps_friction_and_says_what_it_cannot():
         "rotor_inertia of joints 1, 2, 3, 4",
         "stribeck of joint 2",
     ]
+
+
+def test_friction_of_bristles_is_the_dry_friction_of_a_urdf():
+    """What dry friction is told as where all of it builds up over a way, no data determine."""
+    import xml.etree.ElementTree as ET
+    from dataclasses import replace
+
+    model = examples.with_effects(examples.textbook(), "presliding_hysteresis")
+    (bristles,) = (t for t in model.terms if t.effect_id == "presliding_hysteresis")
+    (j,) = bristles.joints
+
+    def elsewhere(term):
+        if term.effect_id != "coulomb" or term.joints != (j,):
+            return term
+        shape = {**term.shape, "elsewhere": 1.0}
+        return replace(term, coefficients=np.array([1130.0]), shape=shape)
+
+    model = replace(model, terms=tuple(map(elsewhere, model.terms)))
+    for text, place in (
+        (urdf_with_inertia(model, "test")[0], "friction"),
+        (sdf(model, "test")[0], ""),
+    ):
+        found = ET.fromstring(text.encode()).findall(".//joint")[j].find(".//dynamics")
+        written = found.get(place) if place else found.find("friction").text
+        assert float(written) == bristles.coefficients[0]
 
 
 def bounded(model, **lowest):

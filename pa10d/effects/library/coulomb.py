@@ -46,5 +46,8 @@ class Coulomb(Effect):
         here = 1.0 - shape.get("elsewhere", 0.0)
         return (here * context.sign(context.dq[:, joints[0]], shape["v0"]))[:, None]
 
+    def as_property(self, coefficients, shape):
+        return float(coefficients[0]) if not shape.get("elsewhere") else 0.0
+
     def starts(self, context, joints):
         return [{"v0": v} for v in (0.003, 0.01, 0.03, 0.1, 0.3)]

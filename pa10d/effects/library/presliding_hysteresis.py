@@ -42,6 +42,7 @@ class PreslidingHysteresis(Effect):
     derived = {"sigma0": ("F", "zs")}
     carried = True
     builds_up_over = "zs"
+    joint_property = "friction"
     uses_model = True
     remembers = "the way since the joint last turned round (apart: it slides)"
     view = View("travel", along=True, near=("zs", 12.0), over_time=True)
