@@ -40,6 +40,8 @@ CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its we
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
+RESTS = 8.0  # s after a fall until links that swing on their gears at 2 Hz have lost 95 % of it, of
+# which no encoder in a brake knows: 3 % of critical damping
 
 log = logging.getLogger("pa10d.control")
 
@@ -305,6 +307,8 @@ class Arm:
         elif under_way:
             return
         elif self.state == ArmState.RESETTING:
+            if self.fault is not None and self.fault.runs_away and not self.path.stands_for(RESTS):
+                return
             self.path.forget()
             self._held_at = None
             self._clear_fault()

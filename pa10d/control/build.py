@@ -20,6 +20,9 @@ from pa10d.profile import Profile
 
 Array = NDArray[np.float64]
 
+LIFTED = 0.5  # of the torque limit, that a payload may need which nobody described: motors that
+# give less than twice what they bear hardly move an arm
+
 
 def servo_factory(profile: Profile, robot: Robot, period: float) -> Callable[[], Pid]:
     """Makes joint servos with the profile's gains."""
@@ -43,6 +46,6 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
         servo_factory(profile, robot, backend.period),
         gravity,
         Journal(ring),
-        ROUGH * burdens(robot, presumed),
+        np.maximum(ROUGH * burdens(robot, presumed), LIFTED * robot.effort),
         inertias(robot, presumed).usual,
     )

@@ -28,6 +28,8 @@ SLOWED = 0.5  # of the fastest that it was
 FEWEST, FEW = 5, 3  # periods: three numbers are fitted, or two
 WIDEST = 12.0  # times as much may have been lacking as the least: then a sixth is gained at worst
 SURE = 3.0  # standard errors
+MOST = ROUGH**2  # times its described weight, with a payload that nobody described
+ALIKE = 0.05  # of how fast a joint gathered speed: falls that differ by less tell no inertia
 LACKING = 0.5  # of what was lacking, that may be lacking or too much next time
 KEPT = 1024  # cycles: falls are shorter
 
@@ -91,15 +93,23 @@ class FallWatch:
         """Of a joint that fell under ``thought`` N·m; None where that is not known well enough to
         come nearer, or more than the ``most`` that it may weigh. inertia: kg·m² as presumed, where
         an answer that is rough is better than none."""
-        rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
-        rows = rows[_still(rows[:, 0], rows[:, 1 + axis]) :]
-        seen = rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis]
+        seen = self._falling(axis)
         found = weight_of(*seen)
         if found is not None and SURE * found.error > LACKING * abs(found.torque - thought):
             found = None
         if found is None and inertia is not None:
             found = roughly(*seen, inertia)
         return None if found is None or abs(found.torque) > most else found
+
+    def driven(self, axis: int) -> Driven | None:
+        """By what this joint fell."""
+        return driven(*self._falling(axis))
+
+    def _falling(self, axis: int) -> tuple[Array, Array, Array]:
+        """s, rad and N·m of the rows since it stood last."""
+        rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
+        rows = rows[_still(rows[:, 0], rows[:, 1 + axis]) :]
+        return rows[:, 0], rows[:, 1 + axis], rows[:, 1 + self._n + axis]
 
 
 class Tried:
@@ -108,13 +118,39 @@ class Tried:
 
     def __init__(self, n: int) -> None:
         self._low, self._high = np.full(n, -np.inf), np.full(n, np.inf)
+        self._driven: list[list[tuple[float, float, float]]] = [[] for _ in range(n)]
+
+    def again(
+        self, axis: int, described: float, fell: Driven | None, found: Weighed | None
+    ) -> Weighed | None:
+        """What was found, or more of it where the joint fell the same way before, and is more inert
+        than presumed: as with a payload that nobody described. Two falls under different torques
+        tell inertia and weight apart as one does in which torque changes; where they are too much
+        alike, all counts that may have been lacking. described: N·m, here."""
+        before = self._driven[axis]
+        if fell is None:
+            return found
+        if before and before[-1][2] * fell.rise <= 0.0:
+            before.clear()
+        before.append((described, fell.torque, fell.rise))
+        if len(before) < 2 or found is None or found.between is None:
+            return found
+        (first, pushed, rise), more = before[0], before[-1][1]
+        if abs(fell.rise) < (1.0 - ALIKE) * abs(rise):
+            there = described / first if first != 0.0 else 1.0
+            inertia = (more - there * pushed) / (fell.rise - there * rise)
+            weight = more - inertia * fell.rise
+            if inertia > 0.0 and abs(weight - more) > abs(found.torque - more):
+                return Weighed(weight, abs(weight - more) / (2.0 * SURE), again=True)
+        far = found.between[1]
+        return Weighed(far, abs(far - found.torque) / SURE, found.between)
 
     def between(
         self, axis: int, thought: float, described: float, way: float, found: Weighed | None
     ) -> Weighed | None:
         """What was found, or the middle of what is left where it was tried before that it is not.
         way: rad that it went under ``thought`` N·m; described: N·m."""
-        if described == 0.0 or not 1.0 / ROUGH <= thought / described <= ROUGH:
+        if described == 0.0 or not 1.0 / MOST <= thought / described <= MOST:
             return found
         share, heavier = thought / described, way * described < 0.0
         bounds = (self._low, self._high) if heavier else (self._high, self._low)

@@ -21,7 +21,7 @@ REMEDIES = {
     "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload; "
     "where these are right, and it is held in a pose in which gravity does little on it, the "
-    "URDF's masses or centres from this joint on are wrong: correct them",
+    "URDF's masses or centres from this joint on are wrong, or base.rpy: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
     "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
@@ -37,9 +37,9 @@ REMEDIES = {
 
 # of a joint that fell and told what it weighs
 WEIGHED = (
-    "'reset' and enable again. The URDF's masses or centres from this joint on are "
-    "wrong, or this drive's gear_ratio or rated_torque, or, where it falls again and again, its "
-    "sign: correct them"
+    "'reset' and enable again. The URDF's masses or centres from this joint on are wrong, or the "
+    "profile's base.rpy, or this drive's gear_ratio or rated_torque, or, where it falls again and "
+    "again, its sign: correct them"
 )
 
 

@@ -4,7 +4,8 @@ one joint at a time.
 Friction held the joint until then. It goes the other way than it is asked to, the faster the more
 it is pushed; one that moves may take others along, of which nothing is said. Speed since it left
 its place is v0 + a·t + c·∫(u - u0)dt: least squares, a few sums. Under u0 it was held where it
-began; what it weighs is other as others lean, and a is what was lacking.
+began; what it weighs is other as others lean, and a is what was lacking. Where all that its weight
+may have changed by since then outweighs u - u0, it may as well lean over, however slowly.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ _COUNT, _P, _PP, _V, _VP, _VV, _T, _TP, _VT = range(_ROWS)
 class FirstSteps:
     """Sums of every joint since it left its place, and where all stood then."""
 
-    def __init__(self, strongest: Array, period: float) -> None:
-        """strongest: (n,) N·m, the torque limits."""
+    def __init__(self, strongest: Array, period: float, leans: Array | None = None) -> None:
+        """strongest: (n,) N·m, the torque limits; leans: (n,) N·m/rad, of which the smaller one is
+        what a joint's weight changes by at most as another turns, None: nothing."""
         n = len(strongest)
         self._period, self._least = period, PUSHED * strongest
+        self._leans = np.zeros(n) if leans is None else leans
         self._sums = np.zeros((_ROWS, n))
         self._left_at = np.zeros((n, n))  # rad, of all joints, as each left its place
         self._passed = np.zeros(n)  # N·m·s by which each was pushed until now
@@ -75,14 +78,14 @@ class FirstSteps:
 
     def _judged(self, q: Array, dq: Array, torque: Array, wanted: Array) -> int:
         found: int = _look(
-            q, dq, torque - self._stood[1], q - wanted, self._way, self._least, self._period,
-            self._passed, self._side, self._left_at, self._sums,
+            q, dq, torque - self._stood[1], q - wanted, q - self._stood[0], self._way, self._least,
+            self._leans, self._period, self._passed, self._side, self._left_at, self._sums,
         )  # fmt: skip
         return found
 
 
 @numba.njit(cache=True)
-def _look(q, dq, push, error, way, least, period, passed, sides, left_at, sums):
+def _look(q, dq, push, error, went, way, least, leans, period, passed, sides, left_at, sums):
     passed += period * push
     for i in range(len(q)):
         side = np.sign(error[i])
@@ -107,6 +110,8 @@ def _look(q, dq, push, error, way, least, period, passed, sides, left_at, sums):
         against = push[i] * error[i] < 0.0 and way[i] * error[i] < 0.0
         away = error[i] * dq[i] > 0.0 and error[i] * moved[i] > 0.0
         if not (away and against) or min(abs(error[i]), abs(moved[i])) < FAR:
+            continue
+        if abs(push[i]) <= (np.minimum(leans, leans[i]) * np.abs(went)).sum():
             continue
         if sums[_COUNT, i] < FEWEST or _slope(sums[:, i], period) >= 0.0:
             continue

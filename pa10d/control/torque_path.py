@@ -56,11 +56,10 @@ class TorquePath:
         self.status, self.age = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self.temperature: Array | None = None
         self._speed = SpeedEstimator(n, period)
-        self._swings, self._wrong_way = (
-            OscillationWatch(limits, period),
-            WrongWayWatch(limits.torque, period),
-        )
-        self._first_steps = FirstSteps(limits.torque, period)
+        self._swings = OscillationWatch(limits, period)
+        # a weight of so many N·m changes by as many per radian at most
+        self._wrong_way = WrongWayWatch(limits.torque, period, heaviest)
+        self._first_steps = FirstSteps(limits.torque, period, heaviest)
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for
@@ -176,8 +175,11 @@ class TorquePath:
         inertia = None if self._inertia is None else float(self._inertia[axis])
         most, thought = float(self._heaviest[axis]), float(self.thought[axis])
         found = self._falls.weighed(axis, thought, most, inertia)
-        way = float(self.q[axis] - self.reference.q[axis])
-        return self._tried.between(axis, thought, float(self._described[axis]), way, found)
+        way, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
+        found = self._tried.again(axis, described, self._falls.driven(axis), found)
+        if found is not None and abs(found.torque) > most:
+            return None
+        return self._tried.between(axis, thought, described, way, found)
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""

@@ -17,6 +17,7 @@ from pa10d.dynamics import Robot
 from pa10d.experiments.motion import whole_motion
 from pa10d.investigation.state import ArmMotion
 from pa10d.profile import Profile
+from pa10d.services.experiments import weighed_arm
 from pa10d.services.joints import kept_joints
 from pa10d.services.starting_set import FIT, JUDGE, STARTING_SET, SuggestedMotion
 from pa10d.store.entries import read_entry
@@ -110,17 +111,23 @@ def previews(
     data: str, profile: Profile, robot: Robot, question: str, progress: Progress
 ) -> list[MotionPreview]:
     """The motions that are asked for first, planned; one whose plan fails says why and takes no
-    time."""
-    asked = _asked(data, profile, question)
+    time. What a measured arm weighs counts; one that is measured first may be lighter than its URDF
+    says, and is planned again with what was felt: torque bars nothing until then."""
+    kept = kept_joints(data, profile)
+    asked = _asked(question, first=kept is None)
+    weighed = weighed_arm(data, profile, robot)
     found = []
     for k, (entry, purpose) in enumerate(asked):
         progress(k / len(asked), f"planning {entry.kind}")
-        found.append(preview(robot, entry, purpose))
+        lifts = kept is not None or question == "changed" or purpose == "joints"
+        found.append(preview(weighed, entry, purpose, lifts))
     return found
 
 
-def preview(robot: Robot, entry: SuggestedMotion, purpose: str) -> MotionPreview:
-    """One motion."""
+def preview(
+    robot: Robot, entry: SuggestedMotion, purpose: str, lifts: bool = True
+) -> MotionPreview:
+    """One motion. lifts: whether it is known what the arm weighs."""
     given: JsonObject = {"purpose": purpose, "kind": entry.kind, "why": entry.why,
                        "parameters": entry.parameters}  # fmt: skip
     none = np.zeros((1, robot.n))
@@ -132,7 +139,8 @@ def preview(robot: Robot, entry: SuggestedMotion, purpose: str) -> MotionPreview
         return MotionPreview(motion, np.zeros(1), none, none, (str(error),))
     t, q, dq, _ = whole.samples
     motion = ArmMotion(seconds=float(t[-1]), **given)
-    problems = tuple(dict.fromkeys(violation.sentence for violation in whole.violations))
+    bars = [one for one in whole.violations if lifts or one.kind != "torque"]
+    problems = tuple(dict.fromkeys(violation.sentence for violation in bars))
     return MotionPreview(motion, t, q, dq, problems)
 
 
@@ -168,13 +176,13 @@ def _essence(shown: JsonObject) -> str:
     return json.dumps([shown["kind"], shown["parameters"], shown["purpose"]], sort_keys=True)
 
 
-def _asked(data: str, profile: Profile, question: str) -> list[tuple[SuggestedMotion, str]]:
+def _asked(question: str, first: bool) -> list[tuple[SuggestedMotion, str]]:
+    """first: whether the joints are to be measured."""
     if question == "changed":
         return [(entry, entry.tags[0]) for entry in LATER] + [(FRESH, "fresh")]
-    known = kept_joints(data, profile) is not None
     listed = [
         (entry, entry.tags[0] if entry.tags else "joints")
         for entry in STARTING_SET
-        if not (known and entry.kind == "first_motion")
+        if first or entry.kind != "first_motion"
     ]
     return [*listed, (FRESH, "fresh")]

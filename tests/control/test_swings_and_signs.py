@@ -7,6 +7,7 @@ import pytest
 from arms import PERIOD, cycles, flywheel_arm, holding_arm, limits, swing, until
 
 from pa10d.control.faults import LoopFault
+from pa10d.control.first_steps import FirstSteps
 from pa10d.control.gains import PidGains
 from pa10d.control.oscillation import OscillationWatch
 from pa10d.control.pid import Pid
@@ -120,6 +121,51 @@ def test_a_joint_that_another_takes_along_has_no_wrong_sign(falls):
         v = v + PERIOD * np.linalg.solve(mass, torque + (more if falls else 0.0))
         q = q + PERIOD * v
     assert abs(q[1]) > 0.02
+
+
+def leaning(watched):
+    """An upright joint leans over slowly, against a servo that is weaker than its weight, 50 N·m,
+    and a gear that rubs: it is pushed back harder and harder, and goes the faster."""
+    q, v = 1.5e-3, 0.0
+    while q < 0.14:
+        torque = -44.0 * q
+        watched(q, v, torque)
+        v += PERIOD * (50.0 * q + torque - 2.0 * v) / 0.5
+        q += PERIOD * v
+
+
+def test_nor_has_one_that_leans_over_by_more_than_it_is_pushed_back():
+    for leans, named in ((np.array([60.0]), False), (None, True)):
+        watch = WrongWayWatch(np.array([50.0]), PERIOD, leans)
+        steps = FirstSteps(np.array([50.0]), PERIOD, leans)
+        reference = Reference(1)
+        steps.watch(np.zeros(1), np.zeros(1), np.zeros(1), reference)
+
+        def stepped(q, v, torque, steps=steps, reference=reference):
+            reference.dq[:] = -1e-3
+            steps.watch(np.array([q]), np.array([v]), np.array([torque]), reference)
+
+        def held_so(q, v, torque, watch=watch):
+            watch.watch(np.array([q]), np.array([v]), np.array([torque]))
+
+        watch.watch(np.zeros(1), np.zeros(1), np.zeros(1))
+        for watched in (stepped, held_so):
+            if named:
+                with pytest.raises(LoopFault, match="wrong way"):
+                    leaning(watched)
+            else:
+                leaning(watched)
+
+
+def test_nor_has_one_that_slips_in_its_brake_before_it_falls():
+    """It stands again before the brake lets go of it, and then falls by what its mount, which is
+    wrong by 30 degrees, has not told."""
+    watch, q = WrongWayWatch(np.array([209.0]), 0.003), 0.0
+    slips = [0.02, 0.04, 0.05, 0.058, 0.055, 0.052, 0.043, 0.035, 0.04, 0.03, 0.008, *[-0.005] * 6]
+    for v in [*slips, *np.arange(-0.005, 0.36, 0.021)]:
+        watch.watch(np.array([q]), np.array([v]), np.array([-1.2 - 300.0 * q - 33.0 * v]))
+        q += 0.003 * v
+    assert q > 0.01
 
 
 def test_gains_come_bumpless_by_command():

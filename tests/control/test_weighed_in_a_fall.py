@@ -8,8 +8,18 @@ from arm_bench import ArmBench
 from arms import PERIOD, cycles, limits, servo, until
 from fake_backend import FakeBackend, Flywheels
 
-from pa10d.control.arm import Arm
-from pa10d.control.fall import LACKING, SURE, FallWatch, Tried, Weighed, driven, roughly, weight_of
+from pa10d.control.arm import RESTS, Arm
+from pa10d.control.fall import (
+    LACKING,
+    SURE,
+    Driven,
+    FallWatch,
+    Tried,
+    Weighed,
+    driven,
+    roughly,
+    weight_of,
+)
 from pa10d.control.gains import PidGains
 from pa10d.control.journal import Journal
 from pa10d.control.pid import Pid
@@ -291,3 +301,41 @@ def test_what_was_tried_and_was_too_little_or_too_much_is_not_begun_with_again()
     assert tried.between(0, 12.0, described, -0.02, near) is near, "another joint"
     assert tried.between(1, 29.5, 10.0, -0.02, far) is far, "it carries more by now"
     assert tried.between(1, 2.0, 0.01, -0.02, far) is far, "no share of next to nothing"
+
+
+def test_two_falls_tell_inertia_and_weight_apart_of_a_payload_that_nobody_described():
+    """Ten times as inert as presumed and seven times as heavy: what one fall says is too little."""
+    inertia, weight, rubs = 0.03, -2.28, 0.24
+    tried, thought, falls = Tried(1), -0.34, 0
+    while abs(weight - thought) > rubs:
+        rise = (thought - weight - rubs) / inertia
+        rough = Weighed(thought - 0.1, 0.1, (thought - 0.05, thought - 0.4))
+        found = tried.again(0, -0.34, Driven(thought, rise), rough)
+        found = tried.between(0, thought, -0.34, 0.02, found)
+        thought, falls = found.torque, falls + 1
+    assert falls == 2
+    assert found.again
+    assert thought == pytest.approx(weight + rubs, abs=0.01)
+
+
+def test_of_a_joint_that_falls_as_before_all_counts_that_may_be_lacking():
+    tried, rough = Tried(1), Weighed(6.0, 1.0, (5.5, 12.0))
+    assert tried.again(0, 4.0, Driven(4.0, -30.0), rough) is rough
+    assert tried.again(0, 4.0, Driven(6.0, -29.5), rough).torque == 12.0
+    assert tried.again(0, 4.0, Driven(12.0, 20.0), rough) is rough, "the other way"
+    assert tried.again(0, 4.0, Driven(9.0, 15.0), None) is None
+
+
+def test_links_that_swing_in_their_brakes_rest_before_the_next_enabling():
+    """No encoder sees them; a fall leaves them swinging."""
+    arm = fallen(10.0)
+    fell = arm.path.time
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    assert arm.path.time - fell > 0.9 * RESTS
+    arm.emergency("x", "y")
+    arm.fault = None
+    arm.reset()
+    fell = arm.path.time
+    until(arm, ArmState.INACTIVE)
+    assert arm.path.time - fell < 0.1

@@ -23,7 +23,9 @@ BRAKE_STRENGTH = 1.2  # of the axis's largest torque
 SPEED_BAND = 0.2
 """Of a drive's largest speed: below it the torque that makes the axis faster is taken away, from
 all that the drive can give to none."""
-SETTLE = 0.3  # s after which an arm with every brake closed is taken as rigid
+SETTLE = 0.3  # s after which an arm with every brake closed is taken as rigid, unless
+SWINGS = 0.01  # of the largest torque is what a link on its gear pulls at its brake to and fro, and
+LONGEST = 10.0  # s have not passed
 
 
 @dataclass
@@ -57,7 +59,8 @@ class Mechanics:
         self._stop_torque = np.zeros(n)
         self._was_stopping = np.zeros(n, bool)
         self._last_torque = np.zeros(n)
-        self._locked_for = SETTLE
+        self._locked_for = LONGEST
+        self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()  # s, rad
         self._interfered = True  # brakes or drives act besides the commanded torque
 
     def measure(self, powered: Bools, elapsed: float) -> tuple[Array, Array]:
@@ -82,7 +85,7 @@ class Mechanics:
         self._interfered = True
         idle = act.braked & ~act.powered
         self._locked_for = self._locked_for + dt if idle.all() else 0.0
-        if self._locked_for > SETTLE:
+        if self._rigid(dt):
             self._was_braked[:] = True
             self._brake_torque[:] = 0.0
             return
@@ -96,6 +99,24 @@ class Mechanics:
             self._inner(act, q, velocity, dt / steps)
             seen = np.asarray(self.plant.measure()[0], float)
             q, velocity = seen, (seen - q) * (steps / dt)
+
+    def _rigid(self, dt: float) -> bool:
+        """Whether all is at rest behind closed brakes, which give way to a link that swings."""
+        if self._locked_for > LONGEST:
+            return True
+        if self._locked_for <= dt:
+            self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
+        self._window += dt
+        np.minimum(self._lowest, self.q, out=self._lowest)
+        np.maximum(self._highest, self.q, out=self._highest)
+        if self._window <= SETTLE:
+            return False
+        swings = (self._highest - self._lowest) * STIFFNESS > SWINGS
+        if not swings.any():
+            self._locked_for = LONGEST + dt
+            return True
+        self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
+        return False
 
     def _begin(self, act: Actuation) -> None:
         newly = act.braked & ~self._was_braked
