@@ -49,7 +49,8 @@ log = logging.getLogger("pa10d.control")
 class Arm:
     """``gravity``: N·m (n,) that hold a pose as far as anybody knows, for opening the brakes;
     ``heaviest``: N·m (n,) that a joint may weigh at most, None: all that its motor can lift;
-    ``inertia``: kg·m² (n,) as presumed, None: nobody knows."""
+    ``inertia``: kg·m² (n,) as presumed, None: nobody knows; ``leans``: N·m/rad (n,) by which its
+    weight may change as it turns, None: not at all; ``rests``: s, see ``RESTS``."""
 
     def __init__(
         self,
@@ -60,10 +61,12 @@ class Arm:
         journal: Journal,
         heaviest: Array | None = None,
         inertia: Array | None = None,
+        leans: Array | None = None,
+        rests: float = RESTS,
     ) -> None:
-        self.backend, self.journal = backend, journal
+        self.backend, self.journal, self._rests = backend, journal, rests
         compile_motion_check(limits)
-        self.path = TorquePath(limits, backend.period, make_servo, heaviest, inertia)
+        self.path = TorquePath(limits, backend.period, make_servo, heaviest, inertia, leans)
         self.whereabouts = Whereabouts(limits, backend.period)
         self.state = ArmState.OFFLINE
         self.fault: Fault | None = None
@@ -307,7 +310,8 @@ class Arm:
         elif under_way:
             return
         elif self.state == ArmState.RESETTING:
-            if self.fault is not None and self.fault.runs_away and not self.path.stands_for(RESTS):
+            fell = self.fault is not None and self.fault.runs_away
+            if fell and not self.path.stands_for(self._rests):
                 return
             self.path.forget()
             self._held_at = None

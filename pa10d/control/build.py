@@ -40,12 +40,14 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
     """The arm of a profile on a backend; offline until ``connect``."""
     presumed, gravity = presumed_figures(robot), weight_of(robot, robot.parameters)
     gravity(np.zeros(robot.n))  # compiled before it is needed
+    most = ROUGH * burdens(robot, presumed)  # and by as much a radian it changes
     return Arm(
         backend,
         arm_limits(profile, robot),
         servo_factory(profile, robot, backend.period),
         gravity,
         Journal(ring),
-        np.maximum(ROUGH * burdens(robot, presumed), LIFTED * robot.effort),
+        np.maximum(most, LIFTED * robot.effort),
         inertias(robot, presumed).usual,
+        most,
     )

@@ -42,8 +42,9 @@ class TorquePath:
         make_servo: Callable[[], Pid],
         heaviest: Array | None = None,
         inertia: Array | None = None,
+        leans: Array | None = None,
     ) -> None:
-        """heaviest, inertia: see ``Arm``."""
+        """heaviest, inertia, leans: see ``Arm``."""
         n = len(limits.torque)
         self.limits, self.make_servo = limits, make_servo
         self.controller: Controller = make_servo()
@@ -57,9 +58,8 @@ class TorquePath:
         self.temperature: Array | None = None
         self._speed = SpeedEstimator(n, period)
         self._swings = OscillationWatch(limits, period)
-        # a weight of so many N·m changes by as many per radian at most
-        self._wrong_way = WrongWayWatch(limits.torque, period, heaviest)
-        self._first_steps = FirstSteps(limits.torque, period, heaviest)
+        self._wrong_way = WrongWayWatch(limits.torque, period, leans)
+        self._first_steps = FirstSteps(limits.torque, period, leans)
         self._places = Places(limits.following_error)
         self._powered_at = -np.inf
         self._untouched = True  # since power-up no motion was asked for

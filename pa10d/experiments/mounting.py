@@ -36,9 +36,9 @@ def wrong_mount(
             for name, axis in AXES.items() for sign in "+-"}  # fmt: skip
     others = {name: axis for name, axis in ways.items() if axis @ down < 0.9}
     others["opposite"] = -down
-    told = _left(robot, figures, seen)
+    told = left_by(robot, figures, seen)
     found = {
-        name: _left(robot.with_gravity(strength * axis), figures, seen)
+        name: left_by(robot.with_gravity(strength * axis), figures, seen)
         for name, axis in others.items()
     }
     best = min(found, key=lambda name: found[name])
@@ -54,7 +54,9 @@ def wrong_mount(
     )
 
 
-def _left(robot: Robot, figures: JointFigures, seen: Sequence[tuple[Array, Array, float]]) -> float:
+def left_by(
+    robot: Robot, figures: JointFigures, seen: Sequence[tuple[Array, Array, float]]
+) -> float:
     """Squared standard errors that the best of all bodies leave in all."""
     tables = [rows_felt(robot, figures, *one) for one in seen]
     rows, wanted, error = (np.concatenate(parts) for parts in zip(*tables, strict=True))

@@ -36,6 +36,7 @@ from pa10d.control.known_joints import Calmer, KnownJoints, MeasuredJoints
 from pa10d.control.limits import arm_limits
 from pa10d.control.servo_design import SENSITIVITY, SLOW
 from pa10d.dynamics import Robot
+from pa10d.experiments.exchanged import alike, exchanged_drives
 from pa10d.experiments.measured_joints import (
     bandwidths,
     felt_again,
@@ -136,6 +137,8 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
     figures = measured_figures(robot, seen, torque_steps(found, robot), before)
     told = [(one.q, one.torque, one.rate) for one in seen.values()]
     if (reason := wrong_mount(robot, figures, told)) is not None:
+        raise UserError(reason)
+    if (reason := exchanged_drives(robot, figures, told, alike(found))) is not None:
         raise UserError(reason)
     learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:

@@ -84,6 +84,7 @@ class ArmBench:
         self.backend = BusLike(self.plant, 1.0 / rate, self.steps)
         self.ring = Ring.create(self.robot.n, int(200 * rate), 1.0 / rate)
         self.arm = build_arm(self.profile, self.robot, self.backend, self.ring)
+        self.arm._rests = 0.0  # behind these brakes no link swings
         self.arm.connect()
         self.arm.cycle()
         self.joints: Joints | None = None

@@ -39,7 +39,7 @@ def servo(n: int = 2) -> Pid:
 def flywheel_arm(n: int = 2, capacity: int = 4096) -> tuple[Arm, FakeBackend]:
     backend = FakeBackend(Flywheels(n), PERIOD)
     ring = Ring.create(n, capacity, PERIOD)
-    arm = Arm(backend, limits(n), lambda: servo(n), lambda q: np.zeros(n), Journal(ring))
+    arm = Arm(backend, limits(n), lambda: servo(n), lambda q: np.zeros(n), Journal(ring), rests=0.0)
     return arm, backend
 
 

@@ -32,7 +32,6 @@ class FakeBackend:
         self.stuck = np.zeros(self.n, dtype=bool)  # axes that never say that they are enabled
         self.inverted = np.zeros(self.n, dtype=bool)  # axes whose torque has the wrong sign
         self._doing, self._left = "", 0  # what was begun, and cycles to go
-        self._moved = True  # the plant is to be stopped
         self._age = np.zeros(self.n, dtype=np.int64)
         self._q = plant.measure()[0]
 
@@ -109,14 +108,12 @@ class FakeBackend:
 
     def _cycle(self) -> Feedback:
         self.time += self.period
-        free = self.powered and not self.quick and not self.braked
-        moved, self._moved = self._moved, free
-        if free:
+        if self.powered and not self.quick and not self.braked:
             at = self.plant.measure()[0]
             self.plant.step(np.where(self.inverted, -self.torque, self.torque), self.period)
             if self.stuck.any():  # flywheels alone have a speed that can be taken away
                 self.plant.q[self.stuck], self.plant.dq[self.stuck] = at[self.stuck], 0.0
-        elif moved:
+        else:
             self.plant.reset(self.plant.measure()[0])  # brakes, or the drives' own stop
         q, tau = self.plant.measure()
         self._age = np.where(self.frozen, self._age + 1, 0)

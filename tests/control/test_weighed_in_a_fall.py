@@ -205,6 +205,7 @@ def fallen(heaviest):
         lambda q: np.array([0.5, 0.0]),
         Journal(Ring.create(2, 4096, PERIOD)),
         np.array([heaviest, 1.0]),
+        rests=0.0,
     )
     arm.connect()
     cycles(arm, 3)
@@ -329,6 +330,7 @@ def test_of_a_joint_that_falls_as_before_all_counts_that_may_be_lacking():
 def test_links_that_swing_in_their_brakes_rest_before_the_next_enabling():
     """No encoder sees them; a fall leaves them swinging."""
     arm = fallen(10.0)
+    arm._rests = RESTS
     fell = arm.path.time
     arm.reset()
     until(arm, ArmState.INACTIVE)
