@@ -98,8 +98,9 @@ class Surroundings:
         shares = np.abs(self.gravity(pose[None])[0]) / self.limits.torque
         j = int(np.argmax(shares))
         return (
-            f"gravity takes {shares[j]:.0%} of what joint {j + 1} may give by the URDF's masses (correct them where the "
-            f"arm is lighter), planned with are {self.gravity_share:.0%} at most"
+            f"gravity takes {shares[j]:.0%} of what joint {j + 1} may give by the URDF's masses "
+            "(correct them where the arm is lighter), planned with are "
+            f"{self.gravity_share:.0%} at most"
         )
 
     def free_share(self, here: Array, there: Array) -> float:
