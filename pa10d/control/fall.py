@@ -30,6 +30,7 @@ WIDEST = 12.0  # times as much may have been lacking as the least: then a sixth 
 SURE = 3.0  # standard errors
 MOST = ROUGH**2  # times its described weight, with a payload that nobody described
 ALIKE = 0.05  # of how fast a joint gathered speed: falls that differ by less tell no inertia
+EDGE = 0.25  # of what is left between both, nearer than which to one that was tried nothing is
 LACKING = 0.5  # of what was lacking, that may be lacking or too much next time
 KEPT = 1024  # cycles: falls are shorter
 
@@ -148,7 +149,8 @@ class Tried:
     def between(
         self, axis: int, thought: float, described: float, way: float, found: Weighed | None
     ) -> Weighed | None:
-        """What was found, or the middle of what is left where it was tried before that it is not.
+        """What was found, or the middle of what is left where it was tried before that it is not,
+        or hardly: what takes a joint along, or slows it, spoils each fall alike.
         way: rad that it went under ``thought`` N·m; described: N·m."""
         if described == 0.0 or not 1.0 / MOST <= thought / described <= MOST:
             return found
@@ -161,7 +163,8 @@ class Tried:
         low, high = float(self._low[axis]), float(self._high[axis])
         if not np.isfinite([low, high]).all():
             return found
-        if found is not None and low < found.torque / described < high:
+        edge = EDGE * (high - low)
+        if found is not None and low + edge < found.torque / described < high - edge:
             return found
         middle = 0.5 * (low + high) * described
         return Weighed(middle, 0.5 * (high - low) * abs(described) / SURE, again=True)

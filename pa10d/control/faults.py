@@ -18,7 +18,8 @@ REMEDIES = {
     "torque_state": "report it: torque was asked for in a state that allows none",
     "position_limit": "look at the plan and at what pushes the arm; move it back inside by hand",
     "velocity_limit": "look at the plan's speeds, the gains and the drive's sign and gear ratio",
-    "following_error": "look for a collision, a brake that drags, wrong sign, weak gains",
+    "following_error": "look for a collision, a brake that drags, wrong sign, weak gains, "
+    "a payload or a mount (base.rpy) that nobody described",
     "not_held": "look at this joint's sign, gear_ratio and rated_torque, at its brake and payload; "
     "where these are right, and it is held in a pose in which gravity does little on it, the "
     "URDF's masses or centres from this joint on are wrong, or base.rpy: correct them",

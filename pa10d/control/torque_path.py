@@ -176,9 +176,9 @@ class TorquePath:
         most, thought = float(self._heaviest[axis]), float(self.thought[axis])
         found = self._falls.weighed(axis, thought, most, inertia)
         way, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
-        found = self._tried.again(axis, described, self._falls.driven(axis), found)
-        if found is not None and abs(found.torque) > most:
-            return None
+        more = self._tried.again(axis, described, self._falls.driven(axis), found)
+        if more is not None and abs(more.torque) <= most:
+            found = more
         return self._tried.between(axis, thought, described, way, found)
 
     def watch(self, stopping_for_fault: bool) -> None:

@@ -299,6 +299,9 @@ def test_what_was_tried_and_was_too_little_or_too_much_is_not_begun_with_again()
     assert found.torque == pytest.approx(0.5 * (1.0 + 3.0) * 10.0)
     assert tried.between(1, 20.0, 10.0, -0.02, None).torque == pytest.approx(25.0)
     assert tried.between(1, 29.0, 10.0, 0.02, far).torque == pytest.approx(24.5)
+    slow, good = Weighed(24.0, 0.01), Weighed(23.0, 0.01)
+    assert tried.between(1, 24.2, 10.0, 0.02, slow).torque == pytest.approx(22.1), "a step at most"
+    assert tried.between(1, 24.2, 10.0, 0.02, good) is good
     assert tried.between(0, 12.0, described, -0.02, near) is near, "another joint"
     assert tried.between(1, 29.5, 10.0, -0.02, far) is far, "it carries more by now"
     assert tried.between(1, 2.0, 0.01, -0.02, far) is far, "no share of next to nothing"
@@ -341,3 +344,10 @@ def test_links_that_swing_in_their_brakes_rest_before_the_next_enabling():
     fell = arm.path.time
     until(arm, ArmState.INACTIVE)
     assert arm.path.time - fell < 0.1
+
+
+def test_what_no_motor_lifts_is_no_reason_to_forget_what_one_fall_told():
+    arm = fallen(10.0)
+    told = arm.path.fell[0].torque
+    arm.path._tried.again = lambda *_: Weighed(1e3, 1.0, again=True)
+    assert arm.path._weighed(0).torque == pytest.approx(told)
