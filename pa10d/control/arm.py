@@ -40,8 +40,8 @@ CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its we
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
-RESTS = 8.0  # s after a fall until links that swing on their gears at 2 Hz have lost 95 % of it, of
-# which no encoder in a brake knows: 3 % of critical damping
+RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
+# which no encoder in a brake knows: 3 % of critical damping. Whoever presses STOP waits for 6 s
 
 log = logging.getLogger("pa10d.control")
 
