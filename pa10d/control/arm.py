@@ -80,6 +80,7 @@ class Arm:
         self._by_thought = np.zeros(backend.n, dtype=bool)  # … of these as far as anybody knew
         self._stood_at = np.zeros(backend.n)  # … and stood when they were to open again
         self._told = np.zeros(backend.n)  # N·m by which it was held there beyond the description
+        self._rest = 0.0  # s for which it rests yet before it is reset
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
@@ -178,6 +179,9 @@ class Arm:
             needed = (ArmState.FAULT, ArmState.INACTIVE)
             raise Refused("reset", self.state, needed, REMEDIES[self.state])
         require("reset", self.state, ArmState.FAULT, ArmState.INACTIVE)
+        fell = self.fault is not None and self.fault.runs_away
+        passed = self.path.time - self.fault.time if self.fault is not None else 0.0
+        self._rest = float(np.clip(self._rests - passed, 0.0, self._rests)) if fell else 0.0
         self._switch(ArmState.RESETTING)
         self.whereabouts.lost()
         try:
@@ -310,8 +314,8 @@ class Arm:
         elif under_way:
             return
         elif self.state == ArmState.RESETTING:
-            fell = self.fault is not None and self.fault.runs_away
-            if fell and not self.path.stands_for(self._rests):
+            if self._rest > 0.0:
+                self._rest -= self.backend.period
                 return
             self.path.forget()
             self._held_at = None
