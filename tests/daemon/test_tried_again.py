@@ -6,6 +6,7 @@ import asyncio
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from known_joints import measured_joints
 
@@ -41,7 +42,7 @@ def tried(monkeypatch, faults, request, tmp_path, stopped_at=0):
             raise UserError("run x: aborted")
         return self.result
 
-    robot.reset = reset
+    robot.reset, robot.pose = reset, lambda: np.zeros(2)
     monkeypatch.setattr(Experiment, "_once", once)
     daemon = SimpleNamespace(robot=robot, runtime=tmp_path)
     experiment = Experiment(daemon, request, lambda *_: None)
@@ -104,6 +105,16 @@ def test_it_tells_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
     for faults, tries in (([FELL] * 9, FALLS + 1), ([replace(FELL, weighed=0)], 1)):
         paces, error = tried(monkeypatch, faults, MotionRequest("x"), tmp_path)
         assert (len(paces), type(error)) == (tries, UserError)
+
+
+def test_nor_where_the_next_fall_would_go_over_a_limit():
+    """Brakes take their time: a slide went a centimetre or two each time, onto its end."""
+    arm = SimpleNamespace(lower=np.array([-0.09, -3.0]), upper=np.array([0.09, 3.0]))
+    experiment = Experiment.__new__(Experiment)
+    experiment._robot, experiment._stood = SimpleNamespace(robot=arm), np.array([0.03, 0.0])
+    assert experiment._falls_out(np.array([0.05, 1.4])) is None
+    assert experiment._falls_out(np.array([0.07, 1.4])) == 1
+    assert experiment._falls_out(np.array([0.05, -1.6])) == 2
 
 
 def test_nor_after_a_stop(monkeypatch, tmp_path):

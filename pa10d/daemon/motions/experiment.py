@@ -126,6 +126,7 @@ class Experiment:
         self._request, self._report = request, report
         self._folder = daemon.runtime / f"experiment-{next(NUMBERS)}"
         self.moved = False
+        self._stood: Array | None = None  # rad, before it was enabled last
         self._began = 0  # of the records, where the last motion began
         self.falls: list[str] = []  # of its notes those of joints that were not held at first
         self.result = Outcome(request.kind)
@@ -174,11 +175,24 @@ class Experiment:
         fell[fault.weighed] += 1
         if fell[fault.weighed] > FALLS:
             return False
+        if (joint := self._falls_out(self._robot.pose())) is not None:
+            raise UserError(
+                f"{fault.sentence}. Joint {joint} came near its position limit as it fell and "
+                "would go over it next time: move it away from there, its brake released by hand"
+            )
         self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
         self.result.notes.append(self.falls[-1])
         await self._robot.reset()
         self._begin_again()
         return True
+
+    def _falls_out(self, here: Array) -> int | None:
+        """A joint (from 1) that another fall as far as its last would take over its limit."""
+        if self._stood is None:
+            return None
+        there, robot = 2.0 * here - self._stood, self._robot.robot
+        gone = np.flatnonzero((there < robot.lower) | (there > robot.upper))
+        return int(gone[0]) + 1 if len(gone) else None
 
     @property
     def _small(self) -> float | None:
@@ -301,6 +315,7 @@ class Experiment:
     async def _power_up(self, prepared: Prepared) -> Prepared:
         if self._robot.state == "inactive":
             self._report(CHECKED, "enabling the arm")
+            self._stood = self._robot.pose()
             try:
                 await self._robot.enable()
             except BaseException:
