@@ -127,7 +127,7 @@ class Tried:
         """What was found, or more of it where the joint fell the same way before, and is more inert
         than presumed: as with a payload that nobody described. Two falls under different torques
         tell inertia and weight apart as one does in which torque changes; where they are too much
-        alike, all counts that may have been lacking. described: N·m, here."""
+        alike, twice as much counts as lacking. described: N·m, here."""
         before = self._driven[axis]
         if fell is None:
             return found
@@ -143,8 +143,10 @@ class Tried:
             weight = more - inertia * fell.rise
             if inertia > 0.0 and abs(weight - more) > abs(found.torque - more):
                 return Weighed(weight, abs(weight - more) / (2.0 * SURE), again=True)
-        far = found.between[1]
-        return Weighed(far, abs(far - found.torque) / SURE, found.between)
+        if abs(fell.rise) > (1.0 + ALIKE) * abs(rise):
+            return found  # something else drives it, too
+        far = 2.0 * found.torque - more
+        return Weighed(far, abs(far - more) / (2.0 * SURE), found.between)
 
     def between(
         self, axis: int, thought: float, described: float, way: float, found: Weighed | None

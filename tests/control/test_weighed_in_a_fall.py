@@ -322,10 +322,11 @@ def test_two_falls_tell_inertia_and_weight_apart_of_a_payload_that_nobody_descri
     assert thought == pytest.approx(weight + rubs, abs=0.01)
 
 
-def test_of_a_joint_that_falls_as_before_all_counts_that_may_be_lacking():
+def test_of_a_joint_that_falls_as_before_twice_as_much_is_lacking():
     tried, rough = Tried(1), Weighed(6.0, 1.0, (5.5, 12.0))
     assert tried.again(0, 4.0, Driven(4.0, -30.0), rough) is rough
-    assert tried.again(0, 4.0, Driven(6.0, -29.5), rough).torque == 12.0
+    assert tried.again(0, 4.0, Driven(5.0, -29.5), rough).torque == 7.0
+    assert tried.again(0, 4.0, Driven(5.0, -60.0), rough) is rough, "something else drives it"
     assert tried.again(0, 4.0, Driven(12.0, 20.0), rough) is rough, "the other way"
     assert tried.again(0, 4.0, Driven(9.0, 15.0), None) is None
 
