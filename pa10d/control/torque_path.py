@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,8 +178,8 @@ class TorquePath:
         found = self._falls.weighed(axis, thought, most, inertia)
         way, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
         more = self._tried.again(axis, described, self._falls.driven(axis), found)
-        if more is not None and abs(more.torque) <= most:
-            found = more
+        if more is not None:
+            found = replace(more, torque=float(np.clip(more.torque, -most, most)))
         return self._tried.between(axis, thought, described, way, found)
 
     def watch(self, stopping_for_fault: bool) -> None:
