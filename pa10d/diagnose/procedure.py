@@ -17,6 +17,7 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
+    FIRM,
     MATERIAL_REST,
     SHARE_OFF,
     SIZED_LEVEL,
@@ -34,14 +35,14 @@ from pa10d.diagnose.search.bent_laws import bent_laws
 from pa10d.diagnose.search.candidates import Candidate, suspects
 from pa10d.diagnose.search.candidates import places as places_of
 from pa10d.diagnose.search.delivery import warnings as said
-from pa10d.diagnose.search.harm import rms
+from pa10d.diagnose.search.harm import less_likely, rms
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
 from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.search.with_numbers import only_with_numbers
-from pa10d.diagnose.unknown.as_it_stood import left_far_more, one_change, stood_words
+from pa10d.diagnose.unknown.as_it_stood import alone_words, left_far_more, one_change, stood_words
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
@@ -55,6 +56,7 @@ from pa10d.diagnose.unknown.remaining import (
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import (
     Judgement,
+    RunResidual,
     in_band,
     judged,
     of_own_runs,
@@ -130,6 +132,7 @@ def diagnose(
         if len(search.suspects) > len(asked):
             search.run(steps)
         only_with_numbers(search, model, as_given)
+        search = _held_firmly(search, model, as_given)
     if only is None:
         search.contest()
     whole = only is None and not frozen
@@ -147,13 +150,16 @@ def diagnose(
     if only is None and not (apart or geometry.told):
         may_change = heard(suspects(True, model.robot.n), state.held)
         apart = unlike_fitted(state, given, may_change, left.floor.values)
-    far, stood = np.zeros(model.robot.n, dtype=bool), ""
+    far, stood, alone_by = np.zeros(model.robot.n, dtype=bool), "", {}
+    units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     if state.usual is not None and only is None:
         alone = rms(state.bare(given).held_residual())
         far = left_far_more(state, alone, left.rms, given_error.floor.values)
         if far.any():
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
-            stood = stood_words(given_error.rms, alone, model.noise, far, change)
+            if change is None or change.place not in _found(search):  # else its finding says it
+                stood = stood_words(given_error.rms, alone, model.noise, far, change)
+                alone_by = alone_words(given_error.rms, far, change, units)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
     over = left_over(
         state, seen, left, again, only is None, told, given, bent_laws(search.all_bent())
@@ -166,7 +172,6 @@ def diagnose(
     stand_out = places(seen, model.robot, floor, joints=silent, clear=True) if open_ else ()
     turning = [j for j in open_ if not model.robot.prismatic[j]]
     orders = [order_spectrum(seen, j) if j in turning else None for j in range(model.robot.n)]
-    units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     findings = tuple(
         _finding(search, given, index, versions) for index in range(given, len(state.terms))
     )
@@ -196,6 +201,7 @@ def diagnose(
         {j: found.words for j, found in knocked.items()},
         search.outdone,
         most_noise(state),
+        alone_by,
     )
     say(1.0, "done")
     return Diagnosis(
@@ -365,6 +371,29 @@ def _or_geometry(finding: Finding, geometry: Geometry) -> Finding:
     return replace(finding, sentence=finding.sentence + text)
 
 
+def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResidual]) -> Search:
+    """Where one change alone, all else as it was, explains what was found otherwise while the model
+    moved within its doubt: the search of one that hardly moves, if it names that change and leaves
+    less."""
+    state, given = search.state, search.fixed
+    if len(state.terms) == given:
+        return search
+    change = one_change(state, model, heard(suspects(True, model.robot.n), state.held))
+    if change is None or change.place in _found(search):
+        return search
+    firm = SearchState.start(model, state.train, state.held, True, FIRM)
+    firm.usual, firm.as_given = state.usual, state.as_given
+    other = Search(firm, search.suspects, given, progress=search.progress)
+    other.run()
+    only_with_numbers(other, model, as_given)
+    better = less_likely(rms(state.held_residual()) / rms(other.state.held_residual()))
+    return other if better and change.place in _found(other) else search
+
+
+def _found(search: Search) -> set[tuple[str, tuple[int, ...]]]:
+    return {(term.effect_id, term.joints) for term in search.state.terms[search.fixed :]}
+
+
 def _usual(model: TorqueModel, given: Judgement) -> Array:
     """(n,) N·m RMS that a model may leave though nothing changed: the noise, and some more than it
     lacked on the data that it was identified from. Where the noise is not known all
@@ -400,10 +429,13 @@ def _always_lacked(
     kind: Effect, joints: Sequence[int], model: TorqueModel, given: Judgement
 ) -> bool:
     """May what a model always lacked pose as this change? Friction that it never had shows more in
-    one motion than in another, and a law with a shape of its own bends to it."""
-    floor = given.floor.values[list(joints)]
-    bends = kind.question == "missing" and bool(kind.shapes)
-    return bends and bool(np.any(model.noise[list(joints)] > MATERIAL_REST * floor))
+    one motion than in another, and a law with a shape of its own bends to it: no farther than what
+    a joint may usually leave."""
+    own = list(joints)
+    bends = any(not (s.smoothing or s.optional) for s in kind.shapes)
+    lacked = model.noise[own] > MATERIAL_REST * given.floor.values[own]
+    as_ever = given.rms[own] <= _usual(model, given)[own]
+    return kind.question == "missing" and bends and bool(np.any(lacked & as_ever))
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:

@@ -23,6 +23,7 @@ from pa10d.effects.context import posed
 from pa10d.effects.together import contextualised, sensed
 from pa10d.measurement.torque_filter import TorqueFilter
 from pa10d.model.estimates import as_estimates
+from pa10d.model.names import AGAIN, told_apart
 from pa10d.model.notes import ModelNotes
 from pa10d.model.shared_friction import beside_bristles
 from pa10d.model.term import Term, as_told, rotors_beside
@@ -137,7 +138,7 @@ class TorqueModel:
         changed = replace(self, terms=(*self.terms, *beside))
         covariance = np.diag(np.full(changed.unknowns.size, np.inf))
         covariance[:size, :size] = self.covariance
-        notes = self.notes.with_open(changed.parameter_names()[len(names) :])
+        notes = self.notes.with_open(told_apart(changed.parameter_names())[len(names) :])
         if notes.feasible is not None:
             notes = replace(notes, feasible=replace(notes.feasible, rotors=()))
         loads = self.loads
@@ -167,11 +168,12 @@ class TorqueModel:
             term.coefficients, self.covariance[where, where], term.shape, term.shape_errors
         )
         found = beside_bristles(self.terms, term, found)
-        for name, value in found.items():
-            if term.named(name) in self.left_open:
-                found[name] = replace(value, determined=False)
         kind, place = term.effect, (term.effect_id, term.joints)
         others = [k for k, t in enumerate(self.terms) if (t.effect_id, t.joints) == place]
+        again = AGAIN if others[0] < index else ""
+        for name, value in found.items():
+            if term.named(name) + again in self.left_open:
+                found[name] = replace(value, determined=False)
         once = not (kind.repeatable or kind.one_of_each)
         # a change of what is there already, or of two that share what each may have
         less = others[0] < index if once else bool(kind.one_of_each) and len(others) > 1

@@ -166,7 +166,8 @@ def solve(
     whole = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0]
     triangle, target = whole[:size, :-1], whole[:size, -1]
     rows = max(sum(f.rows for f in factors) - size, 1)
-    noise = max(abs(float(whole[size, -1])) / np.sqrt(rows), ROUNDED * float(np.abs(target).max()))
+    rounded = ROUNDED * max(float(np.abs(target).max()), 1e-200)
+    noise = max(abs(float(whole[size, -1])) / np.sqrt(rows), rounded)
     left, values, right = np.linalg.svd(triangle)
     along = left.T @ target
     solved = asked_for(values, along / noise, np.linalg.norm(told / scale @ right.T, axis=0))

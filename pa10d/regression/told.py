@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.model import Term
+from pa10d.model.names import told_apart
 
 Array = NDArray[np.float64]
 
@@ -44,5 +45,5 @@ def added_ones(count: int, terms: Sequence[Term]) -> NDArray[np.bool_]:
 
 
 def names_of(names: Sequence[str], chosen: NDArray[np.bool_]) -> list[str]:
-    """Those that are chosen."""
-    return [name for name, one in zip(names, chosen, strict=True) if one]
+    """Those that are chosen, each told from one of the same name before it."""
+    return [name for name, one in zip(told_apart(names), chosen, strict=True) if one]

@@ -95,6 +95,10 @@ def test_a_joint_that_became_worse_is_named():
     note = Delivery(before=(0.1, 0.1), achieved=(0.4, 0.1), worse=(1,))
     said = warnings(replace(spoilt, parent="m0", notes=ModelNotes(delivery=note)))
     assert said == ["joint 1: its error rises from 0.1 to 0.4 N·m against m0, which stays as it is"]
+    note = replace(note, achieved=(0.12, 0.16))
+    unsure = warnings(replace(spoilt, parent="m0", notes=ModelNotes(delivery=note)))
+    assert [line.split(":")[0] for line in unsure] == ["joint 1", "joint 2"]
+    assert [line.endswith("to call that sure") for line in unsure] == [False, True]
 
 
 def test_a_run_in_which_a_joint_is_held_says_nothing_of_its_motion():

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pa10d.diagnose.constants import SEEN_SHARE
 from pa10d.model import Term, TorqueModel
+from pa10d.model.names import AGAIN, told_apart
 from pa10d.regression.equation import RunEquation
 from pa10d.regression.winding import seen_by
 
@@ -39,12 +40,12 @@ def tails(model: TorqueModel, terms: Sequence[Term], runs: Sequence[RunEquation]
 
 def with_open(model: TorqueModel, labels: Container[str]) -> TorqueModel:
     """The same model, how large these terms are left open: the fit saw their tails."""
-    open_ = [
-        term.named(coefficient.name)
+    names = [
+        term.named(coefficient.name) if term.label in labels else ""
         for term in model.terms
-        if term.label in labels
         for coefficient in term.effect.coefficients
     ]
+    open_ = [one for one in told_apart(names) if one.removesuffix(AGAIN)]
     return replace(model, notes=model.notes.with_open(open_))
 
 

@@ -50,14 +50,20 @@ class SearchState:
 
     @classmethod
     def start(
-        cls, model: TorqueModel, train: Side, held: Side, frozen: bool = False
+        cls,
+        model: TorqueModel,
+        train: Side,
+        held: Side,
+        frozen: bool = False,
+        firmness: float = 1.0,
     ) -> SearchState:
         """Columns of the given model, refitted to the training side.
 
-        frozen: the model may move only as far as its own uncertainty allows.
+        frozen: the model may move only as far as its own uncertainty allows, or one ``firmness``
+        times smaller.
         """
         kept = model.base.kept
-        prior = own_uncertainty(model) if frozen else None
+        prior = own_uncertainty(model, firmness) if frozen else None
         bodies = None if frozen else bodies_of(model)
         problem = LinearProblem(Unknowns(model.base, ()), prior, bodies=bodies)
         train, held = train.through(model), held.through(model)
@@ -286,8 +292,9 @@ def bodies_of(model: TorqueModel) -> Knowledge | None:
     return widely(model.standard, model.robot, model.base)
 
 
-def own_uncertainty(model: TorqueModel) -> Knowledge:
-    """The model's coefficients as prior knowledge with their own covariance.
+def own_uncertainty(model: TorqueModel, firmness: float = 1.0) -> Knowledge:
+    """The model's coefficients as prior knowledge with their own covariance, their standard errors
+    taken to be ``firmness`` times smaller.
 
     Directions that its data never showed have no variance to speak of in the covariance (they
     were truncated) and stay where they are.
@@ -297,4 +304,4 @@ def own_uncertainty(model: TorqueModel) -> Knowledge:
     scale = np.maximum(scale, 1e-9 * max(float(np.max(scale)), 1e-9))
     values, vectors = np.linalg.eigh(model.covariance / np.outer(scale, scale))
     values = np.maximum(values, 1e-8 * float(values[-1]))
-    return Knowledge.about(mean, (vectors / np.sqrt(values)).T / scale)
+    return Knowledge.about(mean, firmness * (vectors / np.sqrt(values)).T / scale)

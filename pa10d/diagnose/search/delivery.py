@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.judgement import RunResidual, judged, worse
 from pa10d.model import Delivery, TorqueModel
 
@@ -40,13 +41,18 @@ def delivered(model: TorqueModel) -> Delivery:
 
 
 def warnings(model: TorqueModel) -> list[str]:
-    """One line per joint that became worse."""
+    """One line per joint that became worse, surely or by much."""
     found = delivered(model)
     if found.before is None or found.achieved is None:
         return []
-    return [
-        f"joint {j}: its error rises from {found.before[j - 1]:.3g} to "
-        f"{found.achieved[j - 1]:.3g} {model.robot.torque_unit(j - 1)} against "
-        f"{model.parent or 'the model as given'}, which stays as it is"
-        for j in found.worse or ()
-    ]
+    lines = []
+    for j, (was, now) in enumerate(zip(found.before, found.achieved, strict=True)):
+        surely = j + 1 in (found.worse or ())
+        doubt = "" if surely else "; it scatters too much to call that sure"
+        if surely or now > (1.0 + MUCH_WORSE) * was > 0.0:
+            lines.append(
+                f"joint {j + 1}: its error rises from {was:.3g} to {now:.3g} "
+                f"{model.robot.torque_unit(j)} against {model.parent or 'the model as given'}, "
+                f"which stays as it is{doubt}"
+            )
+    return lines

@@ -9,6 +9,7 @@ do, they can.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,10 +29,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OneChange:
-    """named: the effect, as people call it, and its size; shares (n,) of each joint's squared
-    error, as the model was given, that it takes on the held-out side when fitted to the fit side
-    alone."""
+    """place: the effect and its joints; named: as people call it, and its size; shares (n,) of each
+    joint's squared error, as the model was given, that it takes on the held-out side when fitted to
+    the fit side alone."""
 
+    place: tuple[str, tuple[int, ...]]
     named: str
     shares: Array
 
@@ -77,6 +79,21 @@ def stood_words(
     return f"{said}; that it came, or that the model's own runs left it open, other runs can tell"
 
 
+def alone_words(
+    given: Array, far: NDArray[np.bool_], change: OneChange | None, units: Sequence[str]
+) -> dict[int, str]:
+    """By joint, of those that ``left_far_more`` tells: what the change takes of its error as the
+    model was given, (n,) N·m, where that is most of it."""
+    if change is None:
+        return {}
+    return {
+        j: f"{change.named} alone takes {percent(change.shares[j])} of the {given[j]:.3g} "
+        f"{units[j]} that the model leaves there as it was given"
+        for j in np.flatnonzero(far).tolist()
+        if change.shares[j] >= BROKEN_SHARE
+    }
+
+
 def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> OneChange | None:
     """The plainest of the changes that take nearly the most; None where none takes half of it."""
     before = _as_given(state, given)
@@ -92,17 +109,18 @@ def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> On
         after = {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
         term = Term(effect.id, tuple(joints), theta, dict(shape))
         named = f"{effect.named}{_sized(state.model.robot, term)}"
-        tried.append((_size(state, after), len(theta), named, after))
+        place = (effect.id, tuple(joints))
+        tried.append((_size(state, after), len(theta), place, named, after))
     whole = _size(state, before[1])
     least = min((size for size, *_ in tried), default=whole)
     if least > (1.0 - BROKEN_SHARE) * whole:
         return None
     near = [one for one in tried if one[0] <= least + MATERIAL_GAIN * whole]
-    _, _, named, after = min(near, key=lambda one: (one[1], one[0]))
+    _, _, place, named, after = min(near, key=lambda one: (one[1], one[0]))
     shares = [
         1.0 - float(after[j] @ after[j]) / max(float(r @ r), 1e-300) for j, r in before[1].items()
     ]
-    return OneChange(named, np.array(shares))
+    return OneChange(place, named, np.array(shares))
 
 
 def _as_given(state: SearchState, given: TorqueModel) -> tuple[PerJoint, PerJoint]:

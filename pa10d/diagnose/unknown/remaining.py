@@ -244,6 +244,7 @@ def remaining(
     knocked: Mapping[int, str] | None = None,
     outdone: Mapping[int, tuple[tuple[str, ...], float]] | None = None,
     most_noise: Array | None = None,
+    alone: Mapping[int, str] | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -259,7 +260,8 @@ def remaining(
     as_given (n,) N·m: what a frozen model leaves as it was; knocked: by joint, in words, of those
     whose error lies in a few moments of the runs; outdone: by joint, effects that would take such a
     share of it, of which a map leaves much less; most_noise (n,) N·m RMS: as much of it as there is
-    on the runs that the model was fitted to, at most."""
+    on the runs that the model was fitted to, at most; alone: by joint, in words, what one change
+    takes of what a frozen model leaves as it was."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -307,6 +309,8 @@ def remaining(
         told = isinstance(left, Apart | OtherGeometry | OtherFriction) or j in (knocked or {})
         if kept and not told:  # what it depends on is no change
             line = replace(line, sentence=f"{_size(line, units[j])}.")
+        elif left is None and line.material is not False and alone and j in alone:
+            line = replace(line, sentence=f"{_size(line, units[j])}; {alone[j]}.")
         elif left is None and line.material is not False and j in undetermined:
             line = replace(line, sentence=f"{_size(line, units[j])}{NOT_DETERMINED}")
         elif left is None and line.material is not False and not line.repeatable:
