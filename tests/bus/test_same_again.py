@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from bus_helpers import Driver, make_profile, virtual_arm
 
 from backends import by_hand
@@ -45,6 +46,7 @@ def test_recordings_are_identical_to_the_bit(tmp_path: Path) -> None:
     assert other[2] != first[2], "the noise does"
 
 
+@pytest.mark.long
 def test_also_with_the_built_in_plant(tmp_path: Path) -> None:
     profile = make_profile(
         tmp_path,

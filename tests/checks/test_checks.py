@@ -264,6 +264,7 @@ def test_a_late_torque_is_a_warning(robot):
     assert "ms late against the position" in delay.sentence
 
 
+@pytest.mark.long
 def test_the_independent_simulator_s_torque_is_on_time(shared_data, robot):
     from pa10d.dynamics import robot_from_urdf
     from pa10d.store.csv_import import read_csv

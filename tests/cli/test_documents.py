@@ -47,6 +47,7 @@ def test_every_command_has_a_schema():
     assert kinds | {"error"} == set(KINDS_OF_DOCUMENT)
 
 
+@pytest.mark.long
 def test_the_story_of_a_small_machine(told, half_a_minute, tmp_path, capsys):
     source = half_a_minute
     profile = ["--profile", str(source / "robot.urdf")]

@@ -54,6 +54,7 @@ def load(commands, model):
     return commands.carry_out(message)
 
 
+@pytest.mark.long
 def test_the_right_model_is_taken_without_a_step(robot, held):
     arm, commands = held
     before, stood = arm.path.sent.copy(), arm.path.q.copy()

@@ -97,6 +97,7 @@ def test_a_wrist_that_its_urdf_does_not_hold_is_held_where_it_is_said_to_be(weig
     assert "masses or centres" in fault.sentence
 
 
+@pytest.mark.long
 def test_a_spring_is_told_from_a_light_joint():
     arm = built(**drawn(2))
     assert arm.first_motion() is None
@@ -135,6 +136,7 @@ def test_the_starting_set_runs_on_a_slow_arm_that_nobody_has_seen():
     through_the_starting_set(built(**drawn(1008)))
 
 
+@pytest.mark.long
 def test_a_spring_found_later_explains_the_swing_before_it():
     """What swung was the rotor in front of it: a free joint as light would leave no gains."""
     profile = ArmBench(100.0).profile

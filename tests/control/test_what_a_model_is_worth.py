@@ -81,6 +81,7 @@ def tracking_rms(profile, robot, law=None, model=None):
     return np.sqrt(np.mean(error**2, axis=0))
 
 
+@pytest.mark.long
 def test_an_effect_in_the_model_more_than_halves_the_error_of_its_joint(profile, robot, models):
     pid, at = tracking_rms(profile, robot), JOINT - 1
     for law in BY_NAME:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from lost_zero import turn
 
 from pa10d.demo.bench import Bench
@@ -9,6 +10,7 @@ from pa10d.demo.hidden import Hidden
 from pa10d.profile import load_profile
 
 
+@pytest.mark.long
 def test_it_can_be_powered_when_time_has_passed(tmp_path):
     bench = Bench(load_profile("pa10-sim"), Hidden(()), seed=5)
     with bench.running(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from two_links import NAMES, RATE, textbook, textbook_torque
 
 from pa10d.compare import compare
@@ -68,6 +69,7 @@ def test_time_since_a_rest():
     assert np.all(np.isinf(since_rest(turning, 100.0)))  # it turns round, and never rests
 
 
+@pytest.mark.long
 def test_a_brake_that_lets_go_late_is_told_by_when_it_acts():
     """It was "motion does not predict it: slow noise" at tens of times the floor, and no region of
     the error stood out."""

@@ -35,6 +35,7 @@ def both():
     return recordings(3, rubbing(power=0.35, bump=1.2), 0.1)
 
 
+@pytest.mark.long
 def test_two_bends_of_one_curve_are_both_named(both):
     """Each alone took the other's part as far as its shape goes, and was refused as no more what it
     is called: the joint was told as one that no effect of the library explains."""

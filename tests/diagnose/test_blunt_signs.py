@@ -4,6 +4,7 @@ it is Coulomb friction with a blunt sign, and hides nothing that lies on it."""
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from two_links import COULOMB, V0, recordings, textbook
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
@@ -32,6 +33,7 @@ def test_a_blunt_sign_is_no_effect_that_is_missing():
     assert np.all(found.left.ratio < 1.1)
 
 
+@pytest.mark.long
 def test_extra_friction_at_low_speed_is_told_on_a_blunt_sign():
     """Found beside a sharp one it left 3.5 times the noise; the sign, which no sample then said
     anything of, stayed sharp."""

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
 import two_links
 
 from pa10d.diagnose.constants import CARRIED_FARTHER
@@ -58,6 +59,7 @@ def test_motion_that_asks_for_what_was_not_seen_carries_doubt_farther():
     assert np.all(carried_farther(rich, honest_covariance(rich)) < CARRIED_FARTHER)
 
 
+@pytest.mark.long
 def test_what_the_fitted_runs_leave_open_is_not_called_missing():
     """A file whose bodies are off is all that anybody knows there."""
     model = identify([sweeps()], robot_from_urdf(HEAVIER), name="m0", cutoff=two_links.CUTOFF)

@@ -35,6 +35,7 @@ def with_corner(v0, error):
     return replace(model, terms=tuple(terms))
 
 
+@pytest.mark.long
 def test_a_corner_that_was_open_is_settled_before_anything_is_missing():
     found = diagnose(with_corner(0.2, np.inf), *SIDES)
     assert found.verdict == "none"

@@ -74,6 +74,7 @@ def test_a_change_is_named_beside_the_lack():
     assert found.beside
 
 
+@pytest.mark.long
 def test_a_lack_that_does_not_hold_on_the_new_data_is_left_out(monkeypatch):
     """As if the lack had been found with the wrong sign: the change is told as without it."""
     runs, model = own()

@@ -40,6 +40,7 @@ def test_a_version_achieves_what_was_promised():
     assert made.notes.judged_on == ("valid_a", "valid_b")  # what a report of it is about
 
 
+@pytest.mark.long
 def test_a_version_before_the_last_has_loads_of_its_own():
     """Friction that grows with a load to which a spring belongs, found before the spring: looked at
     with the loads of the last version it promised 0.36 N·m and left 0.48."""

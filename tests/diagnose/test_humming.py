@@ -80,6 +80,7 @@ def swaying(name, seed, warm):
     return Recording(name, t, q, tau - warm * dq)
 
 
+@pytest.mark.long
 def test_a_line_of_the_motion_itself_is_none():
     """Two days to fit to, one warm and one cold: the friction of neither is the mean's."""
     days = dict(zip(NAMES, (1.0, -1.0, 1.0, -1.0), strict=True))

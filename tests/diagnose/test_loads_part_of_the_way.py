@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from small_machines import machine
 
 from pa10d.diagnose.procedure import diagnose
@@ -27,6 +28,7 @@ def dragged(run: Recording) -> Recording:
     return Recording(run.name, run.t, run.q, tau)
 
 
+@pytest.mark.long
 def test_drag_in_one_direction_is_named_beside_friction_of_a_load():
     """Added, it drew the weight, that its load, and that friction of the load below zero: 0.104 N·m
     where 0.091 had been without, and neither was named with the other."""

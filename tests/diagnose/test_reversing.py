@@ -34,6 +34,7 @@ def with_error(run, error):
     return replace(run, raw_error=error, measured=run.modelled + filtered)
 
 
+@pytest.mark.long
 def test_friction_that_wanders_is_no_noise():
     """ "none" at 7 times the floor: nothing came again, no motion foretold it, and size alone
     speaks from ten times on."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search import looking
@@ -31,6 +32,7 @@ def carrying(run: Recording, robot: Robot, mass: float, com: tuple[float, ...]) 
     return replace(run, tau=run.tau + both[0] - both[1])
 
 
+@pytest.mark.long
 def test_what_explains_more_and_was_not_sure_is_not_denied(shared_data):
     """A UR10 that was given 0.9 kg: "joint 3 now has a torque gain that is off", without a doubt;
     a payload takes three times as much, and more of that joint."""

@@ -50,6 +50,7 @@ def test_a_warm_up_that_goes_on_in_the_run_held_out_is_told():
     assert not found.remaining[0].material
 
 
+@pytest.mark.long
 def test_where_both_begin_cold_it_is_named():
     found = diagnosed((0.0, 0.0))
     assert [(f.term.effect_id, f.term.joints) for f in found.findings] == [

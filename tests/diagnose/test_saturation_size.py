@@ -34,6 +34,7 @@ def run(seed: int) -> Recording:
     return Recording(t=t, q=q, tau=tau, name=f"run{seed}")
 
 
+@pytest.mark.long
 def test_it_is_found_at_its_size():
     fit, valid = [run(0), run(1)], [run(2)]
     model = identify(fit, robot(), name="m")

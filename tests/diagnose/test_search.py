@@ -52,6 +52,7 @@ def test_a_variant_that_explains_next_to_nothing_is_not(rough):
     assert [c.shape["side"] for c in found] == [1.0]
 
 
+@pytest.mark.long
 def test_the_right_one_is_added_beside_what_hid_it(rough):
     fit, held = [rough["fit_a"], rough["fit_b"]], [rough["valid_a"], rough["valid_b"]]
     found = diagnose(textbook(rough), fit, held)

@@ -34,6 +34,7 @@ def test_its_size_does_not_depend_on_how_softly_it_turns_round(soft):
     assert max(line.ratio for line in found.remaining) < 1.2
 
 
+@pytest.mark.long
 def test_both_motors_of_a_differential_rub():
     """Once the sum of the speeds had its friction, that of the difference was no suspect any more:
     80 times the floor, and "no effect that was looked for explains it"."""

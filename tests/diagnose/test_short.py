@@ -74,6 +74,7 @@ def test_what_is_too_short_is_said_with_how_much_is_missing():
         diagnose(model, [fit], [judge.part(0, 300, "judge")])
 
 
+@pytest.mark.long
 def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     """Runs of six seconds of one joint that moves for 0.4 s at a time."""
     robot, runs = servo("sin_sin")

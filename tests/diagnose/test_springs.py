@@ -54,6 +54,7 @@ def test_bodies_and_spring_are_fitted_at_once(state):
     assert found.left < np.log(0.6 * state.fit.rms()).sum()
 
 
+@pytest.mark.long
 def test_a_spring_is_named_where_bodies_have_bent_to_its_swing(state):
     """One that did not hold before is followed again when nothing else is left, not sooner."""
     search = Search(state, suspects(False, 2), len(state.terms), followed={0, 1})

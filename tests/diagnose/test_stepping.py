@@ -85,6 +85,7 @@ def test_it_is_said_with_its_moment_and_not_as_warming_up():
     assert section.title == "Joint 2: a change at one moment"
 
 
+@pytest.mark.long
 def test_what_does_warm_up_stays_that():
     (finding,) = asked(recordings(12, warming)).findings
     assert (finding.term.effect_id, finding.term.joints) == ("thermal_friction", (JOINT,))

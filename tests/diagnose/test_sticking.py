@@ -55,6 +55,7 @@ def test_nothing_is_missing_on_an_arm_that_sticks():
     assert np.all(found.left.ratio < 1.1)
 
 
+@pytest.mark.long
 def test_stribeck_friction_of_an_arm_that_sticks_has_its_own_size():
     """4.4 ± 1.0 N·m and 0.046 ± 0.016 rad/s had been found for 1.5 and 0.15, and a false one."""
     runs = sticking_runs(5, 2 * NOISE, lambda v: 1.5 * np.exp(-np.abs(v) / 0.15) * np.sign(v))

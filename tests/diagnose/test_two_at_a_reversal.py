@@ -33,6 +33,7 @@ def lugre(t, q, dq, ddq, fs=4.0, vs=0.1, way=1e-3):
     return np.column_stack([more, np.zeros(len(t))])
 
 
+@pytest.mark.long
 def test_stribeck_friction_of_a_bristle_is_named_with_the_bristle():
     """Stribeck friction alone made reversals worse and was refused, 18 times the floor stayed;
     beside a bristle that did not carry it its bump was half as high, and 7 times stayed."""
@@ -51,6 +52,7 @@ def test_stribeck_friction_of_a_bristle_is_named_with_the_bristle():
     assert not found.unexplained
 
 
+@pytest.mark.long
 def test_what_is_there_only_after_reversals_is_no_noise():
     """Friction that is over soon after the joint has turned round: both parts are named, and what
     such short ones leave open is said."""

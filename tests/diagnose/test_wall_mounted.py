@@ -29,6 +29,7 @@ def recording(name: str, robot, gravity: np.ndarray, seed: int) -> Recording:
     return Recording(name, t, q, tau + 0.05 * rng.standard_normal(tau.shape))
 
 
+@pytest.mark.long
 def test_the_tilt_of_an_arm_on_a_wall_is_named():
     upright = robot_from_profile(load_profile("pa10-sim"))
     robot = upright.with_gravity(np.array([9.81, 0.0, 0.0]))

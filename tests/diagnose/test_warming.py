@@ -33,6 +33,7 @@ def found():
     return diagnose(textbook(runs), fit, held), runs
 
 
+@pytest.mark.long
 def test_it_is_named_with_what_it_takes(found):
     (finding,) = found[0].findings
     assert (finding.term.effect_id, finding.term.joints) == ("thermal_friction", (JOINT,))

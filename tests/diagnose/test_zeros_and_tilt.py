@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from two_links import recordings, textbook
 
 from pa10d.cli.diagnose import in_words
@@ -88,6 +89,7 @@ def test_a_base_that_leans_is_named():
     assert not any(line.significant for line in found.remaining)
 
 
+@pytest.mark.long
 def test_in_a_plane_the_first_zero_and_a_tilt_are_one():
     runs = {n: replace(r, q=r.q + np.array([OFFSET, 0.0])) for n, r in recordings(3).items()}
     model = textbook(runs)

@@ -65,6 +65,7 @@ def test_an_effect_without_a_law_says_so(installed):  # noqa: F811
         hide("creeping_hose:2", 3, load_profile("pa10-sim"))
 
 
+@pytest.mark.long
 def test_the_arm_feels_it_step_by_step_and_in_a_whole_run_alike(hiding):
     hiding()
     profile = load_profile("pa10-sim")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import scipy
 
 from pa10d.effects.swing import driven
@@ -18,6 +19,7 @@ def always(matrix: np.ndarray) -> np.ndarray:
     return np.repeat(matrix[None], SAMPLES, axis=0)
 
 
+@pytest.mark.long
 def test_two_springs_swing_as_an_integrator_of_their_coupled_equation_says():
     """Closed form: the matrix exponential of the homogeneous equation, from a load held still."""
     load = np.zeros((SAMPLES, 2, 1))

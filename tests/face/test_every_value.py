@@ -58,6 +58,7 @@ def parts(story):
     }
 
 
+@pytest.mark.long
 def test_none_is_left_out(story, parts):
     """A class that is added to the face and that nobody looks at here is told."""
     classes = {

@@ -36,6 +36,7 @@ def spoiled(run: Recording) -> Recording:
     return replace(run, tau=tau)
 
 
+@pytest.mark.long
 def test_a_spoiled_stretch_does_no_harm_once_it_is_left_out(clean):
     robot, run = clean
     good = identify([run.without([WRONG])], robot, name="good")

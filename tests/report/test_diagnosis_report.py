@@ -85,6 +85,7 @@ def test_predictions_of_the_versions_leave_what_the_diagnosis_says(stribeck):
     np.testing.assert_allclose(seen.rms(1), finding.rms_after, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_blocks_of_one_run_are_judged_on_the_held_out_ones(stribeck):
     found, _, runs = stribeck
     alone = diagnose(
@@ -182,6 +183,7 @@ def test_nothing_missing_is_said_plainly(stribeck):
     assert page.canvases == []
 
 
+@pytest.mark.long
 def test_unexplained_structure_is_a_map_of_the_residual(crossed):
     found, seen, _ = crossed
     at = [k for k, s in enumerate(found.unexplained) if s.joint == 4]

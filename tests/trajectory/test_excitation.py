@@ -175,6 +175,7 @@ def figure(problem, x, name):
     return getattr(figures(problem, x), name)
 
 
+@pytest.mark.long
 def test_what_is_asked_for_is_what_gets_better():
     plain = polished(Criterion())
     smallest = polished(Criterion(condition=0.0, smallest=1.0))
