@@ -155,6 +155,7 @@ def diagnose(
     if state.usual is not None and only is None:
         alone = rms(state.bare(given).held_residual())
         far = left_far_more(state, alone, left.rms, given_error.floor.values)
+        far &= ~(_spoken_of(state.terms[given:], model.robot.n) & (left.rms <= state.usual))
         if far.any():
             change = one_change(state, model, heard(suspects(True, model.robot.n), held))
             if change is None or change.place not in _found(search):  # else its finding says it
@@ -202,6 +203,7 @@ def diagnose(
         search.outdone,
         most_noise(state),
         alone_by,
+        model.noise,
     )
     say(1.0, "done")
     return Diagnosis(
@@ -388,6 +390,14 @@ def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResid
     only_with_numbers(other, model, as_given)
     better = less_likely(rms(state.held_residual()) / rms(other.state.held_residual()))
     return other if better and change.place in _found(other) else search
+
+
+def _spoken_of(terms: Sequence[Term], n: int) -> NDArray[np.bool_]:
+    """(n,) joints of which one of these effects says what changed."""
+    out = np.zeros(n, dtype=bool)
+    for term in terms:
+        out[term.effect.speaks_on(term.joints)] = True
+    return out
 
 
 def _found(search: Search) -> set[tuple[str, tuple[int, ...]]]:

@@ -15,6 +15,7 @@ from pa10d.export.python_module import writable
 from pa10d.export.straight_line import traceable
 from pa10d.export.tabulated import Tabulated
 from pa10d.export.urdf import CARRIED
+from pa10d.measurement.signals import Lowpass
 from pa10d.model import Term, TorqueModel
 
 Array = NDArray[np.float64]
@@ -42,7 +43,8 @@ RESTING: tuple[Format, ...] = ("tables",)  # held only at rest, and by each join
 
 @dataclass(frozen=True)
 class Loss:
-    """rms (n,) N·m (N) between the model and what the export holds of it, on these runs."""
+    """rms (n,) N·m (N) between the model and what the export holds of it, on these runs in the
+    band of the model."""
 
     runs: tuple[str, ...]
     rms: Array
@@ -60,8 +62,10 @@ def loss(model: TorqueModel, format: Format, motions: Mapping[str, Context]) -> 
     deliver = _delivery(replace(model, terms=held), format)
     squares, count = np.zeros(model.robot.n), 0
     for seen in motions.values():
-        squares += np.sum((model.predict(seen) - deliver(seen)) ** 2, axis=0)
-        count += len(seen.q)
+        missed = model.predict(seen) - deliver(seen)
+        missed = _in_band(missed, seen.t, model.cutoff)
+        squares += np.sum(missed**2, axis=0)
+        count += len(missed)
     rms = np.sqrt(squares / count)
     if whole and not (rms > _floor(model)).any():
         return None
@@ -93,6 +97,17 @@ def _turning_at_once(kept: TorqueModel, seen: Context, lag: float) -> Array:
     return out
 
 
+def _in_band(torque: Array, t: Array, cutoff: float) -> Array:
+    """(N, n) without what lies above the model's band, where accelerations are noise and rotors
+    make torque of it, and without the ends that a filter does not know."""
+    rate = (len(t) - 1) / float(t[-1] - t[0])
+    if cutoff >= 0.5 * rate:
+        return torque
+    lowpass = Lowpass(len(t), rate, cutoff)
+    ends = min(lowpass.settle, (len(t) - 1) // 2)
+    return lowpass(torque)[ends : len(t) - ends]
+
+
 def _floor(model: TorqueModel) -> Array:
     """(n,) N·m (N) what a motion that was repeated, or else the fit, leaves by chance."""
     known = np.array(model.notes.noise_floor or model.noise, dtype=float)
@@ -108,4 +123,7 @@ def _sentence(model: TorqueModel, runs: tuple[str, ...], rms: Array) -> str:
     ]
     if not told:
         return f"what it does not hold amounts to nothing on {where}"
-    return f"what it does not hold amounts to {', '.join(told)} (RMS on {where})"
+    return (
+        f"what it does not hold amounts to {', '.join(told)} "
+        f"(RMS on {where}, low-pass {model.cutoff:.3g} Hz)"
+    )

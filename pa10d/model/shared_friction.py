@@ -23,7 +23,8 @@ def beside_bristles(terms: Sequence[Term], term: Term, found: dict[str, Value]) 
     on = next((t for t in terms if t.joints == term.joints and t.effect.builds_up_over), None)
     if dry is None or on is None or (term is not dry and term is not on):
         return found
-    moved, own = float(dry.coefficients[0]), float(term.coefficients[0])
+    # the smaller one may be no more than how the other turns round
+    moved, own = min(abs(float(t.coefficients[0])) for t in (dry, on)), float(term.coefficients[0])
     share = abs(moved / own) if own else 0.0
     kept = {s.name for s in term.effect.shapes}  # the way and the sharpness are no levels
     return {

@@ -33,6 +33,16 @@ def test_where_nothing_shows_how_sharp_dry_friction_is_either_may_carry_it():
     assert own["Fc"].std_error == pytest.approx(np.hypot(0.1, 1.54))
 
 
+def test_a_little_on_bristles_is_all_that_much_dry_friction_may_be_off_by():
+    """1.82 ± 1.8 N·m stood beside 0.17 N·m of a cable, and it was 1.824."""
+    cable = Term("presliding_hysteresis", (1,), np.array([0.17]), {"zs": 0.056}, {"zs": 0.019})
+    terms = [dry(0.0), cable]
+    own = beside_bristles(terms, terms[0], {"Fc": Value(1.54, 0.02, "N·m")})
+    assert own["Fc"].std_error == pytest.approx(np.hypot(0.02, 0.17))
+    found = beside_bristles(terms, cable, {"F": Value(0.17, 0.02, "N·m")})
+    assert found["F"].std_error == pytest.approx(np.hypot(0.02, 0.17))
+
+
 @pytest.mark.parametrize("other", [dry(0.0005), dry(0.0, joint=0)])
 def test_where_it_shows_or_is_another_joint_the_parts_are_known(other):
     assert beside_bristles([other, BRISTLES], BRISTLES, SEEN) == SEEN

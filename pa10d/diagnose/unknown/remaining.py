@@ -245,6 +245,7 @@ def remaining(
     outdone: Mapping[int, tuple[tuple[str, ...], float]] | None = None,
     most_noise: Array | None = None,
     alone: Mapping[int, str] | None = None,
+    lacked: Array | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; found: their
     terms; slight: what is significant there and too small for a claim; doubt (n,) N·m: what the
@@ -261,7 +262,8 @@ def remaining(
     whose error lies in a few moments of the runs; outdone: by joint, effects that would take such a
     share of it, of which a map leaves much less; most_noise (n,) N·m RMS: as much of it as there is
     on the runs that the model was fitted to, at most; alone: by joint, in words, what one change
-    takes of what a frozen model leaves as it was."""
+    takes of what a frozen model leaves as it was; lacked (n,) N·m: what that model left on the data
+    that it was identified from."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -321,7 +323,7 @@ def remaining(
             text = f" {faster[j][0].upper()}{faster[j][1:]}."
             line = replace(line, sentence=line.sentence + text)
         if kept:
-            line = replace(line, sentence=line.sentence + NOT_NEW)
+            line = replace(line, sentence=line.sentence + _not_new(line, lacked, units[j]))
         if as_given is not None and line.rms > (1.0 + MUCH_WORSE) * as_given[j]:
             text = MOVED_AWAY.format(given=f"{as_given[j]:.3g}", unit=units[j])
             line = replace(line, sentence=line.sentence + text)
@@ -329,6 +331,13 @@ def remaining(
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+def _not_new(line: Remaining, lacked: Array | None, unit: str) -> str:
+    before = line.rms if lacked is None else float(lacked[line.joint])
+    if line.rms <= (1.0 + MUCH_WORSE) * before:
+        return NOT_NEW
+    return NO_MORE_THAN_USUAL.format(lacked=f"{before:.3g}", unit=unit)
 
 
 def _not_judged(joint: int, rms: float, why: str) -> Remaining:
@@ -347,6 +356,11 @@ MOVED_AWAY = (
 NOT_NEW = (
     " The model lacked about as much on the data that it was identified from: ask what is missing, "
     "not what changed."
+)
+NO_MORE_THAN_USUAL = (
+    " The model lacked {lacked} {unit} on the data that it was identified from, and another motion "
+    "may show twice as much of that: ask what is missing. What has changed a recording of that "
+    "motion would show."
 )
 
 
