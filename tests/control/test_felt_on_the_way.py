@@ -53,6 +53,7 @@ def holds(robot, bodies, q):
     return inverse_dynamics(robot, bodies, q[None], 0 * q[None], 0 * q[None])[0]
 
 
+@pytest.mark.long
 def test_a_joint_that_fell_behind_by_its_weight_is_weighed_by_what_was_recorded(arm):
     profile, robot, known = arm
     seen, true = nudged(robot, 2.9, rubs=0.0)

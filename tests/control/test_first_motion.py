@@ -106,6 +106,7 @@ def test_a_spring_is_told_from_a_light_joint():
     assert figures.rotor[1] == pytest.approx(arm.plant.rotor[1], rel=0.2)
 
 
+@pytest.mark.long
 def test_a_joint_that_swings_gets_calmer_gains_and_is_tried_again():
     """Gains as for an arm ten times as heavy: it swings, and says so; then it does not."""
     arm = ArmBench(250.0, inertia=0.5, friction=0.3)
@@ -328,6 +329,7 @@ def test_no_rate_is_named_that_the_bus_does_not_carry(tmp_path):
     assert "raise control.rate" not in said
 
 
+@pytest.mark.long
 def test_a_bandwidth_that_is_left_out_is_enough(tmp_path):
     """It was told to raise the rate as well, for which the bandwidth was kept."""
     arm = foreign(6, tmp_path, bandwidth=0.3)

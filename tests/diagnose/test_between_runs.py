@@ -78,6 +78,7 @@ def asked(runs):
     )
 
 
+@pytest.mark.long
 def test_it_is_said_on_the_joint_in_the_headline_and_what_to_do():
     """It was "more than the noise that can be seen, but it follows no quantity of the motion"."""
     found = asked(changed_between(CHANGES["a torque offset"][0]))

@@ -60,6 +60,7 @@ def test_a_version_before_the_last_has_loads_of_its_own():
         np.testing.assert_allclose(note.promised, note.achieved, rtol=0.1)
 
 
+@pytest.mark.long
 def test_a_version_is_fitted_to_all_of_its_runs_however_it_was_judged():
     """Judged on every other block of one run, or by runs of their own: the same fit is kept."""
     runs = recordings(8, extra=stiff)

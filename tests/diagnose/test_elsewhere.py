@@ -54,6 +54,7 @@ def store(fast, tmp_path_factory):
     return data
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "command",
     [

@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from two_links import recordings, textbook
 
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
@@ -16,6 +17,7 @@ from pa10d.effects import effect
 TRUE = np.array([0.96, 1.04])
 
 
+@pytest.mark.long
 def test_gains_that_differ_are_named_and_leave_nothing_to_explain():
     """No base parameters fit both joints; which of the two is right no motion can tell."""
     runs = {name: replace(run, tau=run.tau * TRUE) for name, run in recordings(5).items()}

@@ -88,6 +88,7 @@ def test_a_line_of_the_motion_itself_is_none():
     assert hums(state_of(runs), [0, 1]) == []
 
 
+@pytest.mark.long
 def test_a_line_beside_the_lines_of_the_motion_is_told():
     runs = {n: swaying(n, k, np.zeros(2)) for k, n in enumerate(NAMES)}
     fan = 0.1 * np.sin(2 * np.pi * 2.71 * runs[NAMES[0]].t)

@@ -168,6 +168,7 @@ def test_without_free_shapes_it_is_the_fit_s_own():
     np.testing.assert_allclose(stated(state, []).covariance, honest_covariance(state), rtol=1e-9)
 
 
+@pytest.mark.long
 def test_a_version_of_a_version_keeps_its_doubt():
     """What was found before is fitted again beside what is found now, its shape with it."""
     runs = recordings(5, bump)

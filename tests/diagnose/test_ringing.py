@@ -29,6 +29,7 @@ def told(size, hertz):
     return diagnose(model, runs[:2], runs[2:])
 
 
+@pytest.mark.long
 def test_a_liquid_is_told_by_its_frequency():
     found = told(0.1, 1.1)
     assert found.verdict == "unknown"

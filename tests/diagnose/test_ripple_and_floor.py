@@ -67,6 +67,7 @@ def test_a_line_stands_above_its_neighbours(order):
     assert chance_beside_neighbours(state.held, left, 1, order + 9.0) > 0.01
 
 
+@pytest.mark.long
 def test_what_is_strong_at_all_orders_has_no_line():
     """Friction that jumps at angles drawn at random: a broad spectrum against the angle, far above
     the noise, of which no order stands out."""

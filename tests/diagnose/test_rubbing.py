@@ -59,6 +59,7 @@ def test_where_both_begin_cold_it_is_named():
     assert not found.unexplained
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("phi", [0.0, 0.9, 0.99, 0.9995])
 def test_slow_noise_is_no_friction(phi):
     for seed in range(6):

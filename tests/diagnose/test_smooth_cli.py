@@ -67,6 +67,7 @@ def unexplained(diagnosis):
     return entry
 
 
+@pytest.mark.long
 def test_what_is_unexplained_is_removed_as_it_stands(run, unexplained):
     over = ",".join(unexplained["depends_on"])
     command = ["add", "m0", "smooth_map", "--joint", str(unexplained["joint"]), "--over", over]

@@ -71,6 +71,7 @@ def test_what_changes_in_no_other_run_is_no_step_of_the_joint():
     assert steps_in_time(state_of(runs), [0, 1]) == []
 
 
+@pytest.mark.long
 def test_it_is_said_with_its_moment_and_not_as_warming_up():
     """It was thermal_friction."""
     found = asked(recordings(12, let_go))

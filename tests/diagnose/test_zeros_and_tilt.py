@@ -63,6 +63,7 @@ def asked(runs: dict[str, Recording], model: TorqueModel) -> Diagnosis:
     return diagnose(model, [runs[n] for n in FIT], [runs[n] for n in HELD])
 
 
+@pytest.mark.long
 def test_a_shifted_zero_is_named_on_its_joint_and_added_by_a_new_fit():
     """Its error had been called a spring's and a stop's, of another joint."""
     robot = turret()

@@ -27,6 +27,7 @@ J = 3  # 0-based: the elbow
 EFFECTS = all_effects()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hertz", [1.0, 4.0, 7.0, 12.0])
 def test_harmonic_response_of_a_flywheel_on_a_spring(hertz):
     """Δτ = -J·δ̈ with δ = J·q̈/(K - J·ω² + iωC), once the start has died away."""

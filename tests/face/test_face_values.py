@@ -79,6 +79,7 @@ def test_irregular_stamps_become_equal_steps():
     assert np.ptp(np.diff(run.time)) < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "before", ["", "import pa10d.compare", "from pa10d.effects import Context", "import pa10d.cli"]
 )

@@ -66,6 +66,7 @@ def weighed(name: str, seed: int, **more):
     return true, torque_gains(robot, [empty], [Load([loaded], body)]), before
 
 
+@pytest.mark.long
 def test_gains_come_back_within_their_errors_and_as_foretold():
     true, found, before = weighed("ur5e", 1, count=4, speed=0.6)
     off = (found.gain - true) / found.std_error

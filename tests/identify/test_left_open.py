@@ -45,6 +45,7 @@ def test_what_was_added_is_held_against_the_error_that_is_left():
     assert not opened(0.2, 0.4, (1.0, 0.0))
 
 
+@pytest.mark.long
 def test_a_stribeck_torque_that_nobody_saw_is_not_printed(shared_data):
     robot = bench_real.robot_from_urdf(shared_data / "kr300" / "robot.urdf")
     runs = [bench_real.load("kr300", f"train{k}.csv", robot.n) for k in (1, 2)]

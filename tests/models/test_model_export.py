@@ -51,6 +51,7 @@ def test_every_effect_agrees(effect_id):
     assert apart == pytest.approx(model.torque(motion.q, motion.dq, motion.ddq), abs=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("effect_id", sorted(all_effects()))
 def test_every_effect_agrees_over_random_shapes_and_motions(effect_id):
     """Wherever it sits, whatever its shape, along a motion and apart: the class's own formula."""

@@ -43,6 +43,7 @@ def test_linear_friction_has_no_boundary_and_its_parameters_are_found():
     assert values == pytest.approx([INERTIA, COULOMB, VISCOUS], rel=0.01)
 
 
+@pytest.mark.long
 def test_noise_alone_makes_no_boundary():
     false = sum(found(swings(noise=1.0, seed=seed)).threshold > 0 for seed in range(12))
     assert false <= 1

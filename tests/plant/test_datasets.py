@@ -71,6 +71,7 @@ def test_runs_stay_near_their_motion_and_stop_in_pauses():
     assert np.abs(np.diff(run.q, axis=0)).max() < 0.002 * 2 * np.pi
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", DRAWS)
 def test_drawn_effect_shows_in_the_torque(name):
     """Against the same arm without it, same motion, no noise: it is there, where it was put."""

@@ -77,6 +77,7 @@ def doubtful(found: Diagnosis) -> Diagnosis:
     return replace(found, findings=(finding,))
 
 
+@pytest.mark.long
 def test_predictions_of_the_versions_leave_what_the_diagnosis_says(stribeck):
     """Two routes: full prediction of every version here, projected columns there."""
     found, seen, _ = stribeck

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 
 def bent(world):
@@ -23,6 +24,7 @@ def off_and_on(world):
     yield world.passes(0.6)
 
 
+@pytest.mark.long
 def test_an_arm_does_not_sink_with_each_enabling(world):
     """Where it shall be stays the same; dry friction lets it be a little beside that."""
     held, stood, given = [], [], []

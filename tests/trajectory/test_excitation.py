@@ -35,6 +35,7 @@ def small():
     return exciting_trajectory(problem, generations=0, seed=3, refined=1)
 
 
+@pytest.mark.long
 def test_a_small_search_is_far_better_than_chance(small):
     problem = small.problem
     rng = np.random.default_rng(0)
@@ -230,6 +231,7 @@ def test_what_cannot_be_is_refused_before_the_search(monkeypatch, robot, options
     assert "expected" in str(caught.value)
 
 
+@pytest.mark.long
 def test_a_joint_that_is_hardly_excited_is_named_after_the_search():
     found = exciting_trajectory(
         excitation_problem(narrow(lower=(3, -0.07), upper=(3, 0.07)), [3, 4]),
