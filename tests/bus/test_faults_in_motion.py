@@ -230,6 +230,7 @@ def test_an_old_position_that_comes_late_makes_the_next_one_no_jump() -> None:
     assert is_jump(looking.sees(2000, times[-1], times[-1] + 0.005))
 
 
+@pytest.mark.realtime
 def test_the_drives_stop_when_our_heartbeat_ends(in_real_time: Profile) -> None:
     with running(in_real_time) as (arm, driver, _):
         arm._connected().next_heartbeat = math.inf
