@@ -123,14 +123,16 @@ def _dull(
     most = int(np.argmax(counts))
     stays = len(_runs((tau == values[most]) & moving))
     if 0 < most < len(values) - 1 and counts[most] > DULL * moving.sum() and stays > OFTEN:
-        step = float(np.diff(values).min())
+        step = float(np.diff(values[most - 1 : most + 2]).min())
         yield CheckFinding(
             "error",
             "dull",
             f"{label}: the torque is exactly {values[most] + 0.0:.4g} {unit} in "
             f"{percent(counts[most] / moving.sum())} of the samples in which the joint moves, and "
-            f"its steps are {step:.2g} {unit}: what moves it is below what this channel shows",
-            "record it finer. Forced, the other joints can be fitted; no word of this one counts",
+            f"its steps are {step:.2g} {unit}: what moves it is below what this channel shows, or "
+            "the motor was off",
+            "record it finer, and with power. Forced, the other joints can be fitted; no word of "
+            "this one counts",
             j + 1,
         )
 

@@ -1,8 +1,8 @@
 """Which joints count the other way round; where none does, whose torque is in another unit.
 
-The arm's geometry alone tells a sign: a recording with a joint turned round is fitted worse than
-the same recording with that joint turned back. Which of two joints is turned round, where either
-would do, the URDF's bodies tell.
+Friction tells a sign: it would drive a joint that is turned round. So does the arm's geometry: a
+recording with a joint turned round is fitted worse than the same with that joint turned back.
+Which of two joints is turned round, where either would do, the URDF's bodies tell.
 """
 
 from __future__ import annotations

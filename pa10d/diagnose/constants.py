@@ -161,7 +161,8 @@ MOVED_FAR = (
     2.0  # times what a frozen model leaves where it may move, as it was given: three quarters
 )
 # of the squared error lay in what its own data left open
-FIRM = 10.0  # times: a model that hardly moves, where moving explains less than one change (policy)
+FIRM = 10.0  # times: a model that hardly moves, where moving explains less than one change
+#   (policy; ten times more gives the same)
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it
 #   (policy; two arms that nobody here wrote showed 0.8 to 1.4, decision 0228)
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's

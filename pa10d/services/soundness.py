@@ -28,7 +28,7 @@ def errors_of(
     return [finding for finding in found if finding.severity == "error"]
 
 
-READ_WRONG = frozenset({"turned", "order", "torque_scale", "sign", "clock"})
+READ_WRONG = frozenset({"turned", "order", "torque_scale", "clock"})
 """Findings that would explain more of a misfit than any effect."""
 
 

@@ -100,7 +100,7 @@ def test_a_joint_that_became_worse_is_named():
     note = replace(note, achieved=(0.12, 0.16))
     unsure = warnings(replace(spoilt, parent="m0", notes=ModelNotes(delivery=note)))
     assert [line.split(":")[0] for line in unsure] == ["joint 1", "joint 2"]
-    assert [line.endswith("to call that sure") for line in unsure] == [False, True]
+    assert [line.endswith("may be chance") for line in unsure] == [False, True]
 
 
 def test_a_run_in_which_a_joint_is_held_says_nothing_of_its_motion():

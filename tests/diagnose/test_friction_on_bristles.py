@@ -107,7 +107,7 @@ def test_what_a_model_always_lacked_has_not_changed():
     assert not found.findings
     for line in found.remaining:
         assert line.ratio > 2.0
-        assert "The model lacked " in line.sentence
+        assert "was identified from" in line.sentence
     assert unexplained(found).startswith("The model keeps an error that it had before")
 
 

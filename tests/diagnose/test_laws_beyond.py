@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from test_tails import URDF
 
 from pa10d.diagnose.procedure import diagnose
@@ -28,7 +27,6 @@ def recording(seed: int) -> Recording:
     return Recording(t=t, q=q[:, None], tau=tau[:, None], name=f"run{seed}")
 
 
-@pytest.mark.long
 def test_what_it_depends_on_is_told_though_no_shape_of_the_library_fits():
     """It was "motion does not predict it", while a fixed curve against velocity takes half."""
     runs = [recording(10 + k) for k in range(5)]

@@ -284,7 +284,7 @@ def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_th
     assert "depends on" not in said()
     assert said().endswith("ask what is missing, not what changed.")
     assert said(lacked=np.array([0.45])) == said()
-    assert "The model lacked 0.28 N·m on the data" in said(lacked=np.array([0.28]))
+    assert "the model left 0.28 N·m, and another motion" in said(lacked=np.array([0.28]))
     assert "72 times a turn" in said(faster={0: "an error that comes again 72 times a turn"})
     left = judged(5.0)
     (line,) = remaining(

@@ -60,7 +60,7 @@ class Mechanics:
         self._was_stopping = np.zeros(n, bool)
         self._last_torque = np.zeros(n)
         self._locked_for = LONGEST
-        self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()  # s, rad
+        self._look_anew()
         self._interfered = True  # brakes or drives act besides the commanded torque
 
     def measure(self, powered: Bools, elapsed: float) -> tuple[Array, Array]:
@@ -105,7 +105,7 @@ class Mechanics:
         if self._locked_for > LONGEST:
             return True
         if self._locked_for <= dt:
-            self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
+            self._look_anew()
         self._window += dt
         np.minimum(self._lowest, self.q, out=self._lowest)
         np.maximum(self._highest, self.q, out=self._highest)
@@ -115,8 +115,12 @@ class Mechanics:
         if not swings.any():
             self._locked_for = LONGEST + dt
             return True
-        self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
+        self._look_anew()
         return False
+
+    def _look_anew(self) -> None:
+        """How far each axis goes in a window from now on: s, rad."""
+        self._window, self._lowest, self._highest = 0.0, self.q.copy(), self.q.copy()
 
     def _begin(self, act: Actuation) -> None:
         newly = act.braked & ~self._was_braked

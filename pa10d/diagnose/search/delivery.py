@@ -48,7 +48,7 @@ def warnings(model: TorqueModel) -> list[str]:
     lines = []
     for j, (was, now) in enumerate(zip(found.before, found.achieved, strict=True)):
         surely = j + 1 in (found.worse or ())
-        doubt = "" if surely else "; it scatters too much to call that sure"
+        doubt = "" if surely else "; that may be chance"
         if surely or now > (1.0 + MUCH_WORSE) * was > 0.0:
             lines.append(
                 f"joint {j + 1}: its error rises from {was:.3g} to {now:.3g} "

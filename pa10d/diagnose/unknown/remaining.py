@@ -358,9 +358,9 @@ NOT_NEW = (
     "not what changed."
 )
 NO_MORE_THAN_USUAL = (
-    " The model lacked {lacked} {unit} on the data that it was identified from, and another motion "
-    "may show twice as much of that: ask what is missing. What has changed a recording of that "
-    "motion would show."
+    " On the data that it was identified from the model left {lacked} {unit}, and another motion "
+    "may show twice what it lacked there: ask what is missing. What has changed a recording of the "
+    "same motion would show."
 )
 
 
