@@ -92,7 +92,12 @@ function row(run, isSelected, select) {
 /** What keeps a fit from using it. */
 function wrong(run) {
   const errors = (run.findings ?? []).filter((one) => one.severity === "error");
-  return errors.length ? el("span", { class: "tag bad", title: errors.map((one) => one.sentence).join("; ") }, `not for a fit: ${errors.map((one) => one.code.replaceAll("_", " ")).join(", ")}`) : null;
+  if (!errors.length) return null;
+  const codes = [...new Set(errors.map((one) => one.code))].map((code) => {
+    const joints = errors.filter((one) => one.code === code && one.joint).map((one) => one.joint);
+    return `${code.replaceAll("_", " ")}${joints.length ? ` (joint${joints.length > 1 ? "s" : ""} ${joints.join(", ")})` : ""}`;
+  });
+  return el("span", { class: "tag bad", title: errors.map((one) => one.sentence).join("; ") }, `not for a fit: ${codes.join(", ")}`);
 }
 
 /** What to know before fitting: what was kept when it came in, and the whole on demand. */
