@@ -4,7 +4,8 @@ A swing is counted by its halves: between two changes of sign of the speed error
 ``SPEED`` of the speed limit, more than what the motion itself changes its speed by meanwhile, not
 smaller than two halves before, and with the servo's torque going to and fro by ``TORQUE`` of its
 limit. ``HALVES`` of them in a row are an oscillation; whoever ends the motion earlier asks what was
-counted until then.
+counted until then. One that grows by half each time has left the envelope before it is counted
+often: from two on that is enough.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ TORQUE = 0.1  # of the torque limit, from one end to the other
 OWN = 2.5  # times the change of the desired speed: margins allow no servo to answer with more
 FADES = 0.8  # of the half before the last: less is a swing that dies away
 SLOWEST = 0.5  # Hz
-HALVES, SOME = 10, 4
+HALVES, SOME, FEW = 10, 4, 2
+GROWS = (
+    1.5  # times the half before, and that one as well: a collision or a fall do not go to and fro
+)
 _ROWS = 11
 (_SIGN, _CYCLES, _SPEED, _LEAST, _MOST, _BEFORE, _LAST, _LOW, _HIGH, _LOW_LAST,
  _HIGH_LAST) = range(_ROWS)  # fmt: skip
@@ -61,7 +65,9 @@ class OscillationWatch:
 
     def suspected(self, axis: int) -> bool:
         """Whether a joint that left its envelope swung on its way there."""
-        return bool(self._count[axis] >= SOME)
+        now, last, before = self._state[[_SPEED, _LAST, _BEFORE], axis]
+        grows = now >= GROWS * last and last >= GROWS * before > 0.0
+        return bool(self._count[axis] >= (FEW if grows else SOME))
 
     def violation(self, axis: int) -> LoopFault:
         """What to latch."""

@@ -62,6 +62,19 @@ def test_an_arm_that_swings_is_stopped_softly_and_says_so():
     assert abs(backend.plant.dq[1]) < 0.1
 
 
+@pytest.mark.parametrize(("grows", "suspected"), [(1.8, True), (1.2, False)])
+def test_one_that_grows_fast_is_no_fall_and_no_collision(grows, suspected):
+    """Within four halves it is faster than it may be."""
+    watch, reference, half = OscillationWatch(limits(2), PERIOD), Reference(2), 5
+    for k in range(4 * half):
+        sign, size = (-1.0) ** (k // half), grows ** (k / half)
+        turning = np.sin(np.pi * (k % half + 0.5) / half)
+        speed, torque = 0.2 * sign * size * turning, -20 * sign * turning
+        watch.see(np.array([0.0, speed]), reference, np.array([0.0, torque]))
+    assert watch.suspected(1) is suspected
+    assert not watch.suspected(0)
+
+
 def test_an_ordinary_motion_is_no_swing():
     arm, _ = holding_arm()
     arm.run(swing(arm.path.reference.q, 0.5, 3.0))
