@@ -25,6 +25,7 @@ REMEDIES = {
     "receive_overflow": "processor load of this machine: the loop did not read for a while",
     "bus_error": "cable, terminators (60 ohm between the lines), one bitrate for all nodes",
     "interface_down": "the CAN adapter and its cable; 'ip link show' of the interface",
+    "brake_gave": "this joint's brake; whether brakes that hang on one output open together",
     "timeout": "the drive's statusword and inputs: supply, safe-torque-off, brake supply",
     "torque": "the controller: it asked for something that is not a number",
     "unaccepted_risk": "what the drive does when the control PC dies; ask its maker",

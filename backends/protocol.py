@@ -15,7 +15,7 @@ still answer, so that the arm can be stopped in order; ``reset`` makes a clean s
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,3 +108,18 @@ class Backend(Protocol):
 
     def close(self) -> None:
         """Leave the bus as it was found."""
+
+
+@runtime_checkable
+class OpensOneByOne(Protocol):
+    """A backend whose axes have brakes of their own, which need not open together."""
+
+    def begin_enable_one_by_one(self) -> None:
+        """As ``begin_enable``, but before the brakes open together each opens alone until its joint
+        rests, so that one that falls is known; joints without a brake are held meanwhile."""
+
+    @property
+    def out_of_brakes(self) -> tuple[int, ...] | None:
+        """Axes that are free while all others are in their brakes: those without one, and that
+        which is tried. None: no brake opens alone now."""
+        ...

@@ -96,11 +96,16 @@ class CanopenBackend:
         return self._sequence is not None
 
     def begin_enable(self) -> None:
-        if latched := self.latched():
-            raise latched[0]  # only reset forgets a fault
-        if open_risks := self._open_risks():
-            raise refusal("unaccepted_risk", open_risks)
-        self._begin(sequence.Enable(self))
+        self._begin_enabling(sequence.Enable(self))
+
+    def begin_enable_one_by_one(self) -> None:
+        braked = [drive.brake for drive in self.drives]
+        self._begin_enabling(sequence.EnableOneByOne(self, braked))
+
+    @property
+    def out_of_brakes(self) -> tuple[int, ...] | None:
+        under_way = self._sequence
+        return under_way.out if isinstance(under_way, sequence.EnableOneByOne) else None
 
     def read(self) -> Feedback:
         self._connected().beating = True  # from now on the drives watch us
@@ -202,6 +207,13 @@ class CanopenBackend:
         return list(self._watch.faults.values())
 
     # --- inside ---
+
+    def _begin_enabling(self, what: sequence.Sequence) -> None:
+        if latched := self.latched():
+            raise latched[0]  # only reset forgets a fault
+        if open_risks := self._open_risks():
+            raise refusal("unaccepted_risk", open_risks)
+        self._begin(what)
 
     def _begin(self, what: sequence.Sequence) -> None:
         self._powered, self._sequence = False, what

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +13,9 @@ from backends.cia402 import TOWARDS_DISABLED, TOWARDS_ENABLED, Control, DriveSta
 from backends.faults import fault
 from backends.protocol import Array, Feedback
 
+CREEPS, RESTS = 0.02, 0.2  # rad/s, slower than which for so many s a joint rests that …
+SWAYS = 2.0  # … came out of its brake, or after so many s all the same: some sway for long
+GIVES = 0.02  # rad that a joint in its brake may be pushed by one that falls
 STILL, STILL_CYCLES = 2e-4, 10  # rad a cycle, and for how many cycles
 OFF = (DriveState.DISABLED, DriveState.FAULT)
 HEEDS_WITHIN = 3.0  # s for a drive to brake, close its brake and leave *operation enabled*
@@ -110,6 +113,92 @@ class Enable(Sequence):
         self._goal, self._started = DriveState.ENABLED, None
         self.arm.set_words([Control.ENABLE] * self.arm.n)
         return True
+
+
+class EnableOneByOne(Enable):
+    """Every axis to SWITCHED ON; then each brake opens alone, from the base outwards, until its
+    joint rests, and closes again; then all of them together: of joints that fall at once nobody
+    knows whose weight is wrong, and by then each has shown its own.
+
+    braked: (n,) of the profile; joints that have no brake are held from the beginning on.
+    """
+
+    def __init__(self, arm: Axes, braked: Iterable[bool]) -> None:
+        super().__init__(arm)
+        brakes = list(braked)
+        self._held = [k for k, brake in enumerate(brakes) if not brake]
+        self._waiting = [[], *([k] for k, brake in enumerate(brakes) if brake)]
+        self._on: list[int] = []  # that shall be enabled now
+        self._at: Array | None = None  # rad, where each was seen out of its brake last
+        self._last: tuple[float, Array] | None = None  # s and rad
+        self._there_at = self._moved_at = 0.0
+        self.out: tuple[int, ...] | None = None  # of their brakes; None: all come out of them
+
+    @property
+    def complaint(self) -> str:  # type: ignore[override]
+        return f"does not reach '{DriveState.ENABLED if self._on else DriveState.SWITCHED_ON}'"
+
+    def reached(self, states: States) -> list[bool]:
+        goals = [DriveState.SWITCHED_ON] * len(states)
+        for axis in self._on:
+            goals[axis] = DriveState.ENABLED
+        return [state is goal for state, goal in zip(states, goals, strict=True)]
+
+    def words(self, feedback: Feedback, states: States) -> list[Control]:
+        words = super().words(feedback, states)
+        for axis in self._on:
+            towards = TOWARDS_ENABLED.get(state) if (state := states[axis]) else None
+            words[axis] = towards or Control.DISABLE_VOLTAGE
+        return words
+
+    def step(self, feedback: Feedback) -> bool:
+        self._see(feedback)
+        states = [state_of(int(word)) for word in feedback.status]
+        if not all(self.reached(states)):
+            self._there_at = feedback.time
+        elif self.out is not None and not self._rests(feedback.time):
+            return True
+        return super().step(feedback)
+
+    def next_stage(self) -> bool:
+        if len(self._on) == self.arm.n:
+            return False
+        if len(self._on) > len(self._held):
+            self._on, self.out = list(self._held), tuple(self._held)
+        elif self._waiting:
+            self._on = [*self._held, *self._waiting.pop(0)]
+            self.out = tuple(self._on)
+        else:
+            self._on, self.out = list(range(self.arm.n)), None
+        self._started = None
+        self._there_at = self._last[0] if self._last is not None else 0.0
+        words = [Control.SWITCH_ON] * self.arm.n
+        for axis in self._on:
+            words[axis] = Control.ENABLE
+        self.arm.set_words(words)
+        return True
+
+    def _see(self, feedback: Feedback) -> None:
+        """Where all are; BackendFault where one leaves its closed brake."""
+        q = feedback.q.copy()
+        if self._last is not None and feedback.time > self._last[0]:
+            speed = np.abs(q - self._last[1]) / (feedback.time - self._last[0])
+            if (speed[self._on] > CREEPS).any():
+                self._moved_at = feedback.time
+        self._last = feedback.time, q
+        if self._at is None:
+            self._at = q.copy()
+        self._at[self._on] = q[self._on]
+        if self.out is None:
+            return
+        for axis in np.flatnonzero(np.abs(q - self._at) > GIVES):
+            opened = set(self._on) - set(self._held)
+            others = "".join(f" as that of joint {k + 1} opened" for k in opened)
+            raise fault("brake_gave", f"left its place in its brake{others}", int(axis))
+
+    def _rests(self, now: float) -> bool:
+        rested = now - max(self._there_at, self._moved_at)
+        return rested >= RESTS or now - self._there_at >= SWAYS
 
 
 class Disable(Sequence):

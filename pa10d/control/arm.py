@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.error_history import DriveErrors, KeepsErrors
-from backends.protocol import Backend
+from backends.protocol import Backend, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
 from pa10d.control.faults import Fault, LoopFault, blamed_on_time, fault_from
@@ -38,6 +38,9 @@ Array = NDArray[np.float64]
 NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
 CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its weight be as much
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
+EACH = 3.0  # s more for each brake that opens by itself
+LIFTED = 0.5  # of the torque limit, that a joint may need to bear its load, also one that nobody
+# described: motors that give less than twice what they bear hardly move an arm
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
@@ -49,7 +52,8 @@ log = logging.getLogger("pa10d.control")
 class Arm:
     """``gravity``: N·m (n,) that hold a pose as far as anybody knows, for opening the brakes;
     ``heaviest``: N·m (n,) that a joint may weigh at most, None: all that its motor can lift;
-    ``inertia``: kg·m² (n,) as presumed, None: nobody knows; ``leans``: N·m/rad (n,) by which its
+    ``inertia``: kg·m² (n,) as presumed, of joints of which the others give way, and of those
+    that alone are free; None: nobody knows; ``leans``: N·m/rad (n,) by which its
     weight may change as it turns, None: not at all; ``rests``: s, see ``RESTS``."""
 
     def __init__(
@@ -60,7 +64,7 @@ class Arm:
         gravity: Callable[[Array], Array],
         journal: Journal,
         heaviest: Array | None = None,
-        inertia: Array | None = None,
+        inertia: tuple[Array, Array] | None = None,
         leans: Array | None = None,
         rests: float = RESTS,
     ) -> None:
@@ -72,7 +76,8 @@ class Arm:
         self.fault: Fault | None = None
         self.motion: MotionUnderWay | None = None
         self.starved: Callable[[], Starved | None] = lambda: None  # who paces the loop knows
-        self._gravity = gravity
+        self._gravity, self._share = gravity, np.ones(backend.n)
+        self._was_weighed = False  # by what it was felt to weigh
         self._stop: Stop | None = None
         self._open_since = 0.0  # s, when the last brake opened
         self._held_at: Array | None = None  # where the arm was held when its brakes closed
@@ -83,6 +88,7 @@ class Arm:
         self._rest = 0.0  # s for which it rests yet before it is reset
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
+        self._fell = False  # as its brakes opened last: next time one at a time does
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -138,17 +144,24 @@ class Arm:
         if (why := why_not_powered(found, recover)) is not None:
             raise Refused("enable", self.state, (ArmState.INACTIVE,), why)
         self._admit("enable", self.path.controller)
+        self._doubt(self.path.q)
         thought = self._holding_torque(self.path.q)
-        described = self._gravity(self.path.q)
+        described = self._weight(self.path.q)
         self.path.power_up(thought, described)
         self._stood_at = self.path.q.copy()
         self._told = thought - described
         self._open_since = self.path.time
         self._switch(ArmState.ENABLING)
         try:
-            asked("begin_enable", self.backend.begin_enable)
+            asked("begin_enable", self._begin_enable())
         except Exception as error:
             self._on_fault(error)
+
+    def _begin_enable(self) -> Callable[[], None]:
+        """How the brakes open: of an arm that fell each alone before, where they can."""
+        if self._fell and isinstance(self.backend, OpensOneByOne):
+            return self.backend.begin_enable_one_by_one
+        return self.backend.begin_enable
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
@@ -213,12 +226,28 @@ class Arm:
 
     def weigh(self, gravity: Callable[[Array], Array]) -> None:
         """What holds a pose is known otherwise from now on: N·m (n,)."""
-        more = self._gravity(self._stood_at) - gravity(self._stood_at)
+        more = self._weight(self._stood_at) - gravity(self._stood_at)
         self._told = np.where(self._told == 0.0, 0.0, self._told + more)
-        self._gravity = gravity
+        self._gravity, self._share = gravity, np.ones_like(self._share)
+        self._was_weighed = True
         if self._held_by is not None:
             there, torque = self._held_by
             self._held_by = there, np.where(self._by_thought, gravity(there), torque)
+
+    def _doubt(self, q: Array) -> None:
+        """What a joint's motor could not hold at q it does not weigh: masses are wrong then sooner
+        than motors, of which half is usual for the heaviest. Each is tried alone. Of what was felt
+        nothing is doubted."""
+        if self._was_weighed:
+            return
+        most, found = self.path.limits.torque, np.abs(self._gravity(q))
+        wrong = found * self._share > most
+        self._share[wrong] = LIFTED * most[wrong] / found[wrong]
+        self._fell |= bool(wrong.any())
+
+    def _weight(self, q: Array) -> Array:
+        """N·m (n,) by the description, as far as it is believed."""
+        return self._share * self._gravity(q)
 
     def use(self, controller: Controller) -> None:
         """Another control law, without a step in torque, or refused."""
@@ -301,6 +330,8 @@ class Arm:
         if under_way and self.state in SWITCHING and overdue:
             raise LoopFault("switching", f"the drives have not switched within {PATIENCE:g} s")
         if self.state == ArmState.ENABLING:
+            if isinstance(self.backend, OpensOneByOne):
+                self.path.try_alone(self.backend.out_of_brakes if under_way else None)
             if under_way:
                 self._open_since = self.path.time
                 self.path.still_in_brakes()
@@ -310,6 +341,7 @@ class Arm:
             self.path.catch()
             calm = self.path.stands_for(STANDS) or self.path.time > self._open_since + CALMS
             if share == 1.0 and calm:
+                self._fell = False
                 self._hold()
         elif under_way:
             return
@@ -434,11 +466,11 @@ class Arm:
         """
         q = self.path.q.copy()
         if self.fault is not None:
-            thought = self._gravity(q)
+            thought = self._weight(q)
             weight = np.abs(torque - thought) <= (ROUGH - 1.0) * np.abs(thought)
             torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
-        self._by_thought = torque == self._gravity(q)
+        self._by_thought = torque == self._weight(q)
         for axis, weighed in self.path.fell.items():
             self._held_by[1][axis], self._by_thought[axis] = weighed.torque, False
 
@@ -446,7 +478,7 @@ class Arm:
         """N·m (n,) by the description, and by what was told beyond that of the pose in which the
         brakes opened, which is near: a joint that fell before has told what it weighs."""
         near = np.abs(self.path.q - self._stood_at).max() <= CARRIED
-        return self._gravity(self.path.q) + (self._told if near else 0.0)
+        return self._weight(self.path.q) + (self._told if near else 0.0)
 
     def _take_along(self) -> None:
         """A joint that was weighed as it fell went on until its brake held it: what was found
@@ -455,7 +487,7 @@ class Arm:
         if self._held_by is None or not self.path.fell:
             return
         there, torque = self._held_by
-        here, gone = self._gravity(q), self._gravity(there)
+        here, gone = self._weight(q), self._weight(there)
         if np.abs(q - there).max() <= CARRIED:
             self._held_by = q, torque + here - gone
             return
@@ -470,7 +502,8 @@ class Arm:
         """Whether the drives had their time to switch. It begins with the first cycle after the
         command: what was known before may be the time of a cycle long ago, or of none at all."""
         if self._switch_by is None:
-            self._switch_by = self.path.time + PATIENCE
+            brakes = self.backend.n if self._fell and self.state == ArmState.ENABLING else 0
+            self._switch_by = self.path.time + PATIENCE + EACH * brakes
         return self.path.time > self._switch_by
 
     def _rest_unpowered(self) -> None:
@@ -497,9 +530,11 @@ class Arm:
             fault = blamed_on_time(fault, self.starved())
             broke = error.__cause__ if isinstance(error, BackendBroke) else None
             # whoever runs the motion may try it again, and knows of what to do where it does not
-            said = fault.sentence if self.motion is None else fault.seen
+            said = fault.seen if self.motion is not None or fault.weighed else fault.sentence
             log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
+            self._fell = self._fell or fault.weighed > 0 or fault.kind == "not_held"
+            self._fell &= fault.kind != "brake_gave"  # they open together, whoever is asked
             self.journal.fault(fault)
 
     def _clear_fault(self) -> None:
@@ -520,10 +555,10 @@ class Arm:
     def _holding_torque(self, q: Array) -> Array:
         """N·m (n,) thought to hold the arm at q: what held it last, where that was near; it counts
         for more than a description that may be wrong by its half."""
-        gravity = self._gravity(q)
+        gravity = self._weight(q)
         if self._held_by is None:
             return gravity
         there, torque = self._held_by
         if np.abs(q - there).max() > NEAR:
             return gravity
-        return torque + gravity - self._gravity(there)
+        return torque + gravity - self._weight(there)

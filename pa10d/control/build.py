@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.protocol import Backend
-from pa10d.control.arm import Arm
+from pa10d.control.arm import LIFTED, Arm
 from pa10d.control.gains import burdens, pid_gains
-from pa10d.control.joint_figures import ROUGH, inertias, presumed_figures
+from pa10d.control.joint_figures import ROUGH, inertias, inertias_alone, presumed_figures
 from pa10d.control.journal import Journal
 from pa10d.control.limits import arm_limits
 from pa10d.control.pid import Pid
@@ -19,9 +19,6 @@ from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.profile import Profile
 
 Array = NDArray[np.float64]
-
-LIFTED = 0.5  # of the torque limit, that a payload may need which nobody described: motors that
-# give less than twice what they bear hardly move an arm
 
 
 def servo_factory(profile: Profile, robot: Robot, period: float) -> Callable[[], Pid]:
@@ -48,6 +45,6 @@ def build_arm(profile: Profile, robot: Robot, backend: Backend, ring: Ring) -> A
         gravity,
         Journal(ring),
         np.maximum(most, LIFTED * robot.effort),
-        inertias(robot, presumed).usual,
+        (inertias(robot, presumed).usual, inertias_alone(robot, presumed)),
         most,
     )

@@ -120,17 +120,27 @@ class Tried:
     def __init__(self, n: int) -> None:
         self._low, self._high = np.full(n, -np.inf), np.full(n, np.inf)
         self._driven: list[list[tuple[float, float, float]]] = [[] for _ in range(n)]
+        self._alone = np.zeros(n, dtype=bool)
 
     def again(
-        self, axis: int, described: float, fell: Driven | None, found: Weighed | None
+        self,
+        axis: int,
+        described: float,
+        fell: Driven | None,
+        found: Weighed | None,
+        alone: bool = False,
     ) -> Weighed | None:
         """What was found, or more of it where the joint fell the same way before, and is more inert
         than presumed: as with a payload that nobody described. Two falls under different torques
         tell inertia and weight apart as one does in which torque changes; where they are too much
-        alike, twice as much counts as lacking. described: N·m, here."""
+        alike, twice as much counts as lacking. described: N·m, here. alone: while others were in
+        their brakes, where it is more inert than where they give way."""
         before = self._driven[axis]
         if fell is None:
             return found
+        if alone != self._alone[axis]:
+            before.clear()
+            self._alone[axis] = alone
         if before and before[-1][2] * fell.rise <= 0.0:
             before.clear()
         before.append((described, fell.torque, fell.rise))

@@ -37,11 +37,11 @@ REMEDIES = {
 }
 
 # of a joint that fell and told what it weighs
-WEIGHED = (
-    "'reset' and enable again. The URDF's masses or centres from this joint on are wrong, or the "
-    "profile's base.rpy, or this drive's gear_ratio or rated_torque, or, where it falls again and "
-    "again, its sign: correct them"
+WRONG = (
+    "the URDF's masses or centres from this joint on are wrong, or the profile's base.rpy, or this "
+    "drive's gear_ratio or rated_torque, or, where it falls again and again, its sign: correct them"
 )
+WEIGHED = f"'reset' and enable again; {WRONG}"
 
 
 @dataclass(frozen=True)

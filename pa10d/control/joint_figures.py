@@ -170,6 +170,12 @@ def inertias(robot: Robot, figures: JointFigures) -> Inertias:
     return Inertias(light, usual, heavy)
 
 
+def inertias_alone(robot: Robot, figures: JointFigures) -> Array:
+    """(n,) kg·m² with all others held, in the median of the same poses."""
+    mass = whole_masses(robot, figures, drawn_poses(robot))
+    return np.asarray(np.median(np.diagonal(mass, axis1=1, axis2=2), axis=0))
+
+
 def whole_masses(robot: Robot, figures: JointFigures, poses: Array) -> Array:
     """(P, n, n) kg·m² of links and rotors as they are known, in poses (P, n) rad."""
     scale = np.sqrt(figures.link)

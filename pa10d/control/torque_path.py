@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -42,7 +42,7 @@ class TorquePath:
         period: float,
         make_servo: Callable[[], Pid],
         heaviest: Array | None = None,
-        inertia: Array | None = None,
+        inertia: tuple[Array, Array] | None = None,
         leans: Array | None = None,
     ) -> None:
         """heaviest, inertia, leans: see ``Arm``."""
@@ -70,6 +70,7 @@ class TorquePath:
         self._stood, self._falls, self._tried = StoodWith(n), FallWatch(n), Tried(n)
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
+        self._alone: int | None = None  # the joint whose brake is open, all others being closed
         self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
         self.fell: dict[int, Weighed] = {}  # joints that ended a power-up, as it weighed them
 
@@ -140,9 +141,11 @@ class TorquePath:
 
     def catch(self) -> None:
         """Of an arm whose brakes have opened, the joint that falls farthest is borne by what it is
-        seen to weigh, once. Of others, which it takes along, nothing is believed."""
+        seen to weigh, once. Of others, which it takes along, nothing is believed: of joints that
+        come out of their brakes alone each may fall."""
         axis, far = self._farthest()
-        if self._caught or far < FELL or not isinstance(self.controller, Pid):
+        known = self._caught if self._alone is None else axis in self._caught
+        if known or far < FELL or not isinstance(self.controller, Pid):
             return
         thought, most = float(self.thought[axis]), float(self._heaviest[axis])
         found = self._falls.weighed(axis, thought, most)
@@ -150,12 +153,32 @@ class TorquePath:
             self.controller.bear(axis, found.torque)
             self._caught[axis] = found
 
+    def try_alone(self, out: Sequence[int] | None) -> None:
+        """Of all joints only these are ``out`` of their brakes, the last of them just now; None: it
+        is no matter of brakes. All others shall be where they are, and keep the torque with which
+        each was held as its own brake closed."""
+        axis = out[-1] if out else None
+        if self._alone is not None and axis != self._alone:
+            self.thought[self._alone] = self.sent[self._alone]
+            if isinstance(self.controller, Pid):
+                self.controller.bear(self._alone, float(self.sent[self._alone]))
+        self._alone = axis
+        if out is None:
+            return
+        free = list(out)
+        places = self.reference.q[free].copy()
+        self.reference.rest(self.q.copy())
+        self.reference.q[free] = places
+        if axis is not None:
+            self.catch()
+
     def _in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
         it weighs, where that can be told from the way it fell."""
         self.fell.update(self._caught)
         first, _ = self._farthest()  # what carries a joint takes it along, not the other way round
-        if first < axis and (found := self._weighed(first)) is not None:
+        taken_along = first < axis if self._alone is None else first != axis
+        if taken_along and (found := self._weighed(first)) is not None:
             self.fell[first] = found
             return f"; joint {first + 1} has fallen farther and taken it along, and {found.phrase}"
         thought, sent = self.thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
@@ -167,17 +190,20 @@ class TorquePath:
         return said + "".join(f"; joint {j + 1} fell, too, and {one.phrase}" for j, one in others)
 
     def _farthest(self) -> tuple[int, float]:
-        """The joint that is farthest from its place, and how far, of what it may be."""
+        """The joint that falls: the one whose brake alone is open, or that is farthest from its
+        place; and how far, of what it may be."""
         far = np.abs(self.q - self.reference.q) / self.limits.following_error
-        return int(np.argmax(far)), float(far.max())
+        axis = int(np.argmax(far)) if self._alone is None else self._alone
+        return axis, float(far[axis])
 
     def _weighed(self, axis: int) -> Weighed | None:
         """This joint, by the way it fell, be it roughly, and by how it fell before."""
-        inertia = None if self._inertia is None else float(self._inertia[axis])
+        alone = self._alone is not None
+        inertia = None if self._inertia is None else float(self._inertia[alone][axis])
         most, thought = float(self._heaviest[axis]), float(self.thought[axis])
         found = self._falls.weighed(axis, thought, most, inertia)
         way, described = float(self.q[axis] - self.reference.q[axis]), float(self._described[axis])
-        more = self._tried.again(axis, described, self._falls.driven(axis), found)
+        more = self._tried.again(axis, described, self._falls.driven(axis), found, alone)
         if more is not None:
             found = replace(more, torque=float(np.clip(more.torque, -most, most)))
         return self._tried.between(axis, thought, described, way, found)
@@ -252,6 +278,7 @@ class TorquePath:
         self._stood.restart()
         self._falls.restart()
         self._untouched, self._caught, self.fell = True, {}, {}
+        self._alone = None
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,6 +70,15 @@ def whole_motion(
     samples = MotionSamples(np.arange(float(len(rows[0]))) / rate, *rows)
     violations = check(samples, robot, limits_of(robot), measured=start)
     return Whole(samples, len(lead[0]), len(lead[0]) + len(body[0]), tuple(violations))
+
+
+def as_lighter(whole: Whole, robot: Robot, places: Sequence[Array]) -> Whole:
+    """A first motion of an arm that its motors could hardly hold at one of these places (n,) by its
+    URDF: how much torque it takes is not judged by such masses, but measured."""
+    around = Surroundings.of(robot)
+    if not any(around.too_heavy(place) for place in places):
+        return whole
+    return replace(whole, violations=tuple(v for v in whole.violations if v.kind != "torque"))
 
 
 def softly(figures: JointFigures, bound: Array, away: Array) -> Array | None:

@@ -14,7 +14,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
 from pa10d.dynamics import Robot
-from pa10d.experiments.motion import whole_motion
+from pa10d.experiments.motion import as_lighter, whole_motion
 from pa10d.investigation.state import ArmMotion
 from pa10d.profile import Profile
 from pa10d.services.experiments import weighed_arm
@@ -139,6 +139,8 @@ def preview(
         return MotionPreview(motion, np.zeros(1), none, none, (str(error),))
     t, q, dq, _ = whole.samples
     motion = ArmMotion(seconds=float(t[-1]), **given)
+    if entry.kind == "first_motion":
+        whole = as_lighter(whole, robot, [plan.start])
     bars = [one for one in whole.violations if lifts or one.kind != "torque"]
     problems = tuple(dict.fromkeys(violation.sentence for violation in bars))
     return MotionPreview(motion, t, q, dq, problems)

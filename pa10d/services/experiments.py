@@ -26,6 +26,7 @@ from pa10d.experiments.boundary import boundaries
 from pa10d.experiments.checks import Check, checks_of
 from pa10d.experiments.margins import margins, poses_of
 from pa10d.experiments.motion import (
+    as_lighter,
     measured_torque,
     rows_of,
     softly,
@@ -55,6 +56,10 @@ from pa10d.trajectory.poses import Surroundings
 Array = NDArray[np.float64]
 
 TAKEN = "control takes every row of it"
+TOO_HEAVY = (
+    "by the URDF's masses the motors hardly hold the arm where it stands: it is measured all the "
+    "same, as lighter; correct them where it is"
+)
 PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
 
 
@@ -156,6 +161,10 @@ def prepare_motion(
         if figures is not None and under_way:
             unhurried = softly(figures, bounds.following_error, plan.start - np.array(start))
         whole = whole_motion(plan, np.array(start), robot, rate, softly=unhurried)
+        if under_way:
+            judged = as_lighter(whole, robot, [np.array(start), plan.start])
+            said = [Check("warning", "torque", TOO_HEAVY)] if judged is not whole else said
+            whole = judged
         if model is None and plan.kind != "first_motion":
             said = [Check("warning", "tracking", UNKNOWN)]
     _, q, dq, ddq = whole.samples

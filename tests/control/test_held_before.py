@@ -164,3 +164,36 @@ def test_the_log_says_what_to_do_where_nobody_may_try_it_again(arm, caplog, movi
     assert f"joint 2: {arm.fault.cause}" in line
     assert (arm.fault.remedy in line) is not moving
     assert arm.fault.sentence.endswith(arm.fault.remedy)
+
+
+def test_what_a_motor_could_not_hold_its_joint_does_not_weigh():
+    """A URDF is wrong sooner than a motor; half of what it gives is usual for the heaviest."""
+    most = limits().torque[0]
+    arm = Arm(
+        FakeBackend(Loaded(2), PERIOD), limits(), servo,
+        lambda q: np.array([-1.1, 0.9]) * most, Journal(Ring.create(2, 4096, PERIOD)),
+    )  # fmt: skip
+    arm.connect()
+    arm.enable()
+    assert arm.path.thought == pytest.approx([-0.5 * most, 0.9 * most])
+
+
+def test_a_joint_keeps_the_torque_that_held_it_alone(arm):
+    """Its own brake is closed again; another is tried, and what it does moves nobody's place."""
+    arm.enable()
+    path, tried = arm.path, arm.path.controller
+    path.try_alone([0])
+    for _ in range(3):
+        path.q[0] -= 1e-3
+        path.try_alone([0])
+        sent = path.torque(ArmState.ENABLING).copy()
+    assert path.reference.q[0] - path.q[0] == pytest.approx(3e-3)
+    assert sent[0] > THOUGHT + 0.5
+    path.try_alone([])
+    assert path.thought == pytest.approx([sent[0], THOUGHT])
+    assert path.reference.q == pytest.approx(path.q)
+    path.try_alone([1])
+    path.q[0] += 1e-4
+    path.try_alone([1])
+    path.dq[:] = 0.0
+    assert tried.torque(path.reference, path.q, path.dq)[0] == pytest.approx(sent[0], abs=1e-6)

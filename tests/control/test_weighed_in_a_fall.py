@@ -215,6 +215,14 @@ def fallen(heaviest):
     return arm
 
 
+def test_whoever_enables_it_knows_whether_it_is_tried_again_and_the_log_does_not(caplog):
+    fault = fallen(10.0).fault
+    assert fault.weighed
+    assert "'reset' and enable again" in fault.sentence
+    assert fault.seen in caplog.text
+    assert "'reset'" not in caplog.text
+
+
 def test_one_that_was_caught_is_held_again_by_what_it_weighs_whoever_ends_it():
     arm = fallen(10.0)
     arm.reset()

@@ -12,7 +12,9 @@ from known_joints import measured_joints
 
 from pa10d.common.errors import Stopped, UserError
 from pa10d.control.faults import Fault
+from pa10d.control.stop import DIES_AWAY
 from pa10d.daemon.motions.experiment import FALLS, TRIES, WEIGHINGS, Experiment, WeightsInDoubt
+from pa10d.daemon.motions.numbers import STOPPED
 from pa10d.daemon.robot.stops import Stops
 from pa10d.experiments.checks import Check
 from pa10d.experiments.request import MotionRequest
@@ -99,6 +101,18 @@ def test_a_joint_that_told_its_weight_as_it_fell_is_enabled_again(monkeypatch, t
     assert [note[:7] for note in found.notes] == (FALLS + 1) * ["joint 6"]
 
 
+def test_what_is_going_to_happen_is_said_and_not_what_nobody_has_to_do(
+    monkeypatch, tmp_path, caplog
+):
+    tried(monkeypatch, [FELL], MotionRequest("x"), tmp_path)
+    assert "the arm rests, and is enabled again by itself" in caplog.text
+    _, error = tried(monkeypatch, [FELL] * 9, MotionRequest("x"), tmp_path)
+    for said in (caplog.text, str(error)):
+        assert "'reset'" not in said
+    assert f"not held {FALLS + 1} times, and is not tried again by itself" in str(error)
+    assert "base.rpy" in str(error)
+
+
 def test_it_tells_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
     monkeypatch, tmp_path
 ):
@@ -115,6 +129,11 @@ def test_nor_where_the_next_fall_would_go_over_a_limit():
     assert experiment._falls_out(np.array([0.05, 1.4])) is None
     assert experiment._falls_out(np.array([0.07, 1.4])) == 1
     assert experiment._falls_out(np.array([0.05, -1.6])) == 2
+
+
+def test_nobody_tries_again_before_a_slow_servo_has_brought_the_arm_to_rest():
+    """Of 0.1 Hz, in simulated time that goes half as fast as ours."""
+    assert 2.0 * DIES_AWAY / (2.0 * np.pi * 0.1) < STOPPED
 
 
 def test_nor_after_a_stop(monkeypatch, tmp_path):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pa10d.common.errors import NotNow, Stopped, UserError
 from pa10d.common.jsonable import JsonObject
+from pa10d.control.faults import WRONG
 from pa10d.control.joint_figures import JointFigures
 from pa10d.control.known_joints import MeasuredJoints
 from pa10d.control.laws import Law
@@ -174,12 +175,21 @@ class Experiment:
             return False
         fell[fault.weighed] += 1
         if fell[fault.weighed] > FALLS:
-            return False
+            raise UserError(
+                f"{fault.seen}; joint {fault.weighed} was not held {FALLS + 1} times, and is not "
+                f"tried again by itself: {WRONG}"
+            )
         if (joint := self._falls_out(self._robot.pose())) is not None:
             raise UserError(
-                f"{fault.sentence}. Joint {joint} came near its position limit as it fell and "
-                "would go over it next time: move it away from there, its brake released by hand"
+                f"{fault.seen}; it is not tried again by itself, for joint {joint} came near its "
+                "position limit as it fell and would go over it: move it away from there, its "
+                f"brake released by hand; {WRONG}"
             )
+        log.warning(
+            "joint %s fell, which told what may hold joint %d (time %d, of %d at most): the arm "
+            "rests, and is enabled again by itself",
+            fault.joint, fault.weighed, fell[fault.weighed], FALLS,
+        )  # fmt: skip
         self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
         self.result.notes.append(self.falls[-1])
         await self._robot.reset()

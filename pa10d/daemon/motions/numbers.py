@@ -6,4 +6,4 @@ import itertools
 
 NUMBERS = itertools.count(1)
 SHIFTED = 1e-3  # rad between the pose that was checked and the one that is held
-STOPPED = 15.0  # s for the arm to come to rest
+STOPPED = 60.0  # s for the arm to come to rest: 14/ω of a servo of 0.1 Hz, twice and more

@@ -29,6 +29,8 @@ LEAD, PERIOD = 0.2, 1.0  # s of small torques before the window that is looked a
 RUN = 0.25  # s at the faster speed
 CALM = 0.7  # of the limits of speed and acceleration, on every way of an arm that is not known
 POSES, REACH = 12, 0.4  # poses drawn for the heavy one, of the ranges
+LIGHTER = 3.0  # times as light as its URDF says any body may be
+NEAR_BY = 1.25  # times the gravity of a pose, that it may be about it
 VARIES = 1.4  # a joint that is so much heavier in another pose is measured there, too
 
 
@@ -63,8 +65,9 @@ class FirstMotion(Kind):
                 acceleration=CALM * around.limits.acceleration,
             ),
         )
-        calm = _weighed_by_itself(calm)
-        joints, home = self.chosen(calm), self.home(calm)
+        home = self.home(calm)
+        calm = _weighed_by_itself(calm, home)
+        joints = self.chosen(calm)
         segments: list[Segment] = []
         if self.part in (None, "friction"):
             segments += self._nudges(calm, joints, home)
@@ -80,7 +83,7 @@ class FirstMotion(Kind):
         """Whether this part has anything to do on this arm."""
         if self.part != "poses":
             return True
-        around = _weighed_by_itself(around)
+        around = _weighed_by_itself(around, self.home(around))
         return bool(self._elsewhere(around, self.chosen(around), self.home(around)))
 
     def _nudges(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
@@ -102,7 +105,8 @@ class FirstMotion(Kind):
 
     def _elsewhere(self, around: Surroundings, joints: list[int], home: Array) -> list[Segment]:
         """Empty where one pose is all there is."""
-        heavy = home if self.pose is not None else heavy_pose(around, self.seed)
+        light = replace(around, gravity_share=1.0 / TORQUE_SHARE)
+        heavy = home if self.pose is not None else heavy_pose(light, self.seed)
         here, there = (_own_inertia(around, pose) for pose in (home, heavy))
         ratio = np.maximum(there / here, here / there)
         return [
@@ -113,10 +117,14 @@ class FirstMotion(Kind):
         ]
 
 
-def _weighed_by_itself(around: Surroundings) -> Surroundings:
+def _weighed_by_itself(around: Surroundings, home: Array) -> Surroundings:
     """Nobody has weighed the arm yet, and its URDF may be three times off: all that the motors can
-    hold is tried. A joint that is as heavy falls no further than any that is not held."""
-    return replace(around, gravity_share=1.0 / TORQUE_SHARE)
+    hold is tried. A joint that is as heavy falls no further than any that is not held. Where they
+    cannot hold it as it stands, but could if it was as light, it is tried about there, too."""
+    here = float(np.max(np.abs(around.gravity(home[None])[0]) / around.limits.torque))
+    all_of_it = 1.0 / TORQUE_SHARE
+    tried = here <= LIGHTER * all_of_it
+    return replace(around, gravity_share=max(all_of_it, NEAR_BY * here) if tried else all_of_it)
 
 
 def heavy_pose(around: Surroundings, seed: int) -> Array:

@@ -1,0 +1,102 @@
+"""An arm that fell as its brakes opened has each opened alone first: what falls, falls alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from backends.canopen_cia402.sequence import GIVES, EnableOneByOne
+from backends.protocol import BackendFault, Feedback
+from pa10d.control.faults import Fault
+
+
+def test_after_a_fall_each_brake_opens_alone_before_all_do(world):
+    open_now, when = [], []
+
+    def until_held(seconds):
+        begun = world.now
+        while world.state() != "holding":
+            brakes = [not drive.brake_closed for drive in world.drives.drives]
+            if not open_now or open_now[-1] != brakes:
+                open_now.append(brakes)
+                when.append(world.now)
+            assert world.now - begun < seconds, world.how_it_is()
+            yield world.passes(1e-3)
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        world.arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
+        world.arm._rests = 0.1
+        world.say("reset")
+        yield world.is_in("inactive")
+        yield world.passes(0.1)
+        world.say("enable")
+        yield from until_held(20.0)
+        world.say("disable")
+        yield world.is_in("inactive")
+        open_now.append(None)
+        world.say("enable")
+        one_by_one = len(open_now)
+        yield from until_held(2.0)
+        assert len(open_now) == one_by_one + 2, "it was held: all together again"
+
+    world.run(story())
+    n = world.robot.n
+    closed = n * [False]
+    alone = [state for k in range(n) for state in ([j == k for j in range(n)], closed)]
+    assert open_now[: 2 * n + 2] == [closed, *alone, n * [True]]
+    assert np.diff(when[1 : 2 * n + 1]).min() > 0.1
+
+
+class Axes:
+    """Drives that do at once what they are told."""
+
+    def __init__(self, n):
+        self.n, self.words = n, []
+
+    def set_words(self, words):
+        self.words = [int(word) for word in words]
+
+
+def opened(braked, moves=lambda time, words: 0.0, seconds=20.0):
+    """Which drives were to be enabled, one entry for each change. moves: rad by which joint 1 is
+    away from its place."""
+    n, states, told = len(braked), [0x21] * len(braked), []
+    axes = Axes(n)
+    enabling = EnableOneByOne(axes, braked)
+    for k in range(int(seconds / 0.01)):
+        q = np.zeros(n)
+        q[0] = moves(0.01 * k, axes.words)
+        seen = Feedback(0.01 * k, q, np.zeros(n), np.array(states), np.zeros(n, np.int64))
+        if not enabling.step(seen):
+            return told
+        states = [{0x06: 0x21, 0x07: 0x23, 0x0F: 0x27}[word] for word in axes.words]
+        on = [j for j, word in enumerate(axes.words) if word == 0x0F]
+        if (on or told) and told[-1:] != [on]:
+            told.append(on)
+    raise AssertionError("for ever")
+
+
+def test_each_alone_then_all_and_what_has_no_brake_is_held_meanwhile():
+    assert opened([True, True, True]) == [[0], [], [1], [], [2], [], [0, 1, 2]]
+    assert opened([True, False, True]) == [[1], [0, 1], [1], [1, 2], [1], [0, 1, 2]]
+
+
+def test_one_that_sways_holds_up_no_other_for_ever():
+    def sways(time, words):
+        return 0.01 * np.sin(20 * time) * (words[:1] == [0x0F])
+
+    assert opened([True, True], sways) == [[0], [], [1], [], [0, 1]]
+
+
+def test_a_brake_that_opens_with_anothers_is_named_before_its_joint_has_gone_far():
+    went = []
+
+    def falls(time, words):
+        went.append((went[-1] if went else 0.0) + 0.005 * (words[1:] == [0x0F]))
+        return went[-1]
+
+    with pytest.raises(BackendFault, match="joint 1: left its place in its brake as that of joint"):
+        opened([True, True], falls)
+    assert went[-1] < GIVES + 0.01
