@@ -19,6 +19,7 @@ from pa10d.store.csv_import import read_csv
 from pa10d.store.run_reader import read_run, to_recording
 
 KEY = "simulation.options.recording"
+OFF = 0.01  # of the profile's rate: less is what stamps scatter by
 
 
 class ReplayBackend:
@@ -80,14 +81,28 @@ def open_backend(profile: Profile) -> ReplayBackend:
     recording = _load(path, profile, axes)
     if axes and recording.joints != axes:
         raise UserError(f"{path}: {recording.joints} joints, the profile has {axes}")
-    return ReplayBackend(recording, realtime=bool(simulation and simulation.clock == "real"))
+    arm = ReplayBackend(recording, realtime=bool(simulation and simulation.clock == "real"))
+    rate = profile.control.rate
+    if abs(recording.rate - rate) > OFF * rate:
+        arm.warnings.append(
+            f"'{recording.name}' is played at the {recording.rate:.4g} Hz that it was recorded at; "
+            f"the profile says {rate:g} Hz, by which gains are made and times are shown: set "
+            f"control.rate to {recording.rate:.4g}"
+        )
+    return arm
 
 
 def _load(path: Path, profile: Profile, axes: int) -> Recording:
     if not path.is_file():
         raise UserError(f"{profile.path}: {KEY}: no file {path}, expected a recorded run")
     if path.suffix == ".mcap":
-        return read_run(path).recording(path.stem)[0]
+        run = read_run(path)
+        if profile.joints and len(run.joints) == axes and run.joints != tuple(profile.joints):
+            raise UserError(
+                f"{path}: recorded of the joints {', '.join(run.joints)}; the profile has "
+                f"{', '.join(profile.joints)}, expected the same in this order"
+            )
+        return run.recording(path.stem)[0]
     if not axes:
         raise UserError(f"{profile.path}: joints: missing, expected the joints of {path}")
     table = read_csv(path, axes, profile.name, profile.torque_constants)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bus_helpers import make_profile
+from bus_helpers import JOINTS, make_profile
 
 from backends import by_hand
 from backends.protocol import Backend, BackendFault
@@ -14,6 +14,8 @@ from backends.registry import open_backend
 from pa10d.common.errors import UserError
 from pa10d.measurement.recording import Recording
 from pa10d.replay import ReplayBackend
+from pa10d.store.channels import Samples
+from pa10d.store.run_reader import StoredRun
 
 
 def some_run(folder: Path, joints: int = 3, samples: int = 200) -> Path:
@@ -52,6 +54,30 @@ def test_one_line_in_the_profile_swaps_the_backend(tmp_path: Path) -> None:
     by_hand.reset(arm)
     assert np.allclose(arm.read().q, table[0, 1:4])
     arm.close()
+
+
+def test_a_profile_that_was_changed_since_is_told_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other joints, or the same in another order, would show one joint's angles as another's."""
+    t = np.arange(50) * 0.004
+    stamps = (1e9 * t).astype(np.int64) + 1
+    samples = Samples(stamps, np.zeros((50, 3)), np.zeros((50, 3)))
+    path = tmp_path / "run.mcap"
+    path.touch()
+
+    def opened(joints: list[str]) -> Backend:
+        run = StoredRun(tuple(joints), samples, 0, {}, True)
+        monkeypatch.setattr("pa10d.replay.read_run", lambda _: run)
+        profile = make_profile(
+            tmp_path, backend="replay", simulation={"options": {"recording": "run.mcap"}}
+        )
+        return open_backend(profile)
+
+    said = opened(JOINTS[:3]).warnings
+    assert any("played at the 250 Hz" in one and "says 200 Hz" in one for one in said)
+    with pytest.raises(UserError, match="expected the same in this order"):
+        opened(JOINTS[2::-1])
 
 
 def test_it_refuses_what_is_not_a_torque() -> None:
