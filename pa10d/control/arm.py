@@ -88,7 +88,7 @@ class Arm:
         self._rest = 0.0  # s for which it rests yet before it is reset
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
-        self._fell = False  # as its brakes opened last: next time one at a time does
+        self._fell = False  # as its brakes opened, since it ended a motion: each opens alone first
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -341,7 +341,6 @@ class Arm:
             self.path.catch()
             calm = self.path.stands_for(STANDS) or self.path.time > self._open_since + CALMS
             if share == 1.0 and calm:
-                self._fell = False
                 self._hold()
         elif under_way:
             return
@@ -368,6 +367,7 @@ class Arm:
 
     def _follow(self) -> None:
         if self.motion is None or self.motion.finished:
+            self._fell = False
             self._hold()
         else:
             self.motion.advance(self.path.reference)

@@ -15,7 +15,9 @@ from pa10d.control.states import POWERED, ArmState
 
 Array = NDArray[np.float64]
 
-STANDING = 0.25  # of the velocity limit: an arm that shall stand and is faster runs away
+STANDING = 0.25  # of the velocity limit: an arm that shall stand and is faster runs away …
+ALONE = 0.35  # … but one joint that takes no other along, or all that were held alone before: it is
+# twice the way on which the drives stop it
 
 
 class TorqueExit:
@@ -29,6 +31,8 @@ class TorqueExit:
         self._envelope = Envelope(limits, period, self.reach)
         standing = replace(limits, velocity=STANDING * limits.velocity)
         self._standing = Envelope(standing, period, self.reach)
+        alone = replace(limits, velocity=ALONE * limits.velocity)
+        self._alone = Envelope(alone, period, self.reach)
 
     def watch(
         self,
@@ -38,11 +42,15 @@ class TorqueExit:
         wanted_q: Array,
         live: NDArray[np.bool_],
         standing: bool = False,
+        alone: bool = False,
     ) -> None:
         """Raise Violation where a live axis has left the envelope of the motion, or of ``standing``
-        where nothing may move by itself; nor is any axis faster while one is outside its limits."""
+        where nothing may move by itself; nor is any axis faster while one is outside its limits.
+        alone: all but one are in their brakes, or each was held so before."""
         self.reach.follow(q)
         envelope = self._standing if standing or self.reach.widened else self._envelope
+        if alone and not self.reach.widened:
+            envelope = self._alone
         envelope.watch(q, dq, age, wanted_q, live)
 
     def send(self, wanted: Array, state: ArmState, live: NDArray[np.bool_]) -> Array:

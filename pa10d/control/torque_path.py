@@ -71,6 +71,7 @@ class TorquePath:
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
         self._alone: int | None = None  # the joint whose brake is open, all others being closed
+        self._tried_alone = False  # each, since power-up: what shakes all of them then is no fall
         self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
         self.fell: dict[int, Weighed] = {}  # joints that ended a power-up, as it weighed them
 
@@ -126,7 +127,10 @@ class TorquePath:
         self._swings.see(self.dq, self.reference, self.sent)  # it may come to rest yet
         self._watch_signs()
         try:
-            self.exit.watch(self.q, self.dq, self.age, self.reference.q, self.live, standing=True)
+            alone = self._tried_alone
+            self.exit.watch(
+                self.q, self.dq, self.age, self.reference.q, self.live, standing=True, alone=alone
+            )
         except LoopFault as violation:
             if violation.axis is not None and self._swings.suspected(violation.axis):
                 raise self._swings.violation(violation.axis) from violation
@@ -163,6 +167,7 @@ class TorquePath:
             if isinstance(self.controller, Pid):
                 self.controller.bear(self._alone, float(self.sent[self._alone]))
         self._alone = axis
+        self._tried_alone |= axis is not None
         if out is None:
             return
         free = list(out)
@@ -278,7 +283,7 @@ class TorquePath:
         self._stood.restart()
         self._falls.restart()
         self._untouched, self._caught, self.fell = True, {}, {}
-        self._alone = None
+        self._alone, self._tried_alone = None, False
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())

@@ -8,6 +8,7 @@ from arms import PERIOD, cycles, limits, servo, swing, until
 from fake_backend import FakeBackend, Flywheels
 
 from pa10d.control.arm import NEAR, Arm
+from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.journal import Journal
 from pa10d.control.ring import Ring
 from pa10d.control.states import ArmState
@@ -176,6 +177,65 @@ def test_what_a_motor_could_not_hold_its_joint_does_not_weigh():
     arm.connect()
     arm.enable()
     assert arm.path.thought == pytest.approx([-0.5 * most, 0.9 * most])
+
+
+def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
+    """An arm that is measured is held in one place, and falls in the next."""
+    opened = []
+
+    class OneByOne(FakeBackend):
+        out_of_brakes = None
+
+        def begin_enable(self):
+            opened.append("together")
+            super().begin_enable()
+
+        def begin_enable_one_by_one(self):
+            opened.append("alone")
+            super().begin_enable()
+
+    arm.backend.__class__ = OneByOne
+    arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
+    arm.fault = None
+    for motion in (None, swing(np.zeros(2), 0.1, 1.0), None):
+        arm.enable()
+        until(arm, HOLDING)
+        if motion is not None:
+            cycles(arm, 1000)
+            arm.run(motion)
+            until(arm, HOLDING)
+        switched_off(arm)
+    assert opened == ["alone", "alone", "together"]
+
+
+@pytest.mark.parametrize(
+    ("tried", "share", "lets"),
+    [
+        ([None], 0.2, True),
+        ([None], 0.4, False),
+        ([[0]], 0.4, True),
+        ([[0]], 0.7, False),
+        ([[0], [], [1], [], None], 0.4, True),
+    ],
+)
+def test_a_joint_alone_has_time_to_be_caught(arm, tried, share, lets):
+    """Its servo brings back a light joint that lacks little, and takes no other along; joints that
+    were held alone are shaken as all brakes open, and do not fall."""
+    arm.enable()
+    for out in tried:
+        arm.path.try_alone(out)
+    arm.path.dq[0] = share * limits().velocity[0]
+
+    def watched():
+        for _ in range(20):
+            arm.path.time += PERIOD
+            arm.path.watch_standing()
+
+    if lets:
+        watched()
+    else:
+        with pytest.raises(LoopFault, match="more than it may"):
+            watched()
 
 
 def test_a_joint_keeps_the_torque_that_held_it_alone(arm):
