@@ -28,7 +28,7 @@ from pa10d.control.outside import outside, why_not_powered
 from pa10d.control.pid import Controller, Pid
 from pa10d.control.punctuality import Starved
 from pa10d.control.reference import MotionUnderWay
-from pa10d.control.states import POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
+from pa10d.control.states import EACH, POWERED, REMEDIES, SWITCHING, ArmState, Refused, require
 from pa10d.control.stop import Stop, StopProgress
 from pa10d.control.torque_path import TorquePath
 from pa10d.control.whereabouts import GIVE, Whereabouts, why_not_believed
@@ -38,7 +38,6 @@ Array = NDArray[np.float64]
 NEAR = 0.05  # rad by which a joint may have turned, and the torque that held it still be of use
 CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its weight be as much
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
-EACH = 3.0  # s more for each brake that opens by itself
 LIFTED = 0.5  # of the torque limit, that a joint may need to bear its load, also one that nobody
 # described: motors that give less than twice what they bear hardly move an arm
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.canopen_cia402.sequence import GIVES, EnableOneByOne
+from backends.canopen_cia402.brakes import CLOSES_IN
+from backends.canopen_cia402.sequence import GIVES, RESTS, SWAYS, EnableOneByOne
 from backends.protocol import BackendFault, Feedback
 from pa10d.control.faults import Fault
+from pa10d.control.states import EACH
 
 
 def test_after_a_fall_each_brake_opens_alone_before_all_do(world):
@@ -74,6 +76,12 @@ def opened(braked, moves=lambda time, words: 0.0, seconds=20.0):
 def test_each_alone_then_all_and_what_has_no_brake_is_held_meanwhile():
     assert opened([True, True, True]) == [[0], [], [1], [], [2], [], [0, 1, 2]]
     assert opened([True, False, True]) == [[1], [0, 1], [1], [1, 2], [1], [0, 1, 2]]
+
+
+def test_whoever_waits_for_it_waits_as_long_as_it_may_take():
+    """Once to open, once to close, and to be seen resting after both."""
+    slowest = SWAYS + 2.0 * RESTS + 2.0 * CLOSES_IN
+    assert slowest < EACH
 
 
 def test_one_that_sways_holds_up_no_other_for_ever():

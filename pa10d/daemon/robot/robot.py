@@ -26,7 +26,7 @@ from pa10d.control.messages import Weights
 from pa10d.control.outside import Outside, outside
 from pa10d.control.ring import Ring
 from pa10d.control.rows import sealed
-from pa10d.control.states import POWERED, SWITCHING, ArmState
+from pa10d.control.states import EACH, POWERED, SWITCHING, ArmState
 from pa10d.control.told import ArmTold
 from pa10d.control.whereabouts import Misplaced
 from pa10d.daemon.events import Events
@@ -278,7 +278,7 @@ class RobotProcess:
 
     async def _switch(self, do: str, **fields: bool) -> None:
         await self.command(do, timeout=SWITCHED, **fields)
-        await self.until(*_SETTLED, timeout=SWITCHED)
+        await self.until(*_SETTLED, timeout=SWITCHED + EACH * self.robot.n)
 
     async def reset(self) -> None:
         """Leave a fault, also the one that control's own death was."""
