@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
 
 
@@ -39,6 +40,11 @@ def joint_words(joints: Iterable[int]) -> str:
     if len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
         return f"joints {numbers[0]} to {numbers[-1]}"
     return f"joint{'s' if len(numbers) > 1 else ''} {listed([str(one) for one in numbers])}"
+
+
+def of_a_slide(said: str) -> str:
+    """What is said of a joint that turns, of one that slides: m for rad, N for N·m."""
+    return re.sub(r"\brad\b", "m", said.replace("N·m", "N"))
 
 
 def sentence(text: str) -> str:

@@ -49,7 +49,7 @@ class Envelope:
         )  # fmt: skip
         if kind != _FINE:
             name, says = _SAYS[kind]
-            raise LoopFault(name, says.format(value), axis)
+            raise LoopFault(name, self.limits.in_units(axis, says.format(value)), axis)
 
 
 @numba.njit(cache=True)

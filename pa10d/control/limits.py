@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import of_a_slide
 from pa10d.dynamics import Robot
 from pa10d.profile import Profile
 
@@ -21,7 +22,8 @@ FULL_TORQUE_IN = 0.02  # s from zero to the torque limit: reversals pass, steps 
 
 @dataclass(frozen=True)
 class ArmLimits:
-    """(n,) each: rad, rad/s, rad/s², N·m, N·m/s, rad; stale_cycles: without a fresh value."""
+    """(n,) each: rad, rad/s, rad/s², N·m, N·m/s, rad; stale_cycles: without a fresh value; slides:
+    joints (0-based) of which all of that is in m and N."""
 
     lower: Array
     upper: Array
@@ -31,6 +33,11 @@ class ArmLimits:
     torque_rate: Array
     following_error: Array
     stale_cycles: int = 3
+    slides: frozenset[int] = frozenset()
+
+    def in_units(self, axis: int, said: str) -> str:
+        """What is said of this joint as of one that turns, in its own units."""
+        return of_a_slide(said) if axis in self.slides else said
 
 
 def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
@@ -58,6 +65,7 @@ def arm_limits(profile: Profile, robot: Robot) -> ArmLimits:
         torque_rate=np.array(rate, dtype=float),
         following_error=np.array(following, dtype=float),
         stale_cycles=safety.stale_cycles,
+        slides=frozenset(int(j) for j in np.flatnonzero(robot.prismatic)),
     )
 
 

@@ -38,7 +38,7 @@ class OscillationWatch:
     """Counts half swings of every joint."""
 
     def __init__(self, limits: ArmLimits, period: float) -> None:
-        n = len(limits.torque)
+        n, self._limits = len(limits.torque), limits
         self._speed, self._torque = SPEED * limits.velocity, TORQUE * limits.torque
         self._longest = 0.5 / (SLOWEST * period)
         self._period = period
@@ -73,12 +73,8 @@ class OscillationWatch:
         """What to latch."""
         cycles, speed, torque = self._half[:, axis]
         hertz = 0.5 / (max(cycles, 1.0) * self._period)
-        return LoopFault(
-            "oscillation",
-            f"swings at {hertz:.2g} Hz, by ±{speed:.2g} rad/s and ±{0.5 * torque:.2g} N·m",
-            axis,
-            hertz,
-        )
+        said = f"swings at {hertz:.2g} Hz, by ±{speed:.2g} rad/s and ±{0.5 * torque:.2g} N·m"
+        return LoopFault("oscillation", self._limits.in_units(axis, said), axis, hertz)
 
     def restart(self) -> None:
         """Forget the past."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -185,14 +186,17 @@ class TorquePath:
         taken_along = first < axis if self._alone is None else first != axis
         if taken_along and (found := self._weighed(first)) is not None:
             self.fell[first] = found
-            return f"; joint {first + 1} has fallen farther and taken it along, and {found.phrase}"
+            phrase = self.limits.in_units(first, found.phrase)
+            return f"; joint {first + 1} has fallen farther and taken it along, and {phrase}"
         thought, sent = self.thought[axis] + 0.0, self.sent[axis] + 0.0  # no -0
         said = f"; {thought:.2g} N·m was to hold it, {sent:.2g} N·m has not"
+        said = self.limits.in_units(axis, said)
         if (found := self._weighed(axis)) is not None:
             self.fell[axis] = found
-            return f"{said}; {found.phrase}"
+            return f"{said}; {self.limits.in_units(axis, found.phrase)}"
         others = [(j, one) for j, one in self._caught.items() if j != axis]
-        return said + "".join(f"; joint {j + 1} fell, too, and {one.phrase}" for j, one in others)
+        told = [(j, self.limits.in_units(j, one.phrase)) for j, one in others]
+        return said + "".join(f"; joint {j + 1} fell, too, and {phrase}" for j, phrase in told)
 
     def _farthest(self) -> tuple[int, float]:
         """The joint that falls: the one whose brake alone is open, or that is farthest from its
@@ -227,7 +231,8 @@ class TorquePath:
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
             if self._pushes:
-                self._first_steps.watch(self.q, self.dq, self.sent, self.reference)
+                with self._in_units():
+                    self._first_steps.watch(self.q, self.dq, self.sent, self.reference)
             return
         far = np.abs(self.reference.q - self.q) > RUNAWAY * self.limits.following_error
         fast = np.abs(self.dq) > RUNAWAY * self.limits.velocity
@@ -258,8 +263,19 @@ class TorquePath:
             return
         if self.reference.dq.any():
             self._wrong_way.restart()
-        else:
+            return
+        with self._in_units():
             self._wrong_way.watch(self.q - self.reference.q, self.dq, self.sent)
+
+    @contextmanager
+    def _in_units(self) -> Iterator[None]:
+        """What those say who know nothing of slides."""
+        try:
+            yield
+        except LoopFault as violation:
+            if violation.axis is not None:
+                violation.cause = self.limits.in_units(violation.axis, violation.cause)
+            raise
 
     def torque(self, state: ArmState) -> Array:
         """What may be sent in this cycle."""

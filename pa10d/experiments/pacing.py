@@ -138,9 +138,10 @@ def paced(
             done = replace(done, less_far=_left_out(share))
             return Paced(narrow, narrowed, _said(done, found), done)
         j = int(np.argmin(share))
-        return (
+        return limits.in_units(
+            j,
             f"joint {j + 1} comes close to its position limit and may be "
-            f"{DOUBT * found.error[j]:.2g} rad from its path"
+            f"{DOUBT * found.error[j]:.2g} rad from its path",
         )
 
     first = slower.why

@@ -50,7 +50,7 @@ class Predicted:
             over = values / most
             if (over > 1.0).any():
                 j = int(np.argmax(over))
-                return f"joint {j + 1}{words.format(values[j])}"
+                return limits.in_units(j, f"joint {j + 1}{words.format(values[j])}")
         return ""
 
     def over(self, limits: ArmLimits) -> Array:

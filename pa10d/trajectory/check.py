@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import of_a_slide
 from pa10d.dynamics import Robot, inverse_dynamics
 from pa10d.trajectory.capsules import Capsules, capsules_of
 from pa10d.trajectory.limits import MotionLimits
@@ -57,7 +58,7 @@ def check(
             words = f"joint {j + 1} at {samples.t[row]:.2f} s: {name} is not a number"
             return [Violation("number", j + 1, float(samples.t[row]), np.nan, np.nan, words)]
     tau = torque(samples) if torque else _rigid(robot, samples)
-    return [
+    found = [
         *_position(samples, limits),
         *_above("velocity", "speed", "rad/s", samples, samples.dq, limits.velocity),
         *_above(
@@ -67,6 +68,11 @@ def check(
         *_steps(samples, limits),
         *_ends(samples, limits, measured),
         *_bodies(samples, capsules_of(robot)),
+    ]
+    slides = {int(j) + 1 for j in np.flatnonzero(robot.prismatic)}
+    return [
+        replace(one, sentence=of_a_slide(one.sentence)) if one.joint in slides else one
+        for one in found
     ]
 
 

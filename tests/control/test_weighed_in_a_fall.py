@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from arm_bench import ArmBench
@@ -194,13 +196,13 @@ def the_second_falls(arm, said):
     assert arm.path.thought[0] == pytest.approx(6.0, abs=0.3)
 
 
-def fallen(heaviest):
+def fallen(heaviest, slides=()):
     """An arm whose servo is too weak to hold a joint that weighs more than is thought."""
     firm = servo().gains
     weak = PidGains(0.02 * firm.kp, 0.0 * firm.ki, 0.2 * firm.kd)
     arm = Arm(
         FakeBackend(Falls(2), PERIOD),
-        limits(),
+        replace(limits(), slides=frozenset(slides)),
         lambda: Pid(weak, limits().torque, PERIOD),
         lambda q: np.array([0.5, 0.0]),
         Journal(Ring.create(2, 4096, PERIOD)),
@@ -213,6 +215,15 @@ def fallen(heaviest):
     arm.enable()
     until(arm, ArmState.FAULT)
     return arm
+
+
+def test_of_a_slide_it_is_said_in_metres_and_newtons():
+    turns, slides = fallen(10.0).fault.cause, fallen(10.0, [0]).fault.cause
+    assert "rad" in turns
+    assert "N·m" in turns
+    for unit, own in (("rad/s", "m/s"), (" rad", " m"), ("N·m", "N")):
+        turns = turns.replace(unit, own)
+    assert slides == turns
 
 
 def test_whoever_enables_it_knows_whether_it_is_tried_again_and_the_log_does_not(caplog):

@@ -211,3 +211,18 @@ def test_a_profile_says_what_stands_around_and_everybody_is_told(tmp_path):
     assert {check.level for check in found} == {"warning"}, "at rest the arm stands in the box"
     assert "'box 1'" in found[0].sentence
     assert [check.level for check in environment_checks(pa10())] == ["ok"]
+
+
+def test_of_a_slide_it_is_said_in_metres_and_newtons():
+    """A lift was refused for so many N·m."""
+    robot = pa10()
+    slides = replace(robot, prismatic=np.arange(7) == 1)
+    one, t = np.ones((1, 7)), np.arange(0.0, 1.0, 0.01)
+    fast = MotionSamples(
+        t, 9.0 * t[:, None] * one, 9.0 + 0.0 * t[:, None] * one, 900.0 * t[:, None] * one
+    )
+    for arm, unit, others in ((robot, "N·m", "rad"), (slides, "N", "m")):
+        said = [one.sentence for one in check(fast, arm, LIMITS) if one.joint == 2]
+        assert any("torque " in text and text.endswith(f" {unit}") for text in said)
+        assert any(f" {others}/s²" in text for text in said)
+        assert any("rad" in text for text in said) == (others == "rad")
