@@ -17,6 +17,7 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
+    BROKEN_SHARE,
     FIRM,
     MATERIAL_REST,
     SHARE_OFF,
@@ -42,7 +43,14 @@ from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.search.with_numbers import only_with_numbers
-from pa10d.diagnose.unknown.as_it_stood import alone_words, left_far_more, one_change, stood_words
+from pa10d.diagnose.unknown.as_it_stood import (
+    OneChange,
+    alone_words,
+    left_far_more,
+    on_their_own,
+    one_change,
+    stood_words,
+)
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
@@ -155,12 +163,13 @@ def diagnose(
     if state.usual is not None and only is None:
         alone = rms(state.bare(given).held_residual())
         far = left_far_more(state, alone, left.rms, given_error.floor.values)
-        far &= ~(_spoken_of(state.terms[given:], model.robot.n) & (left.rms <= state.usual))
-        if far.any():
-            change = one_change(state, model, heard(suspects(True, model.robot.n), held))
-            if change is None or change.place not in _found(search):  # else its finding says it
-                stood = stood_words(given_error.rms, alone, model.noise, far, change)
-                alone_by = alone_words(given_error.rms, far, change, units)
+        spoken = _spoken_of(state.terms[given:], model.robot.n)
+        far &= ~(spoken & (left.rms <= state.usual))
+        changes = _changes(search, model, given_error, far, ~(far | spoken))
+        if changes is not None:
+            far[[*changes]] = True
+            stood = stood_words(given_error.rms, alone, model.noise, far, changes)
+            alone_by = alone_words(given_error.rms, changes, units)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
     over = left_over(
         state, seen, left, again, only is None, told, given, bent_laws(search.all_bent())
@@ -390,6 +399,29 @@ def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResid
     only_with_numbers(other, model, as_given)
     better = less_likely(rms(state.held_residual()) / rms(other.state.held_residual()))
     return other if better and change.place in _found(other) else search
+
+
+def _changes(
+    search: Search,
+    model: TorqueModel,
+    given: Judgement,
+    far: NDArray[np.bool_],
+    rest: NDArray[np.bool_],
+) -> dict[int, OneChange] | None:
+    """By joint, what one change would do there, all else as it was: the same one on all that are
+    left far more, ``far``, or one of its own, there and on the ``rest`` above its noise, (n,)
+    masks. None where a finding says it."""
+    state = search.state
+    may_change = heard(suspects(True, model.robot.n), state.held)
+    above = ~(given.rms <= MATERIAL_REST * given.floor.values)
+    change = one_change(state, model, may_change) if far.any() else None
+    if change is not None and change.place in _found(search):
+        return None
+    told = on_their_own(state, model, may_change, far | (rest & above))
+    if change is not None:
+        took = np.flatnonzero(far & (change.shares >= BROKEN_SHARE)).tolist()
+        told |= dict.fromkeys(took, change)
+    return told
 
 
 def _spoken_of(terms: Sequence[Term], n: int) -> NDArray[np.bool_]:

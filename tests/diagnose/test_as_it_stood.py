@@ -48,7 +48,7 @@ def test_an_error_far_above_that_of_the_models_own_runs_is_told():
     """Friction that rose by five times what the model had left: "nothing that was looked for shows
     itself", because the doubt of a model of one short run took up nearly half of it."""
     given, moved, own = np.array([[9.1, 0.8], [5.4, 0.7], [1.8, 1.2]])
-    said = stood_words(given, moved, own, np.array([True, False]), None)
+    said = stood_words(given, moved, own, np.array([True, False]), {})
     assert said.startswith(
         "as it was given the model leaves 9.1 where it leaves 1.8 on its own runs, and 5.4 moving "
         "within its own doubt, on joint 1; "
@@ -62,3 +62,30 @@ def test_what_keeps_no_more_than_noise_has_not_been_left_more(floor, told):
     state = SimpleNamespace(usual=np.array([0.258]), as_given=np.array([0.279]))
     far = left_far_more(state, np.array([0.279]), np.array([0.279]), np.array([floor]))
     assert far.tolist() == [told]
+
+
+def test_a_change_no_larger_than_what_the_model_lacked_is_not_called_none():
+    """An offset of 0.4 N·m beside 0.3 of noise that it always left: "nothing has changed that this
+    data can show", while half of that joint's squared error was one constant."""
+    rng = np.random.default_rng(2)
+
+    def slow(samples):
+        return np.convolve(rng.standard_normal(samples + 40), np.ones(41), "valid") / 41**0.5
+
+    def lacked(t, q, dq, ddq):
+        return np.column_stack([np.zeros(len(t)), 0.3 * slow(len(t))])
+
+    def since(t, q, dq, ddq):
+        return lacked(t, q, dq, ddq) + [0.0, 0.4]
+
+    model = textbook(recordings(4, lacked))
+    for change, told in ((since, True), (lacked, False)):
+        runs = recordings(5, change)
+        fit, held = [runs["fit_a"], runs["fit_b"]], [runs["valid_a"], runs["valid_b"]]
+        found = diagnose(model, fit, held, frozen=True)
+        said = none_found(found)
+        assert not found.findings
+        assert ("; a torque offset (offset about 0." in said) == told
+        assert ("on joint 2; a torque offset" in said) == told
+        assert said.startswith("Whether something has changed this data cannot say") == told
+        assert ("a torque offset (offset about" in found.remaining[1].sentence) == told

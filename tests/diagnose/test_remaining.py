@@ -296,12 +296,9 @@ def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_th
 def test_what_one_change_would_do_is_not_called_unpredicted():
     """ "Motion does not predict it" stood below "a spring alone takes more than 99 % of it"."""
     spring = OneChange(("spring", (0,)), "a spring (k about 0.3 N·m/rad)", np.array([0.98, 0.2]))
-    far = np.array([True, True])
-    alone = alone_words(np.array([0.356, 0.1]), far, spring, ["N·m", "N·m"])
-    assert list(alone) == [0]
+    alone = alone_words(np.array([0.356, 0.1]), {0: spring}, ["N·m", "N·m"])
     (said,) = remaining(judged(5.0), [None], [], ["N·m"], alone=alone)
     assert said.sentence.endswith(
         "; a spring (k about 0.3 N·m/rad) alone takes 98 % of the 0.356 N·m that the model leaves "
         "there as it was given."
     )
-    assert alone_words(np.array([0.356, 0.1]), far, None, ["N·m", "N·m"]) == {}

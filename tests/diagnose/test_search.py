@@ -14,9 +14,10 @@ from pa10d.diagnose.constants import MUCH_WORSE
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.procedure import add, diagnose
 from pa10d.diagnose.regression.partial import PartialFit
-from pa10d.diagnose.search.candidates import Candidate, scan
+from pa10d.diagnose.search.candidates import Candidate, held_columns, scan
 from pa10d.diagnose.search.harm import harmful, less_likely, rms
-from pa10d.diagnose.search.judging import JudgedCandidate
+from pa10d.diagnose.search.judging import JudgedCandidate, Judging
+from pa10d.diagnose.search.looking import evidence_of
 from pa10d.diagnose.search.refining import refine
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
@@ -109,6 +110,26 @@ def test_what_one_equation_shifts_elsewhere_is_no_reason_to_choose_it(clean):
     assert one.gain == pytest.approx(5.0 + each[0])
     assert all_of_them.gain == pytest.approx(5.0 + sum(each))
     assert found.gain == pytest.approx(sum(each))
+
+
+def test_what_a_joint_always_lacked_says_nothing_of_a_change(clean):
+    """A base that leans suits what joint 1 keeps, which is no more than it usually does: nothing of
+    it speaks for the change, whatever joint 2 has to say."""
+    state = clean.copy()
+    state.usual = np.array([1e3, 0.0])
+    leans = (effect("base_tilt"), ())
+    (tilt,) = scan(state, [leans])
+    judged = []
+    for part in (0.0, 1.0):
+        change = held_columns(state, tilt)[0][:, 0]
+        alike = bent(state, 0, part * change)
+        judging = Judging(alike, [leans], len(state.terms))
+        judged += evidence_of(judging, [tilt], 1)
+    as_it_is, suiting = judged
+    assert as_it_is.speaks_on == [1]
+    assert suiting.evidence.p_value == pytest.approx(as_it_is.evidence.p_value)
+    assert suiting.p_corrected == pytest.approx(as_it_is.p_corrected)
+    assert suiting.gain == pytest.approx(as_it_is.gain)
 
 
 def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(clean):

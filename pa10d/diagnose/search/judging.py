@@ -25,7 +25,7 @@ from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.search.candidates import Candidate, held_columns
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
 from pa10d.effects import Effect, Shape
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
 Place = tuple[str, tuple[int, ...]]
@@ -40,6 +40,7 @@ class JudgedCandidate:
     p_corrected: float
     change: PerJoint = field(repr=False, default_factory=dict)
     usual: Array | None = None
+    fit_gain: float | None = None  # of the joints that speak, where not all of them do
     is_itself: bool = True
     as_given: Array | None = None  # (n,) N·m RMS that a frozen model leaves as it was
 
@@ -49,14 +50,16 @@ class JudgedCandidate:
         return self.candidate.effect.id, self.candidate.joints
 
     @property
-    def speaks_on(self) -> list[int] | slice:
+    def speaks_on(self) -> list[int]:
         """Joints whose error speaks for or against it."""
-        return self.candidate.effect.speaks_on(self.candidate.joints)
+        kind, joints = self.candidate.effect, self.candidate.joints
+        return _speaking(kind, joints, self.evidence.before, self.usual)
 
     @property
     def gain(self) -> float:
         """Weighted squared error that it removes, on both sides together."""
-        return self.candidate.gain + float(np.sum(self.evidence.gains[self.speaks_on]))
+        fit = self.candidate.gain if self.fit_gain is None else self.fit_gain
+        return fit + float(np.sum(self.evidence.gains[self.speaks_on]))
 
     @property
     def complexity(self) -> int:
@@ -79,10 +82,8 @@ class JudgedCandidate:
         that is kept as it was, more than it lacked before, and less is left than it leaves as it
         is: moved within its own doubt to suit the fit side alone it may do worse than that."""
         e = self.evidence
-        own = np.arange(len(e.before))[self.speaks_on]
-        if self.usual is not None:
-            own = own[e.before[own] > self.usual[own]]
-        if not len(own):
+        own = self.speaks_on
+        if not own:
             return False
         before = e.before if self.as_given is None else np.minimum(e.before, self.as_given)
         drop = 1.0 - np.min(e.after[own] / np.maximum(before[own], 1e-300))
@@ -113,28 +114,36 @@ class Judging:
         fit, partial = self.state.fit, candidate.partial
         columns = held_columns(self.state, candidate)
         change = self.state.change(fit, columns, partial.seen, partial.theta)
-        found = self._evidence(candidate, self.state.held_residual(), change, doubt)
-        p = self._corrected(fit, seen, candidate, found, among)
+        usual, left = self._usual(), self.state.held_residual()
+        told = self._told(candidate, left, usual)
+        found = self._evidence(left, change, doubt, told)
+        p = self._corrected(fit, seen, candidate, found, among, told)
         return JudgedCandidate(
             candidate,
             found,
             p,
             change,
-            self._usual(),
+            usual,
+            _gain_of(fit, seen, told),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(columns, partial.theta, change),
             self.state.as_given,
         )
 
+    def _told(self, candidate: Candidate, left: PerJoint, usual: Array | None) -> set[int]:
+        """Joints whose error speaks for or against it; all where it has nothing to say."""
+        before = np.array([rms(left[j]) for j in sorted(left)])
+        told = _speaking(candidate.effect, candidate.joints, before, usual)
+        return {*told} or {*range(self.state.held.n)}
+
     def _evidence(
-        self, candidate: Candidate, residual: PerJoint, change: PerJoint, doubt: ModelUncertainty
+        self, residual: PerJoint, change: PerJoint, doubt: ModelUncertainty, told: set[int]
     ) -> Evidence:
         """Of the joints whose error speaks for or against it. What it shifts elsewhere, by way of
         parameters that joints share, may do harm there, but says nothing of it: of a joint at rest
         on the fit side those are so unsure that they would drown what its own joint says."""
         side = self.state.held
         whole = judge(side, residual, change, doubt)
-        told = {*np.arange(side.n)[candidate.effect.speaks_on(candidate.joints)]}
         if told >= change.keys():
             return whole
         own = judge(side, residual, {j: p for j, p in change.items() if j in told}, doubt)
@@ -143,10 +152,18 @@ class Judging:
         )
 
     def _corrected(
-        self, fit: LeastSquares, seen: PerJoint, candidate: Candidate, found: Evidence, among: int
+        self,
+        fit: LeastSquares,
+        seen: PerJoint,
+        candidate: Candidate,
+        found: Evidence,
+        among: int,
+        told: set[int],
     ) -> float:
         """Both sides' evidence (Fisher), corrected for every suspect on the fit side, on which
         the candidate was chosen, and for those judged beside it on the held-out side."""
+        if self.state.usual is not None:
+            seen = {j: s for j, s in seen.items() if j in told}
         power = fit_side_power(self.state.train, fit.residual, seen)
         if candidate.effect.line_order:
             own = chance_of_line(self.state.train, candidate.joints[0], power)
@@ -174,15 +191,18 @@ class Judging:
         change = self.state.change(rest, held, partial.seen, partial.theta)
         doubt = doubt_of(self.state, rest, self.state.fit.residual)
         candidate = Candidate(term.effect, term.joints, term.shape, partial)
-        found = self._evidence(candidate, self.state.held_residual(rest), change, doubt)
+        usual, left = self._usual(but=index), self.state.held_residual(rest)
+        told = self._told(candidate, left, usual)
+        found = self._evidence(left, change, doubt, told)
         seen = seen_change(rest, train, candidate)
-        p = self._corrected(rest, seen, candidate, found, SHORTLIST)
+        p = self._corrected(rest, seen, candidate, found, SHORTLIST, told)
         return JudgedCandidate(
             candidate,
             found,
             p,
             {},
-            self._usual(but=index),
+            usual,
+            _gain_of(rest, seen, told),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(held, partial.theta, change),
             self.state.as_given,
@@ -207,6 +227,21 @@ class Judging:
             if index != but:
                 found[term.effect.speaks_on(term.joints)] = True
         return np.where((given > usual) & ~found, 0.0, usual)
+
+
+def _speaking(kind: Effect, joints: Sequence[int], before: Array, usual: Array | None) -> list[int]:
+    """Joints whose error speaks for or against an effect; for a change none that keeps no more than
+    it always lacked: what suits that would outweigh the joints where something came. before, usual:
+    (n,) N·m RMS."""
+    own = np.arange(len(before))[kind.speaks_on(joints)]
+    return [int(j) for j in own if usual is None or before[j] > usual[j]]
+
+
+def _gain_of(fit: LeastSquares, seen: PerJoint, told: set[int]) -> float | None:
+    """Weighted squared error that it takes of these joints on the fit side; None of all."""
+    if told >= seen.keys():
+        return None
+    return float(sum(2 * p @ fit.residual[j] - p @ p for j, p in seen.items() if j in told))
 
 
 def _acts(columns: PerJoint, theta: Array, change: PerJoint) -> bool:

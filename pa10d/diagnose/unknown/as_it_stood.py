@@ -9,7 +9,7 @@ do, they can.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from pa10d.common.words import joint_words, listed, percent
 from pa10d.diagnose.constants import BROKEN_SHARE, MATERIAL_GAIN, MATERIAL_REST, MOVED_FAR
+from pa10d.diagnose.regression.partial import bounded
 from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.dynamics import Robot
+from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel
 from pa10d.model.term import in_units_of
 from pa10d.model.unknowns import vector_of
@@ -50,11 +52,34 @@ def left_far_more(state: SearchState, moved: Array, now: Array, floor: Array) ->
     return np.asarray(elsewhere & (state.as_given > state.usual) & ~noise)
 
 
+def on_their_own(
+    state: SearchState, given: TorqueModel, suspects: Suspects, asked: NDArray[np.bool_]
+) -> dict[int, OneChange]:
+    """By joint (0-based) of those asked for, (n,) mask: a change of that joint alone that takes
+    most of its error, so that no more is left than on the model's own runs: so much came since, if
+    it is no more of what the model lacks that another motion shows."""
+    if state.as_given is None:
+        return {}
+    told = {}
+    for j in np.flatnonzero(asked).tolist():
+        usually = MATERIAL_REST * given.noise[j]
+        if state.as_given[j] <= usually:
+            continue
+        change = one_change(state, given, [one for one in suspects if tuple(one[1]) == (j,)], j)
+        if change is not None and np.sqrt(1.0 - change.shares[j]) * state.as_given[j] <= usually:
+            told[j] = change
+    return told
+
+
 def stood_words(
-    given: Array, left: Array, usual: Array, far: NDArray[np.bool_], change: OneChange | None
+    given: Array,
+    left: Array,
+    usual: Array,
+    far: NDArray[np.bool_],
+    changes: Mapping[int, OneChange],
 ) -> str:
     """Of all joints that ``left_far_more`` tells, (n,) N·m: as the model was given, where it moves,
-    on its own runs; far (n,) mask; empty where there is none."""
+    on its own runs; far (n,) mask; empty where there is none; changes: by joint."""
     if not far.any():
         return ""
     least = np.minimum(left, usual)
@@ -70,32 +95,33 @@ def stood_words(
         f"as it was given the model leaves {given[worst]:.3g} where {where} on joint {worst + 1}"
         + (f" ({joint_words(alike)} alike)" if alike else "")
     )
-    if change is not None and change.shares[worst] >= BROKEN_SHARE:
-        took = [j for j in np.flatnonzero(far).tolist() if change.shares[j] >= BROKEN_SHARE]
+    change = changes.get(worst)
+    if change is not None:
+        took = [j for j, other in changes.items() if other is change]
         said += (
             f"; {change.named} alone, all else as it was, takes {percent(change.shares[worst])} of "
-            f"it, and most of it on {joint_words(took)}"
+            "it" + (f", and most of it on {joint_words(sorted(took))}" if len(took) > 1 else "")
         )
     return f"{said}; that it came, or that the model's own runs left it open, other runs can tell"
 
 
 def alone_words(
-    given: Array, far: NDArray[np.bool_], change: OneChange | None, units: Sequence[str]
+    given: Array, changes: Mapping[int, OneChange], units: Sequence[str]
 ) -> dict[int, str]:
-    """By joint, of those that ``left_far_more`` tells: what the change takes of its error as the
-    model was given, (n,) N·m, where that is most of it."""
-    if change is None:
-        return {}
+    """By joint: what its change takes of its error as the model was given, (n,) N·m, where that is
+    most of it."""
     return {
         j: f"{change.named} alone takes {percent(change.shares[j])} of the {given[j]:.3g} "
         f"{units[j]} that the model leaves there as it was given"
-        for j in np.flatnonzero(far).tolist()
-        if change.shares[j] >= BROKEN_SHARE
+        for j, change in changes.items()
     }
 
 
-def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> OneChange | None:
-    """The plainest of the changes that take nearly the most; None where none takes half of it."""
+def one_change(
+    state: SearchState, given: TorqueModel, suspects: Suspects, on: int | None = None
+) -> OneChange | None:
+    """The plainest of the changes that take nearly the most; None where none takes half of it.
+    on: the joint of which the error counts; None: all."""
     before = _as_given(state, given)
     tried = []
     for effect, joints in suspects:
@@ -105,13 +131,13 @@ def one_change(state: SearchState, given: TorqueModel, suspects: Suspects) -> On
         fit, held = (side.columns(effect, joints, [shape]) for side in (state.train, state.held))
         if any(len(c) and not np.all(np.isfinite(c)) for c in (*fit.values(), *held.values())):
             continue
-        theta = _fitted(state, before[0], fit)
+        theta = _fitted(state, before[0], fit, effect, joints)
         after = {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
         term = Term(effect.id, tuple(joints), theta, dict(shape))
         named = f"{effect.named}{_sized(state.model.robot, term)}"
         place = (effect.id, tuple(joints))
-        tried.append((_size(state, after), len(theta), place, named, after))
-    whole = _size(state, before[1])
+        tried.append((_size(state, after, on), len(theta), place, named, after))
+    whole = _size(state, before[1], on)
     least = min((size for size, *_ in tried), default=whole)
     if least > (1.0 - BROKEN_SHARE) * whole:
         return None
@@ -134,12 +160,23 @@ def _as_given(state: SearchState, given: TorqueModel) -> tuple[PerJoint, PerJoin
     return out[0], out[1]
 
 
-def _fitted(state: SearchState, left: PerJoint, columns: PerJoint) -> Array:
-    """Coefficients of columns by which they take most of an error."""
+def _fitted(
+    state: SearchState,
+    left: PerJoint,
+    columns: PerJoint,
+    effect: Effect,
+    joints: Sequence[int],
+) -> Array:
+    """Coefficients by which an effect takes most of an error, with what the model has of it in the
+    range in which it can be: no friction falls below none."""
     sigma = state.fit.sigma
     rows = np.concatenate([c / sigma[j] for j, c in columns.items()])
     target = np.concatenate([left[j] / sigma[j] for j in columns])
-    return np.asarray(np.linalg.lstsq(rows, target, rcond=1e-9)[0])
+    there = state.same_before(effect, joints)
+    has = np.zeros(len(effect.coefficients)) if there is None else there.coefficients
+    lower = np.array([c.lower for c in effect.coefficients]) - has
+    upper = np.array([c.upper for c in effect.coefficients]) - has
+    return bounded(rows.T @ rows, rows.T @ target, lower, upper)
 
 
 def _sized(robot: Robot, term: Term) -> str:
@@ -154,7 +191,8 @@ def _sized(robot: Robot, term: Term) -> str:
     return f" ({listed(told)})" if told else ""
 
 
-def _size(state: SearchState, left: PerJoint) -> float:
-    """Squared error of all joints, each in units of its weight, per sample."""
-    means = [np.mean((r / state.fit.sigma[j]) ** 2) for j, r in left.items() if len(r)]
+def _size(state: SearchState, left: PerJoint, on: int | None) -> float:
+    """Squared error of all joints or of one, each in units of its weight, per sample."""
+    heard = left if on is None else {on: left[on]}
+    means = [np.mean((r / state.fit.sigma[j]) ** 2) for j, r in heard.items() if len(r)]
     return float(np.sum(means))

@@ -311,8 +311,8 @@ def remaining(
         told = isinstance(left, Apart | OtherGeometry | OtherFriction) or j in (knocked or {})
         if kept and not told:  # what it depends on is no change
             line = replace(line, sentence=f"{_size(line, units[j])}.")
-        elif left is None and line.material is not False and alone and j in alone:
-            line = replace(line, sentence=f"{_size(line, units[j])}; {alone[j]}.")
+        elif line.material is not False and alone and j in alone and not told:
+            line = replace(line, sentence=f"{_size(line, units[j])}; {_follows(left)}{alone[j]}.")
         elif left is None and line.material is not False and j in undetermined:
             line = replace(line, sentence=f"{_size(line, units[j])}{NOT_DETERMINED}")
         elif left is None and line.material is not False and not line.repeatable:
@@ -331,6 +331,13 @@ def remaining(
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+def _follows(left: Unexplained | None) -> str:
+    """What the error of a moved model depends on, before what one change takes of it unmoved."""
+    if left is None or not left.variables:
+        return ""
+    return f"{percent(left.share)} of its squared error depends on {listed(left.variables)}, and "
 
 
 def _not_new(line: Remaining, lacked: Array | None, unit: str) -> str:
