@@ -160,12 +160,15 @@ def diagnose(
         apart = unlike_fitted(state, given, may_change, left.floor.values)
     far, stood, alone_by = np.zeros(model.robot.n, dtype=bool), "", {}
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
-    if state.usual is not None and only is None:
+    if state.usual is not None:
         alone = rms(state.bare(given).held_residual())
         far = left_far_more(state, alone, left.rms, given_error.floor.values)
         spoken = _spoken_of(state.terms[given:], model.robot.n)
         far &= ~(spoken & (left.rms <= state.usual))
-        changes = _changes(search, model, given_error, far, ~(far | spoken))
+        may_change = heard(suspects(True, model.robot.n), held) if only is None else asked
+        changes = _changes(search, model, given_error, far, ~(far | spoken), may_change)
+        if only is not None:
+            far[:] = False  # of one suspicion: where it would do
         if changes is not None:
             far[[*changes]] = True
             stood = stood_words(given_error.rms, alone, model.noise, far, changes)
@@ -407,12 +410,12 @@ def _changes(
     given: Judgement,
     far: NDArray[np.bool_],
     rest: NDArray[np.bool_],
+    may_change: Suspects,
 ) -> dict[int, OneChange] | None:
     """By joint, what one change would do there, all else as it was: the same one on all that are
     left far more, ``far``, or one of its own, there and on the ``rest`` above its noise, (n,)
     masks. None where a finding says it."""
     state = search.state
-    may_change = heard(suspects(True, model.robot.n), state.held)
     above = ~(given.rms <= MATERIAL_REST * given.floor.values)
     change = one_change(state, model, may_change) if far.any() else None
     if change is not None and change.place in _found(search):

@@ -89,3 +89,6 @@ def test_a_change_no_larger_than_what_the_model_lacked_is_not_called_none():
         assert ("on joint 2; a torque offset" in said) == told
         assert said.startswith("Whether something has changed this data cannot say") == told
         assert ("a torque offset (offset about" in found.remaining[1].sentence) == told
+        alone = none_found(diagnose(model, fit, held, frozen=True, only=("torque_offset", (1,))))
+        assert alone.startswith("Whether a torque offset came this data cannot say: ") == told
+        assert alone.startswith("This data does not show a torque offset; ") != told

@@ -203,6 +203,11 @@ def _place(term: Term) -> str:
 
 def none_found(found: Diagnosis) -> str:
     """The verdict where nothing was found; of one suspicion it says nothing of all others."""
+    if found.only and found.stood:
+        return (
+            f"Whether {found.only} came this data cannot say: {found.stood}. Nothing else was "
+            "looked for."
+        )
     if found.only:
         return f"This data does not show {found.only}; nothing else was looked for."
     if found.stood:
