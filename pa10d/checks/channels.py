@@ -11,13 +11,13 @@ from pa10d.checks.finding import CheckFinding, Mend, joint_label, percent
 from pa10d.checks.held import held_runs
 from pa10d.dynamics import Robot
 from pa10d.measurement.recording import Recording
+from pa10d.measurement.standstill import NEVER_MOVES
 
 Array = NDArray[np.float64]
 Runs = list[tuple[int, int]]  # first index, length
 
 MOVING = 0.02  # of the joint's fast speed
 FROZEN = 0.25  # s
-STILL = 5e-3  # rad (m)
 LITTLE = 0.1  # rad (m)
 DULL = 0.5  # of the moving samples at one value
 OFTEN = 10  # stays at it
@@ -35,7 +35,7 @@ def check_channels(
         torque = "N·m" if robot is None else robot.torque_unit(j)
         motion = list(_motion(q, recording, label, j, angle))
         yield from motion
-        if np.ptp(q) > STILL:
+        if np.ptp(q) > NEVER_MOVES:
             yield from _clipped(tau, moving, label, j, torque)
             dull = list(_dull(tau, moving, label, j, torque))
             yield from dull or _frozen(tau, moving, recording, label, j)
@@ -53,7 +53,7 @@ def _motion(
     q: Array, recording: Recording, label: str, j: int, unit: str
 ) -> Iterator[CheckFinding]:
     reach = float(np.ptp(q))
-    if reach <= STILL:
+    if reach <= NEVER_MOVES:
         yield CheckFinding(
             "warning",
             "never_moved",

@@ -11,6 +11,7 @@ from pa10d.measurement.signals import Lowpass
 
 Array = NDArray[np.float64]
 
+NEVER_MOVES = 5e-3  # rad or m: a joint that keeps within so little is at rest in all of a run
 STILL_SHARE = 0.01  # of the 99 % quantile of speed: slower is standing or creeping
 HELD_SHARE = 0.01  # of the farthest travel of its kind: less is a servo that gives way
 RESTING = 0.08  # s: a stop that long is a rest, a shorter one a reversal

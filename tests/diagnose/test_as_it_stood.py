@@ -76,7 +76,7 @@ def test_a_change_no_larger_than_what_the_model_lacked_is_not_called_none():
         return np.column_stack([np.zeros(len(t)), 0.3 * slow(len(t))])
 
     def since(t, q, dq, ddq):
-        return lacked(t, q, dq, ddq) + [0.0, 0.4]
+        return lacked(t, q, dq, ddq) + np.array([0.0, 0.4])
 
     model = textbook(recordings(4, lacked))
     for change, told in ((since, True), (lacked, False)):

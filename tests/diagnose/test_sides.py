@@ -141,6 +141,11 @@ def recorded(run, angle):
     ("angle", "why"),
     [
         (lambda t: 0.3 + 0.0 * t, "joint 2 never moves in the data to judge by"),
+        (lambda t: 0.3 + 1e-3 * np.sin(t), "joint 2 never moves in the data to judge by"),
+        (
+            lambda t: 0.3 + 0.4 * np.clip(t - t[-1] + 0.3, 0.0, 0.3),
+            r"joint 2 moves only within 0\.\d+ s of the ends of the data to judge by",
+        ),
         # a motor that cogs moves all the time; a band of 8 Hz only cannot see it
         (
             lambda t: 0.3 + 0.05 * np.sin(2 * np.pi * 9.0 * t),

@@ -18,9 +18,9 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.side import Side
 from pa10d.measurement.recording import Recording
-from pa10d.measurement.standstill import REACH
+from pa10d.measurement.standstill import NEVER_MOVES, REACH
 from pa10d.model import TorqueModel
-from pa10d.regression.equation import RunEquation, prepare
+from pa10d.regression.equation import RunEquation, edge_time, prepare
 from pa10d.regression.per_joint import Mask
 
 Array = NDArray[np.float64]
@@ -87,15 +87,33 @@ def _some_left(silent: Mapping[int, str], n: int) -> None:
 def _idle(side: Sequence[RunEquation], what: str) -> dict[int, str]:
     """Joints of which a side has no motion that the band can tell from standstills, and why."""
     idle = ~np.any([run.keep.any(axis=0) for run in side], axis=0)
-    turning = idle & np.any([(run.moving & run.counts).any(axis=0) for run in side], axis=0)
     cutoff = side[0].lowpass.cutoff
     never = f"never moves in the data {what}: use runs in which it does"
+    edge = edge_time(side[0].lowpass.rate, cutoff)
+    ends = (
+        f"moves only within {edge:.2g} s of the ends of the data {what}, where filters do not see "
+        "both sides of it: use runs that go on for longer"
+    )
     short = (
         f"turns round or stands so often in the data {what} that a band of {cutoff:.3g} Hz sees "
         f"nothing clear of that, expected strokes of {2.0 * REACH / cutoff:.2g} s and more: use "
         "such runs, or a model that was identified in a wider band"
     )
-    return {int(j): f"joint {j + 1} {short if turning[j] else never}" for j in np.flatnonzero(idle)}
+    whole, inner = (_reach(side, only_inside) > NEVER_MOVES for only_inside in (False, True))
+    return {
+        j: f"joint {j + 1} {short if inner[j] else ends if whole[j] else never}"
+        for j in np.flatnonzero(idle).tolist()
+    }
+
+
+def _reach(side: Sequence[RunEquation], only_inside: bool) -> Array:
+    """(n,) rad or m: over how much joints move in one run, or clear of its ends."""
+    moved = []
+    for run in side:
+        q = run.context.q
+        q = q[:: run.lowpass.factor][run.inside] if only_inside else q
+        moved.append(np.ptp(q, axis=0) if len(q) else np.zeros(q.shape[1]))
+    return np.asarray(np.max(moved, axis=0))
 
 
 def _enough_to_fit(model: TorqueModel, train: Sequence[RunEquation]) -> None:
