@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pa10d.checks.counters import Wraps
 from pa10d.checks.finding import CheckFinding, Mend, Severity
 from pa10d.checks.textbook_view import middle_of, squares_left, surely_less
+from pa10d.common.words import joint_words
 from pa10d.dynamics.robot import Robot
 from pa10d.measurement.counters import centred
 from pa10d.measurement.recording import Recording
@@ -70,13 +71,13 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
     reaches = f"q reaches {largest[far].max():.4g} on joint "
     reaches += ", ".join(str(j + 1) for j in _which(far))
     degrees = _of_all(turning, "deg", complete=True)
-    geared = _geared(turning, known.ratios)
+    geared, alone = _geared(turning, known.ratios), _alone(far, turning)
     severity: Severity = "error" if sure else "warning"
     told = _Told(recording, robot, far, stated, known.ratios).by_whom()
     if told.unit == "deg":
         yield CheckFinding(
             severity, "degrees", f"{reaches}: these look like degrees{told.because}",
-            f"q must be in rad: --map {_options(degrees)}; motor-side angles: --map "
+            f"q must be in rad: --map {_options(degrees)}{alone}; motor-side angles: --map "
             f"{_options(geared)}{_ratio(known)}", mends=(*degrees, *(replace(m, complete=False)
                                                                     for m in geared)),
         )  # fmt: skip
@@ -96,8 +97,8 @@ def check_angles(recording: Recording, robot: Robot | None, known: Known) -> Ite
             severity, "angle_unit",
             f"{reaches}: {a_turn}degrees, or angles at the motor{turns}; neither speeds nor limits "
             f"nor weight tell which{told.because}",
-            f"{told_off}degrees: --map {_options(degrees)}; at the motor: --map {_options(geared)}"
-            f"{_ratio(known)}",
+            f"{told_off}degrees: --map {_options(degrees)}{alone}; at the motor: --map "
+            f"{_options(geared)}{_ratio(known)}",
             mends=tuple(replace(m, complete=False) for m in (*off, *degrees, *geared)),
         )  # fmt: skip
 
@@ -250,6 +251,14 @@ def _of_all(turning: Flags, unit: str, complete: bool) -> tuple[Mend, ...]:
     if turning.all():
         return (Mend("q{n}", unit, complete),)
     return tuple(Mend(f"q{j + 1}", unit, complete) for j in _which(turning))
+
+
+def _alone(far: Flags, turning: Flags) -> str:
+    """The others may be in rad already: none is farther than it may go."""
+    if (far == turning).all():
+        return ""
+    own = tuple(Mend(f"q{j + 1}", "deg", True) for j in _which(far))
+    return f", or --map {_options(own)} where {joint_words(_which(far))} alone"
 
 
 def _geared(turning: Flags, ratios: Sequence[float] | None) -> tuple[Mend, ...]:

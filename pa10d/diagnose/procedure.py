@@ -190,6 +190,9 @@ def diagnose(
     )
     knocked = {j: found for j in open_ if (found := knocks(seen, j)) is not None}
     faster = lines_above_band(orders, left.cutoff, left.rms)
+    before_all = as_given if frozen else seen
+    if findings and not frozen:
+        before_all = held_out(versions[0], state)
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
     lines = remaining(
@@ -238,7 +241,7 @@ def diagnose(
         judged_on=words,
         frozen=frozen,
         identified_from=model.runs,
-        with_reversals=scores(seen).rms_with_reversals,
+        with_reversals=scores(before_all).rms_with_reversals,
         above_band=faster,
         knocked=tuple(knocked),
         only="" if only is None else effect(only[0]).named,

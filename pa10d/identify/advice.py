@@ -19,6 +19,7 @@ from pa10d.regression.layout import Layout
 Array = NDArray[np.float64]
 
 EARLY_SURE = 3.0  # standard errors, from which on torque that looks early is worth a word
+LATER = 3.0  # standard errors of torque's delay, beyond which a filter's own is more
 SMALL_RANGE = 0.05  # rad (m): a joint that moves less tells nothing of gravity or inertia
 FEW_REVERSALS = 2
 UNCERTAIN = 0.3  # standard error over value
@@ -171,7 +172,7 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
     if channel is not None:
         yield (
             f"the torque channel smooths: the recorded torque has passed {channel}, or something "
-            "like it; the fit and the model account for it"
+            "like it; the fit and the model account for it" + _too_slow(channel, shift)
         )
     if np.isfinite(shift.slow):
         yield (
@@ -179,6 +180,17 @@ def _timing(shift: Shift, channel: TorqueFilter | None) -> Iterator[str]:
             f"than fast ones ({shift.estimate * 1e3:.2f} ms): the torque is low-passed, or the "
             "model lacks something that poses as a delay"
         )
+
+
+def _too_slow(channel: TorqueFilter, shift: Shift) -> str:
+    """Where the filter alone would make torque later than it is, that is no plain reading of it."""
+    if channel.delay <= shift.seconds + LATER * shift.std_error:
+        return ""
+    return (
+        f". That filter alone would be {channel.delay * 1e3:.3g} ms late, more than torque is: "
+        "angles are late as well, or it is their noise, which makes accelerations too large where "
+        "they are fast, that looks like it"
+    )
 
 
 def _motion_for(

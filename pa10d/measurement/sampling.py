@@ -56,7 +56,7 @@ class Timing:
     @property
     def uneven(self) -> bool:
         """Do steps differ, and not by samples that are missing?"""
-        return self.resampled and not self.missing
+        return self.resampled and not self.missing and self.jitter > STEADY * self.period
 
     @property
     def grid(self) -> Array:

@@ -170,7 +170,7 @@ def with_clock(said: str, columns: Mapping[str, Array]) -> str:
 
 def of_others(where: str, rows: int) -> str:
     """What is said of rows that hold nothing of the robot."""
-    return f"{where}: {rows} rows without any position or torque, of other signals: left out"
+    return f"{where}: {rows} rows without any position or torque: left out"
 
 
 class _Table:

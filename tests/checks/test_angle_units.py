@@ -104,6 +104,14 @@ def test_where_nothing_tells_both_are_said(clean, robot, ratios):
     assert not any(mend.complete for mend in said.mends)
 
 
+def test_one_joint_in_degrees_is_offered_alone(clean, robot):
+    """Of a log in radians but for one joint: what mends it would divide the others by 57."""
+    q = clean.q.copy()
+    q[:, 1] = np.degrees(q[:, 1])
+    (said,) = _said(_shown(clean, q=q), robot)
+    assert "--map 'q{n}[deg]=q', or --map 'q2[deg]=q2' where joint 2 alone; " in said.advice
+
+
 def test_angles_at_the_motor_are_not_called_degrees_by_their_weight(clean, robot):
     (said,) = _said(replace(clean, q=clean.q * RATIOS), robot)
     assert said.code == "angle_unit"

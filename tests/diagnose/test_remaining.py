@@ -238,7 +238,7 @@ def test_a_frozen_model_that_was_moved_away_from_the_held_out_runs_says_what_it_
 ):
     left = judged(3.26)
     (said,) = remaining(left, [None], [], ["N·m"], as_given=np.array([as_given]))
-    assert ("As it was given the model leaves 0.15 N·m there" in said.sentence) is told
+    assert ("Where it was not moved the model leaves 0.15 N·m there" in said.sentence) is told
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.78, True), (0.3, False)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -117,6 +118,13 @@ def test_a_run_on_both_sides_is_cut(runs, model):
     assert "of fit_b, which the fit uses as well, every other block of time" in words
     cut = {r.name: r.keep for r in held.runs}["fit_b"]
     assert not np.any(train.keep[1] & cut)
+
+
+def test_a_copy_of_a_fitted_run_does_not_judge(runs, model):
+    """Three false claims of structure, "where the fit side has not been", stood on such a one."""
+    copy = replace(runs["fit_a"], name="held")
+    with pytest.raises(UserError, match="held has the samples of fit_a, which is fitted"):
+        two_sides(model, [runs["fit_a"], runs["fit_b"]], [copy])
 
 
 def test_no_run_is_refused(model):

@@ -87,7 +87,7 @@ def test_coefficients_are_told_from_zero_together(values, covariance, expected):
 
 
 def test_one_suspicion_that_is_not_confirmed_says_nothing_of_others():
-    found = SimpleNamespace(only="a torque offset")
+    found = SimpleNamespace(only="a torque offset", stood="")
     assert none_found(found) == (
         "This data does not show a torque offset; nothing else was looked for."
     )

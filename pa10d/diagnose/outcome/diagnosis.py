@@ -101,7 +101,7 @@ class Diagnosis:
     lacked: joints (0-based) that keep no more than a model that stays as it was may leave though
     nothing changed
     beside: what the given model lacks of its own data, where the change was sought beside that
-    with_reversals: (n,) N·m that the model with all findings leaves where reversals count, too
+    with_reversals: (n,) N·m, ``rms`` where reversals count, too
     stood: of a frozen model that was moved far, within its own doubt: what it left as it was given
     knocked: joints (0-based) whose error lies in a few moments of the runs
     above_band: joints (0-based) and, in words, what the low-pass takes away that is more than all
@@ -183,11 +183,10 @@ class Diagnosis:
             *self._lighter(),
             *beside,
         )
-        return (
-            (*own, *tails(self.model, found, self.fitted).values(), *warnings(self.kept))
-            if found
-            else own
-        )
+        if not found:
+            return own
+        worse = warnings(self.kept, bool(self.beside))
+        return (*own, *tails(self.model, found, self.fitted).values(), *worse)
 
     def _apart(self) -> tuple[str, ...]:
         """What to do where fitted runs contradict each other."""

@@ -36,6 +36,7 @@ def two_sides(
     """
     if not fit:
         raise UserError("diagnose: no run to fit, expected at least one")
+    _not_fitted_by_another_name(fit, validate)
     names = [r.name for r in fit]
     both = [r for r in validate if r.name in names]
     shared = list(both) if validate else list(fit)
@@ -69,6 +70,19 @@ def two_sides(
     silent = {**_few_to_judge(held), **silent}
     _some_left(silent, model.robot.n)
     return Side.of(train), Side.of(held, silent), words
+
+
+def _not_fitted_by_another_name(fit: Sequence[Recording], validate: Sequence[Recording]) -> None:
+    """UserError where what is to judge was measured by what is fitted."""
+    for run in validate:
+        for other in fit:
+            alike = np.array_equal(run.q, other.q) and np.array_equal(run.tau, other.tau)
+            if run.name != other.name and alike:
+                raise UserError(
+                    f"diagnose: {run.name} has the samples of {other.name}, which is fitted; "
+                    "expected another run to judge by, or none: then every other block of time "
+                    "judges"
+                )
 
 
 _CUT = (

@@ -40,8 +40,9 @@ def delivered(model: TorqueModel) -> Delivery:
     return model.notes.delivery or Delivery()
 
 
-def warnings(model: TorqueModel) -> list[str]:
-    """One line per joint that became worse, surely or by much."""
+def warnings(model: TorqueModel, beside: bool = False) -> list[str]:
+    """One line per joint that became worse, surely or by much; beside: than with what its parent
+    lacked, which was given to it first."""
     found = delivered(model)
     if found.before is None or found.achieved is None:
         return []
@@ -52,7 +53,7 @@ def warnings(model: TorqueModel) -> list[str]:
         if surely or now > (1.0 + MUCH_WORSE) * was > 0.0:
             lines.append(
                 f"joint {j + 1}: its error rises from {was:.3g} to {now:.3g} "
-                f"{model.robot.torque_unit(j)} against {model.parent or 'the model as given'}, "
-                f"which stays as it is{doubt}"
+                f"{model.robot.torque_unit(j)} against {model.parent or 'the model as given'}"
+                f"{' with what it lacked' if beside else ''}, which stays as it is{doubt}"
             )
     return lines

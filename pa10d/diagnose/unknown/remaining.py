@@ -357,8 +357,8 @@ NOT_DETERMINED = (
     "may be as much. Fit to motion like this one."
 )
 MOVED_AWAY = (
-    " As it was given the model leaves {given} {unit} there: within its own doubt it was moved to "
-    "suit the fitted runs."
+    " Where it was not moved the model leaves {given} {unit} there: within its own doubt it was "
+    "moved to suit the fitted runs."
 )
 NOT_NEW = (
     " The model lacked about as much on the data that it was identified from: ask what is missing, "
