@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from two_links import CUTOFF, motion, robot, textbook_torque
 
 from pa10d.diagnose.asked import changed
-from pa10d.diagnose.asked.changed import what_changed
+from pa10d.diagnose.asked.changed import _loses, what_changed
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.base import smooth_sign
@@ -95,3 +96,19 @@ def test_a_lack_that_does_not_hold_on_the_new_data_is_left_out(monkeypatch):
     found = what_changed(model, day[:1], day[1:], runs)
     assert not found.beside
     assert found.verdict == alone.verdict
+
+
+@pytest.mark.parametrize(
+    ("joint", "again", "lost"), [(2, [], True), (2, [2], False), (5, [], False)]
+)
+def test_what_a_model_lacked_elsewhere_does_not_hide_a_change(joint, again, lost):
+    """Friction of joint 3 that had risen by 1.8 kN·m was told, and not beside joint 6's warming up,
+    which the model had lacked: the wider doubt of all had taken it up."""
+    rose = diagnosed([joint])
+    assert _loses(diagnosed(again), rose, [5]) is lost
+
+
+def diagnosed(joints):
+    return SimpleNamespace(
+        findings=[SimpleNamespace(term=SimpleNamespace(joints=(j,))) for j in joints]
+    )

@@ -68,6 +68,23 @@ def test_a_change_of_which_not_one_number_is_known_is_not_named(monkeypatch):
     assert found.left.rms[1] > 2.0 * found.left.floor.values[1]
 
 
+@pytest.mark.parametrize(
+    ("kind", "name", "value", "kept"),
+    [
+        ("encoder_offset", "offset", 0.587, True),
+        ("encoder_offset", "offset", 0.2, False),
+        ("rotor_inertia", "Ia", -0.1, False),
+    ],
+)
+def test_a_change_is_not_told_less_for_being_larger_than_it_may_be(kind, name, value, kept):
+    """A zero that was off by 0.29 rad was named, and twice as much was "this data cannot say"."""
+    named = effect(kind)
+    term = Term(kind, (2,), np.array([value]), {})
+    beyond = abs(value) > 0.5 or value < 0.0
+    told = Value(value, 0.1, named.coefficients[0].unit, determined=False, beyond=beyond)
+    assert with_numbers.too_large(term, {name: told}) is kept
+
+
 def test_friction_that_came_at_low_speed_is_named_with_its_shape():
     """A joint that ran dry: it was "something that no effect of the library explains"."""
 

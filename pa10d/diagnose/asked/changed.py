@@ -17,7 +17,7 @@ from pa10d.diagnose.constants import MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.procedure import diagnose
 from pa10d.measurement.recording import Recording
-from pa10d.model import TorqueModel
+from pa10d.model import Term, TorqueModel
 
 Progress = Callable[[float, str], None]
 Cancel = Callable[[], bool]
@@ -51,7 +51,8 @@ def what_changed(
     again = diagnose(
         whole, fit, validate, frozen=True, progress=_part(progress, 0.8, 1.0), cancel=cancel
     )
-    if not _explains_more(again, found, {j for f in lacking.findings for j in f.term.joints}):
+    lacked = {j for f in lacking.findings for j in _concerned(f.term, model)}
+    if not _explains_more(again, found, lacked) or _loses(again, found, lacked):
         return found
     return replace(
         again, as_given=found.as_given, beside=told, identified_from=found.identified_from
@@ -61,15 +62,27 @@ def what_changed(
 def _explains_more(again: Diagnosis, found: Diagnosis, lacked: Collection[int]) -> bool:
     """Does what was lacking leave less of the new data, too, before any change is sought? Not so
     friction that warmed up from cold where the new runs began warm."""
-    joints = sorted(lacked or range(len(found.as_given.rms)))
+    joints = sorted(lacked)
     ratio = again.as_given.rms[joints] / found.as_given.rms[joints]
     return bool(np.mean(ratio**2) < 1.0)
+
+
+def _loses(again: Diagnosis, found: Diagnosis, lacked: Collection[int]) -> bool:
+    """Is a change gone, and nothing said of its joints, where nothing was lacking? What was added
+    for other joints has widened the doubt of all, and the change lies within it."""
+    told = {j for f in again.findings for j in f.term.joints}
+    own = (set(f.term.joints) for f in found.findings)
+    return any(joints and not joints & {*lacked, *told} for joints in own)
+
+
+def _concerned(term: Term, model: TorqueModel) -> Sequence[int]:
+    return term.joints or range(model.robot.n)
 
 
 def _claims_where_it_lacks(found: Diagnosis, model: TorqueModel) -> bool:
     joints = {u.joint for u in found.unexplained}
     for finding in found.findings:
-        joints |= {*finding.term.joints} or {*range(model.robot.n)}
+        joints |= {*_concerned(finding.term, model)}
     lacks = model.noise > MATERIAL_REST * found.noise_floor
     return bool(np.any(lacks[sorted(joints)]))
 

@@ -56,17 +56,17 @@ def on_their_own(
     state: SearchState, given: TorqueModel, suspects: Suspects, asked: NDArray[np.bool_]
 ) -> dict[int, OneChange]:
     """By joint (0-based) of those asked for, (n,) mask: a change of that joint alone that takes
-    most of its error, so that no more is left than on the model's own runs: so much came since, if
-    it is no more of what the model lacks that another motion shows."""
+    most of its error, and three quarters of what is more than on the model's own runs: that came
+    since, if it is no more of what the model lacks that another motion shows."""
     if state.as_given is None:
         return {}
     told = {}
     for j in np.flatnonzero(asked).tolist():
-        usually = MATERIAL_REST * given.noise[j]
-        if state.as_given[j] <= usually:
+        if state.as_given[j] <= MATERIAL_REST * given.noise[j]:
             continue
         change = one_change(state, given, [one for one in suspects if tuple(one[1]) == (j,)], j)
-        if change is not None and np.sqrt(1.0 - change.shares[j]) * state.as_given[j] <= usually:
+        came = 1.0 - (given.noise[j] / state.as_given[j]) ** 2
+        if change is not None and change.shares[j] >= (1.0 - MOVED_FAR**-2) * came:
             told[j] = change
     return told
 
