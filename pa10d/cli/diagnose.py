@@ -194,7 +194,7 @@ def in_words(found: Diagnosis) -> str:
     says = {
         "none": none_found(found),
         "unknown": f"{unexplained(found)}.",
-        "missing": "Missing:" if not found.frozen else "Changed:",
+        "missing": f"{found.heading}:",
     }
     lines = [says[found.verdict]]
     for number, finding in enumerate(found.findings, 1):

@@ -19,6 +19,7 @@ from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
     BROKEN_SHARE,
     FIRM,
+    MATERIAL_GAIN,
     MATERIAL_REST,
     SHARE_OFF,
     SIZED_LEVEL,
@@ -127,7 +128,12 @@ def diagnose(
     given_error = with_known_floor(judged(model.name, as_given), known)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     asked = heard(asked, held)
+    moved = rms(state.held_residual())
     if frozen:
+        firmness = 1.0
+        while firmness < FIRM**2 and _harmed(state, given_error.rms):
+            firmness *= FIRM
+            state = SearchState.start(model, train, held, True, firmness)
         state.usual, state.as_given = _usual(model, given_error), given_error.rms
         asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
@@ -161,8 +167,7 @@ def diagnose(
     far, stood, alone_by = np.zeros(model.robot.n, dtype=bool), "", {}
     units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
     if state.usual is not None:
-        alone = rms(state.bare(given).held_residual())
-        far = left_far_more(state, alone, left.rms, given_error.floor.values)
+        far = left_far_more(state, moved, left.rms, given_error.floor.values)
         spoken = _spoken_of(state.terms[given:], model.robot.n)
         far &= ~(spoken & (left.rms <= state.usual))
         may_change = heard(suspects(True, model.robot.n), held) if only is None else asked
@@ -171,7 +176,7 @@ def diagnose(
             far[:] = False  # of one suspicion: where it would do
         if changes is not None:
             far[[*changes]] = True
-            stood = stood_words(given_error.rms, alone, model.noise, far, changes)
+            stood = stood_words(given_error.rms, moved, model.noise, far, changes)
             alone_by = alone_words(given_error.rms, changes, units)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
     over = left_over(
@@ -389,14 +394,17 @@ def _or_geometry(finding: Finding, geometry: Geometry) -> Finding:
 
 
 def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResidual]) -> Search:
-    """Where one change alone, all else as it was, explains what was found otherwise while the model
-    moved within its doubt: the search of one that hardly moves, if it names that change and leaves
-    less."""
+    """Where one change alone, all else as it was, explains what was found otherwise or not at all
+    while the model moved within its doubt: the search of one that hardly moves, if it names that
+    change and leaves less."""
     state, given = search.state, search.fixed
-    if len(state.terms) == given:
+    if state.usual is None or state.as_given is None:
         return search
-    change = one_change(state, model, heard(suspects(True, model.robot.n), state.held))
-    if change is None or change.place in _found(search):
+    may_change = heard(suspects(True, model.robot.n), state.held)
+    change = one_change(state, model, may_change)
+    own = on_their_own(state, model, may_change, state.as_given > state.usual)
+    would_do = {one.place for one in (change, *own.values()) if one is not None} - _found(search)
+    if not would_do:
         return search
     firm = SearchState.start(model, state.train, state.held, True, FIRM)
     firm.usual, firm.as_given = state.usual, state.as_given
@@ -404,7 +412,13 @@ def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResid
     other.run()
     only_with_numbers(other, model, as_given)
     better = less_likely(rms(state.held_residual()) / rms(other.state.held_residual()))
-    return other if better and change.place in _found(other) else search
+    return other if better and would_do & _found(other) else search
+
+
+def _harmed(state: SearchState, as_given: Array) -> bool:
+    """Does a frozen model, moved within its doubt to suit the fit side, leave materially more of
+    the other than as it was given?"""
+    return less_likely(rms(state.held_residual()) / ((1.0 + MATERIAL_GAIN) * as_given))
 
 
 def _changes(
@@ -518,7 +532,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         parameters=parameters,
         rms_before=before,
         rms_after=after,
-        p_value=judged.p_corrected,
+        p_value=0.0 if judged.certain else judged.p_corrected,
         slope=judged.evidence.slope,
         size=size,
         confounded_with=confusions,

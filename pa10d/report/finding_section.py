@@ -99,7 +99,7 @@ def _facts(found: Diagnosis, finding: Finding) -> list[tuple[str, str]]:
             "What does 'changed' mean?",
             "The model was not fitted anew to these runs: what is reported is the difference to "
             "the arm as it was when the model was identified."
-            if found.frozen
+            if found.frozen and not finding.was_there
             else "",
         ),
     ]
@@ -138,7 +138,7 @@ def _decision(found: Diagnosis, k: int, asked: Asked) -> Block:
         f"pa10d add {earlier} {term.effect_id}{joints} --fit {' '.join(asked.fit)} "
         f"--name {asked.model}.{k + 1}"
     )
-    if not found.frozen:
+    if not found.frozen or found.findings[k].was_there:
         return Command("To add it (the model that you have stays as it is):", [add])
     new = f"pa10d identify {' '.join(asked.fit)} --profile {asked.profile} --name NEW"
     says = (

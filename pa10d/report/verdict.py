@@ -51,9 +51,14 @@ def answer(found: Diagnosis, sizes: str = "") -> str:
     if found.verdict == "unknown":
         places = listed([structure_words(s) for s in found.unexplained])
         return f"{unexplained(found)}: {places}."
-    named = listed([finding_words(f, found.frozen) for f in found.findings])
+    came, missing = (
+        listed([finding_words(f, found.frozen) for f in found.findings if f.was_there is there])
+        for there in (False, True)
+    )
     verb = "What changed" if found.frozen else "Missing in the model"
-    text = f"{verb}: {named}.{sizes}"
+    told = [f"{verb}: {came}"] if came else []
+    told += [f"Missing, and not changed: {missing}"] if missing else []
+    text = f"{'. '.join(told)}.{sizes}"
     if found.unexplained:
         text += " Something besides is left that no effect of the library explains."
     return text

@@ -8,15 +8,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from two_links import CUTOFF, motion, robot, textbook_torque
+from two_links import CUTOFF, motion, recordings, robot, textbook, textbook_torque
 
 from pa10d.diagnose.asked import changed
-from pa10d.diagnose.asked.changed import _loses, what_changed
+from pa10d.diagnose.asked.changed import _loses, _there_before, what_changed
+from pa10d.diagnose.outcome.diagnosis import Finding
 from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import inverse_dynamics
+from pa10d.effects import Value
 from pa10d.effects.base import smooth_sign
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
+from pa10d.model import Term
 
 MU, MORE_VISCOUS = 0.12, 0.6
 
@@ -106,6 +109,24 @@ def test_what_a_model_lacked_elsewhere_does_not_hide_a_change(joint, again, lost
     which the model had lacked: the wider doubt of all had taken it up."""
     rose = diagnosed([joint])
     assert _loses(diagnosed(again), rose, [5]) is lost
+
+
+@pytest.mark.parametrize(("always", "there"), [(0.4, True), (0.0, False)])
+def test_what_a_model_s_own_runs_have_as_well_has_not_changed(always, there):
+    """Bumps of friction that a real arm had all along "now" were there: its own runs knew better,
+    and nobody had asked them."""
+    runs = recordings(4, lambda t, q, dq, ddq: np.broadcast_to([0.0, always], q.shape))
+    own = [runs["fit_a"], runs["fit_b"]]
+    model = replace(textbook(recordings(5)), name="m0")
+    term = Term("torque_offset", (1,), np.array([0.3]), {})
+    before, after = np.array([0.1, 0.4]), np.array([0.1, 0.1])
+    size = Value(0.3, 0.01, "N·m")
+    said = "Joint 2 now has a torque offset."
+    found = Finding(term, {}, before, after, 0.0, 1.0, size, (), None, said)
+    told = _there_before(found, model, own)
+    assert told.was_there is there
+    assert told.sentence.startswith("Joint 2 has a torque offset. No change: on the runs") is there
+    assert (told.sentence == said) is not there
 
 
 def diagnosed(joints):

@@ -132,6 +132,19 @@ def test_what_a_joint_always_lacked_says_nothing_of_a_change(clean):
     assert suiting.gain == pytest.approx(as_it_is.gain)
 
 
+def test_what_moving_a_model_did_to_a_joint_is_no_change(clean):
+    """Moved within its doubt it leaves more there than a change would need, and as it was given no
+    more than usual: offsets of a wrist were named that hid the one that had come."""
+    state = clean.copy()
+    left = rms(state.held_residual())
+    state.usual, state.as_given = 0.5 * left, left * [0.4, 2.0]
+    judging = Judging(state, [], len(state.terms))
+    for joint, speaks in ((0, []), (1, [1])):
+        (candidate,) = scan(state, [(effect("torque_offset"), (joint,))])
+        (judged,) = evidence_of(judging, [candidate], 1)
+        assert judged.speaks_on == speaks
+
+
 def test_a_candidate_that_does_not_hold_once_added_leaves_the_model_as_it_was(clean):
     """Nothing is hidden: whatever is pushed in is pruned, and the search must not keep a trace."""
     search = Search(clean.copy(), [(effect("torque_offset"), (1,))], len(clean.terms))

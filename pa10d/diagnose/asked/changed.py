@@ -14,11 +14,18 @@ import numpy as np
 
 from pa10d.common.words import listed
 from pa10d.diagnose.constants import MATERIAL_REST
-from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
+from pa10d.diagnose.outcome.words import helped_most
 from pa10d.diagnose.procedure import diagnose
+from pa10d.judgement import run_residual
+from pa10d.judgement.scores import scores
 from pa10d.measurement.recording import Recording
 from pa10d.model import Term, TorqueModel
 
+WAS_THERE = (
+    " No change: on the runs that the model was identified from, joint {joint} keeps {after} "
+    "{unit} with it and {before} without."
+)
 Progress = Callable[[float, str], None]
 Cancel = Callable[[], bool]
 
@@ -36,11 +43,29 @@ def what_changed(
     found = diagnose(
         model, fit, validate, frozen=True, progress=_part(progress, 0.0, 0.4), cancel=cancel
     )
-    if not own or not _claims_where_it_lacks(found, model):
+    if not own or not found.findings:
         return found
+    return _as_own_runs_have_it(
+        *_beside_what_lacked(found, model, fit, validate, own, progress, cancel), own
+    )
+
+
+def _beside_what_lacked(
+    found: Diagnosis,
+    model: TorqueModel,
+    fit: Sequence[Recording],
+    validate: Sequence[Recording],
+    own: Sequence[Recording],
+    progress: Progress | None,
+    cancel: Cancel | None,
+) -> tuple[Diagnosis, TorqueModel]:
+    """Asked again with what the model lacks of its own data, where a change is claimed there and
+    the new data has it, too; and of which model."""
+    if not _claims_where_it_lacks(found, model):
+        return found, model
     lacking = diagnose(model, own, progress=_part(progress, 0.4, 0.8), cancel=cancel)
     if not lacking.findings:
-        return found
+        return found, model
     named = listed([f.term.label for f in lacking.findings])
     runs = listed(sorted(run.name for run in own))
     told = (
@@ -53,10 +78,38 @@ def what_changed(
     )
     lacked = {j for f in lacking.findings for j in _concerned(f.term, model)}
     if not _explains_more(again, found, lacked) or _loses(again, found, lacked):
-        return found
-    return replace(
-        again, as_given=found.as_given, beside=told, identified_from=found.identified_from
+        return found, model
+    first = found.as_given
+    again = replace(again, as_given=first, beside=told, identified_from=found.identified_from)
+    return again, whole
+
+
+def _as_own_runs_have_it(
+    found: Diagnosis, model: TorqueModel, own: Sequence[Recording]
+) -> Diagnosis:
+    """With a word on what takes as much of the runs that the model was identified from."""
+    return replace(found, findings=tuple(_there_before(f, model, own) for f in found.findings))
+
+
+def _there_before(finding: Finding, model: TorqueModel, own: Sequence[Recording]) -> Finding:
+    """What came since would have shown on those runs; what was always lacking makes them, too, more
+    likely. Of effects that move one equation: what the bodies share makes up for others."""
+    term = finding.term
+    if term.effect.reaches_other_joints or term.effect.seen_by_shared_bodies:
+        return finding
+    whole = replace(model, terms=(*model.terms, term))
+    without, beside = (scores([run_residual(m, run) for run in own]).rms for m in (model, whole))
+    j = helped_most(term, finding.rms_before, finding.rms_after)[0]
+    if beside[j] > without[j]:
+        return finding
+    text = WAS_THERE.format(
+        joint=j + 1,
+        before=f"{without[j]:.3g}",
+        after=f"{beside[j]:.3g}",
+        unit=model.robot.torque_unit(j),
     )
+    told = finding.sentence.replace(" now has ", " has ", 1).replace(" now have ", " have ", 1)
+    return replace(finding, sentence=told + text, was_there=True)
 
 
 def _explains_more(again: Diagnosis, found: Diagnosis, lacked: Collection[int]) -> bool:

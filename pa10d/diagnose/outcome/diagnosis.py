@@ -45,6 +45,7 @@ class Finding:
     of a frozen model, as that was given
     size: N·m RMS of its torque on the held-out side where it acts, and its standard error
     slope: of the held-out residual on the predicted change; 1 for a true effect
+    was_there: of a frozen model, that its own runs had it already
     """
 
     term: Term
@@ -57,6 +58,7 @@ class Finding:
     confounded_with: tuple[Confusion, ...]
     next_experiment: NextExperiment | None
     sentence: str
+    was_there: bool = False
 
     def document(self) -> JsonObject:
         """As INTERFACES has it, and a little more."""
@@ -79,6 +81,7 @@ class Finding:
             ],
             "next_experiment": self.next_experiment and self.next_experiment.document(),
             "sentence": self.sentence,
+            "was_there": self.was_there,
         }
 
 
@@ -135,6 +138,14 @@ class Diagnosis:
     above_band: Mapping[int, str] = field(default_factory=dict)
     told: tuple[str, ...] = ()
     read_wrong: tuple[str, ...] = ()
+
+    @property
+    def heading(self) -> str:
+        """What stands above the findings."""
+        if not self.frozen:
+            return "Missing"
+        all_there = all(finding.was_there for finding in self.findings)
+        return "Missing, not changed" if all_there else "Changed"
 
     @property
     def begins(self) -> str:

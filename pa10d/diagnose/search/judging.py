@@ -43,6 +43,7 @@ class JudgedCandidate:
     fit_gain: float | None = None  # of the joints that speak, where not all of them do
     is_itself: bool = True
     as_given: Array | None = None  # (n,) N·m RMS that a frozen model leaves as it was
+    at_most: Array | None = None  # (n,) N·m RMS that it may leave though nothing changed
 
     @property
     def place(self) -> Place:
@@ -85,16 +86,30 @@ class JudgedCandidate:
         own = self.speaks_on
         if not own:
             return False
-        before = e.before if self.as_given is None else np.minimum(e.before, self.as_given)
-        drop = 1.0 - np.min(e.after[own] / np.maximum(before[own], 1e-300))
+        drop = 1.0 - np.min(e.after[own] / np.maximum(self._before[own], 1e-300))
+        sure = self.p_corrected < SEARCH_LEVEL and e.p_value < HELD_OUT_LEVEL
         return bool(
             self.is_itself
-            and self.p_corrected < SEARCH_LEVEL
-            and e.p_value < HELD_OUT_LEVEL
+            and (sure or self.certain)
             and SLOPES[0] < e.slope < SLOPES[1]
             and drop > MATERIAL_GAIN
             and not e.worse
         )
+
+    @property
+    def certain(self) -> bool:
+        """Does it take more of a joint's error than a frozen model may leave there though nothing
+        changed? However slow, noise of that size cannot be what it takes."""
+        if self.at_most is None:
+            return False
+        own = self.speaks_on
+        taken = self._before[own] ** 2 - self.evidence.after[own] ** 2
+        return bool(np.any(taken > self.at_most[own] ** 2))
+
+    @property
+    def _before(self) -> Array:
+        before = self.evidence.before
+        return before if self.as_given is None else np.minimum(before, self.as_given)
 
 
 @dataclass(frozen=True)
@@ -128,6 +143,7 @@ class Judging:
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(columns, partial.theta, change),
             self.state.as_given,
+            self.state.usual,
         )
 
     def _told(self, candidate: Candidate, left: PerJoint, usual: Array | None) -> set[int]:
@@ -206,6 +222,7 @@ class Judging:
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(held, partial.theta, change),
             self.state.as_given,
+            self.state.usual,
         )
 
     def is_itself(self, kind: Effect, joints: Sequence[int], shape: Shape) -> bool:
@@ -218,7 +235,8 @@ class Judging:
 
     def _usual(self, but: int | None = None) -> Array | None:
         """(n,) N·m that a joint may keep though nothing changed; none where the model as it was
-        leaves more and nothing has been found: within its own uncertainty it hides most changes."""
+        leaves more and nothing has been found: within its own uncertainty it hides most changes;
+        anything where it leaves no more: what moving it did to a joint is no change there."""
         usual, given = self.state.usual, self.state.as_given
         if usual is None or given is None:
             return usual
@@ -226,7 +244,7 @@ class Judging:
         for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
             if index != but:
                 found[term.effect.speaks_on(term.joints)] = True
-        return np.where((given > usual) & ~found, 0.0, usual)
+        return np.where(given > usual, np.where(found, usual, 0.0), np.inf)
 
 
 def _speaking(kind: Effect, joints: Sequence[int], before: Array, usual: Array | None) -> list[int]:
