@@ -165,6 +165,7 @@ FIRM = 10.0  # times: a model that hardly moves, where moving explains less than
 #   (policy; ten times more gives the same)
 USUAL = 2.0  # times what a model lacked on its own data: other motion may show as much more of it
 #   (policy; two arms that nobody here wrote showed 0.8 to 1.4, decision 0228)
+RUNAWAY = 1e3  # times all torque of a joint: what a map says where two of its knots were one
 UNKNOWN_GROUND = 0.1  # weight of unvisited knots above which a sample is none of the map's
 FEW_VISITS = 2.0  # samples at a knot below which the map does not know what is there
 WIDER = 2.0  # times the usual distance from a standstill, to see what reversals do to estimates

@@ -30,6 +30,7 @@ from pa10d.diagnose.constants import (
     MAP_MEMORIES,
     MAP_THIN,
     MAPS_PER_JOINT,
+    RUNAWAY,
     UNHEARD,
     UNKNOWN_GROUND,
 )
@@ -302,7 +303,9 @@ def _strongest(
     if kind == "motion":
         strongest = [_or_flat(state, motion, m) for m in strongest]
     predictions = (_predict(state, held, m) for m in strongest)
-    return [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+    most = RUNAWAY * float(np.max(np.abs(state.held.tau[joint]), initial=0.0))
+    told = [p for p in predictions if p.inside.mean() >= KNOWN_GROUND]
+    return [p for p in told if np.max(np.abs(p.values), initial=0.0) <= most]
 
 
 def _vary(motion: list[dict[str, Array]], names: Sequence[str]) -> bool:
