@@ -40,7 +40,7 @@ def test_what_another_joint_does_not_know_is_no_evidence():
     unsure = {0: np.zeros((len(residual[0]), 1)), 1: np.ones((len(residual[1]), 1))}
     for error in (0.0, 10.0):
         doubt = ModelUncertainty(unsure, np.array([[error**2]]))
-        found = judging._evidence(candidate, residual, change, doubt)
+        found = judging._evidence(residual, change, doubt, judging._told(candidate, residual, None))
         assert found.p_value < 1e-6
         assert found.slope == pytest.approx(1.0, abs=0.2)
         assert found.after[1] != found.before[1], "what it does there is still told"

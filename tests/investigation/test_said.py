@@ -38,7 +38,7 @@ def test_an_error_that_falls_has_the_unit_of_its_joint():
 def found(*terms, parameters, **more):
     """A diagnosis, as far as its words go."""
     findings = [
-        SimpleNamespace(term=term, parameters=sizes)
+        SimpleNamespace(term=term, parameters=sizes, was_there=False)
         for term, sizes in zip(terms, parameters, strict=True)
     ]
     told = {"verdict": "missing", "frozen": False, "unexplained": (), "lacked": (), "only": ""}

@@ -15,8 +15,7 @@ from pa10d.model.estimates import not_one
 def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
     """Drop what was found and has not one number that the data determine: all that is known of it
     is that columns of such a shape take something, and so does whatever a model lacked before. What
-    is larger than it may be is no estimate either, but a larger change is not told less; nor is one
-    that takes more than all that a joint may keep though nothing changed.
+    is larger than it may be is no estimate either, but a larger change is not told less.
 
     as_given: the held-out side as the given model saw it
     """
@@ -27,7 +26,6 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
             for index in range(search.fixed, len(state.terms))
             if not_one(state.terms[index], values := version.term_values(index))
             and not too_large(state.terms[index], values)
-            and not search.judge_term(index).certain
         ]
         if not none:
             return
