@@ -40,6 +40,9 @@ CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its we
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 LIFTED = 0.5  # of the torque limit, that a joint may need to bear its load, also one that nobody
 # described: motors that give less than twice what they bear hardly move an arm
+ALONE_AFTER = (
+    3  # falls: two tell one joint apart from its inertia; what falls on is moved by others
+)
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
@@ -87,7 +90,7 @@ class Arm:
         self._rest = 0.0  # s for which it rests yet before it is reset
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
-        self._fell = False  # as its brakes opened, since it ended a motion: each opens alone first
+        self._fell = 0  # times as its brakes opened, since it ended a motion
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -157,10 +160,14 @@ class Arm:
             self._on_fault(error)
 
     def _begin_enable(self) -> Callable[[], None]:
-        """How the brakes open: of an arm that fell each alone before, where they can."""
-        if self._fell and isinstance(self.backend, OpensOneByOne):
+        """How the brakes open: of an arm that goes on falling each alone before, where they can."""
+        if self._each_alone and isinstance(self.backend, OpensOneByOne):
             return self.backend.begin_enable_one_by_one
         return self.backend.begin_enable
+
+    @property
+    def _each_alone(self) -> bool:
+        return self._fell >= ALONE_AFTER
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
@@ -242,7 +249,8 @@ class Arm:
         most, found = self.path.limits.torque, np.abs(self._gravity(q))
         wrong = found * self._share > most
         self._share[wrong] = LIFTED * most[wrong] / found[wrong]
-        self._fell |= bool(wrong.any())
+        if wrong.any():
+            self._fell = ALONE_AFTER
 
     def _weight(self, q: Array) -> Array:
         """N·m (n,) by the description, as far as it is believed."""
@@ -366,7 +374,7 @@ class Arm:
 
     def _follow(self) -> None:
         if self.motion is None or self.motion.finished:
-            self._fell = False
+            self._fell = 0
             self._hold()
         else:
             self.motion.advance(self.path.reference)
@@ -501,7 +509,8 @@ class Arm:
         """Whether the drives had their time to switch. It begins with the first cycle after the
         command: what was known before may be the time of a cycle long ago, or of none at all."""
         if self._switch_by is None:
-            brakes = self.backend.n if self._fell and self.state == ArmState.ENABLING else 0
+            alone = self._each_alone and self.state == ArmState.ENABLING
+            brakes = self.backend.n if alone else 0
             self._switch_by = self.path.time + PATIENCE + EACH * brakes
         return self.path.time > self._switch_by
 
@@ -532,8 +541,9 @@ class Arm:
             said = fault.seen if self.motion is not None or fault.weighed else fault.sentence
             log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
-            self._fell = self._fell or fault.weighed > 0 or fault.kind == "not_held"
-            self._fell &= fault.kind != "brake_gave"  # they open together, whoever is asked
+            self._fell += fault.weighed > 0 or fault.kind == "not_held"
+            if fault.kind == "brake_gave":  # they open together, whoever is asked
+                self._fell = 0
             self.journal.fault(fault)
 
     def _clear_fault(self) -> None:

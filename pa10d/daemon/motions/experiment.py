@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 LOOK_EVERY = 0.1  # s
 TRIES = 3  # with calmer gains, or slower, each
-FALLS = 5  # that may tell what holds one joint: the first with all others, four alone
+FALLS = 5  # that may tell what holds one joint: the first three with all others
 WEIGHINGS = 3  # by smaller motions, each of which lets the next be larger
 WENT = 20.0  # s before a fault that are looked at
 SHORT = 0.5  # s in which a run ends as a rule
