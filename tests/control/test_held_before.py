@@ -7,7 +7,7 @@ import pytest
 from arms import PERIOD, cycles, limits, servo, swing, until
 from fake_backend import FakeBackend, Flywheels
 
-from pa10d.control.arm import NEAR, Arm
+from pa10d.control.arm import ALONE_AFTER, NEAR, Arm
 from pa10d.control.faults import Fault, LoopFault
 from pa10d.control.journal import Journal
 from pa10d.control.ring import Ring
@@ -195,8 +195,9 @@ def test_brakes_open_alone_until_a_motion_has_come_to_its_end(arm):
             super().begin_enable()
 
     arm.backend.__class__ = OneByOne
-    arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
-    arm.fault = None
+    for _ in range(ALONE_AFTER):
+        arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
+        arm.fault = None
     for motion in (None, swing(np.zeros(2), 0.1, 1.0), None):
         arm.enable()
         until(arm, HOLDING)
