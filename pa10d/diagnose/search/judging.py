@@ -139,7 +139,7 @@ class Judging:
             p,
             change,
             usual,
-            _gain_of(fit, seen, told),
+            self._gain_of(fit, seen, told),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(columns, partial.theta, change),
             self.state.as_given,
@@ -151,6 +151,13 @@ class Judging:
         before = np.array([rms(left[j]) for j in sorted(left)])
         told = _speaking(candidate.effect, candidate.joints, before, usual)
         return {*told} or {*range(self.state.held.n)}
+
+    def _gain_of(self, fit: LeastSquares, seen: PerJoint, told: set[int]) -> float | None:
+        """Weighted squared error that a change takes of these joints on the fit side; None: of a
+        model that is refitted all count, for all may gain by what it makes room for."""
+        if self.state.usual is None:
+            return None
+        return float(sum(2 * p @ fit.residual[j] - p @ p for j, p in seen.items() if j in told))
 
     def _evidence(
         self, residual: PerJoint, change: PerJoint, doubt: ModelUncertainty, told: set[int]
@@ -218,7 +225,7 @@ class Judging:
             p,
             {},
             usual,
-            _gain_of(rest, seen, told),
+            self._gain_of(rest, seen, told),
             self.is_itself(candidate.effect, candidate.joints, candidate.shape)
             and _acts(held, partial.theta, change),
             self.state.as_given,
@@ -253,13 +260,6 @@ def _speaking(kind: Effect, joints: Sequence[int], before: Array, usual: Array |
     (n,) N·m RMS."""
     own = np.arange(len(before))[kind.speaks_on(joints)]
     return [int(j) for j in own if usual is None or before[j] > usual[j]]
-
-
-def _gain_of(fit: LeastSquares, seen: PerJoint, told: set[int]) -> float | None:
-    """Weighted squared error that it takes of these joints on the fit side; None of all."""
-    if told >= seen.keys():
-        return None
-    return float(sum(2 * p @ fit.residual[j] - p @ p for j, p in seen.items() if j in told))
 
 
 def _acts(columns: PerJoint, theta: Array, change: PerJoint) -> bool:
