@@ -52,8 +52,8 @@ def answer(found: Diagnosis, sizes: str = "") -> str:
         places = listed([structure_words(s) for s in found.unexplained])
         return f"{unexplained(found)}: {places}."
     came, missing = (
-        listed([finding_words(f, found.frozen) for f in found.findings if f.was_there is there])
-        for there in (False, True)
+        listed([finding_words(f, found.frozen) for f in found.findings if bool(f.was_there) is it])
+        for it in (False, True)
     )
     verb = "What changed" if found.frozen else "Missing in the model"
     told = [f"{verb}: {came}"] if came else []

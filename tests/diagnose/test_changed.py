@@ -129,6 +129,20 @@ def test_what_a_model_s_own_runs_have_as_well_has_not_changed(always, there):
     assert (told.sentence == said) is not there
 
 
+def test_what_a_model_s_own_runs_never_touched_is_not_said_to_have_been_there():
+    """A stop beyond all angles of the own runs leaves them as they are."""
+    runs = recordings(4)
+    model = replace(textbook(recordings(5)), name="m0")
+    far = float(max(run.q[:, 1].max() for run in runs.values())) + 0.1
+    stop = Term("contact", (1,), np.array([5.0]), {"qs": far, "side": 1.0})
+    before, after = np.array([0.1, 0.4]), np.array([0.1, 0.1])
+    size = Value(0.3, 0.01, "N·m")
+    found = Finding(stop, {}, before, after, 0.0, 1.0, size, (), None, "Joint 2 now has a contact.")
+    told = _there_before(found, model, [runs["fit_a"]])
+    assert told.was_there is None
+    assert told.sentence.startswith("Joint 2 has a contact. Whether it came since, the runs that")
+
+
 def diagnosed(joints):
     return SimpleNamespace(
         findings=[SimpleNamespace(term=SimpleNamespace(joints=(j,))) for j in joints]

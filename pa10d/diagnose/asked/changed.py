@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from pa10d.common.words import listed
-from pa10d.diagnose.constants import MATERIAL_REST
+from pa10d.diagnose.constants import MATERIAL_GAIN, MATERIAL_REST
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import helped_most
 from pa10d.diagnose.procedure import diagnose
@@ -25,6 +25,10 @@ from pa10d.model import Term, TorqueModel
 WAS_THERE = (
     " No change: on the runs that the model was identified from, joint {joint} keeps {after} "
     "{unit} with it and {before} without."
+)
+NOT_SHOWN = (
+    " Whether it came since, the runs that the model was identified from do not tell: they hardly "
+    "show it in joint {joint}, which keeps {after} {unit} with it and {before} without."
 )
 Progress = Callable[[float, str], None]
 Cancel = Callable[[], bool]
@@ -92,24 +96,26 @@ def _as_own_runs_have_it(
 
 
 def _there_before(finding: Finding, model: TorqueModel, own: Sequence[Recording]) -> Finding:
-    """What came since would have shown on those runs; what was always lacking makes them, too, more
-    likely. Of effects that move one equation: what the bodies share makes up for others."""
+    """What came since would have shown on those runs, if they go where it acts; what was always
+    lacking takes part of their error, too. Of effects that move one equation: what the bodies share
+    makes up for others."""
     term = finding.term
     if term.effect.reaches_other_joints or term.effect.seen_by_shared_bodies:
         return finding
     whole = replace(model, terms=(*model.terms, term))
     without, beside = (scores([run_residual(m, run) for run in own]).rms for m in (model, whole))
     j = helped_most(term, finding.rms_before, finding.rms_after)[0]
-    if beside[j] > without[j]:
-        return finding
-    text = WAS_THERE.format(
+    if beside[j] > (1.0 + MATERIAL_GAIN) * without[j]:
+        return replace(finding, was_there=False)
+    was_there = True if (1.0 + MATERIAL_GAIN) * beside[j] < without[j] else None
+    text = (WAS_THERE if was_there else NOT_SHOWN).format(
         joint=j + 1,
         before=f"{without[j]:.3g}",
         after=f"{beside[j]:.3g}",
         unit=model.robot.torque_unit(j),
     )
     told = finding.sentence.replace(" now has ", " has ", 1).replace(" now have ", " have ", 1)
-    return replace(finding, sentence=told + text, was_there=True)
+    return replace(finding, sentence=told + text, was_there=was_there)
 
 
 def _explains_more(again: Diagnosis, found: Diagnosis, lacked: Collection[int]) -> bool:

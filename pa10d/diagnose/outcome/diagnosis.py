@@ -45,7 +45,8 @@ class Finding:
     of a frozen model, as that was given
     size: N·m RMS of its torque on the held-out side where it acts, and its standard error
     slope: of the held-out residual on the predicted change; 1 for a true effect
-    was_there: of a frozen model, that its own runs had it already
+    was_there: of a frozen model, whether its own runs had it already; None: they do not tell, or
+    nobody asked them
     """
 
     term: Term
@@ -58,7 +59,7 @@ class Finding:
     confounded_with: tuple[Confusion, ...]
     next_experiment: NextExperiment | None
     sentence: str
-    was_there: bool = False
+    was_there: bool | None = None
 
     def document(self) -> JsonObject:
         """As INTERFACES has it, and a little more."""
