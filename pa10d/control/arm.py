@@ -40,9 +40,7 @@ CARRIED = 0.2  # rad that a joint may go on until its brake holds it, and its we
 PATIENCE = 15.0  # s for drives to switch; a backend that says nothing itself is given up then
 LIFTED = 0.5  # of the torque limit, that a joint may need to bear its load, also one that nobody
 # described: motors that give less than twice what they bear hardly move an arm
-ALONE_AFTER = (
-    3  # falls: two tell one joint apart from its inertia; what falls on is moved by others
-)
+ALONE_AFTER = 3  # falls: two tell a joint's weight and inertia; what goes on is moved by others
 STANDS = 0.2  # s for which the arm must stand with open brakes before it counts as held
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
@@ -90,7 +88,7 @@ class Arm:
         self._rest = 0.0  # s for which it rests yet before it is reset
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
-        self._fell = 0  # times as its brakes opened, since it ended a motion
+        self._falls = 0  # times as its brakes opened, since it ended a motion
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -167,7 +165,7 @@ class Arm:
 
     @property
     def _each_alone(self) -> bool:
-        return self._fell >= ALONE_AFTER
+        return self._falls >= ALONE_AFTER
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
@@ -250,7 +248,7 @@ class Arm:
         wrong = found * self._share > most
         self._share[wrong] = LIFTED * most[wrong] / found[wrong]
         if wrong.any():
-            self._fell = ALONE_AFTER
+            self._falls = ALONE_AFTER
 
     def _weight(self, q: Array) -> Array:
         """N·m (n,) by the description, as far as it is believed."""
@@ -374,7 +372,7 @@ class Arm:
 
     def _follow(self) -> None:
         if self.motion is None or self.motion.finished:
-            self._fell = 0
+            self._falls = 0
             self._hold()
         else:
             self.motion.advance(self.path.reference)
@@ -541,9 +539,9 @@ class Arm:
             said = fault.seen if self.motion is not None or fault.weighed else fault.sentence
             log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
-            self._fell += fault.weighed > 0 or fault.kind == "not_held"
+            self._falls += fault.weighed > 0 or fault.kind == "not_held"
             if fault.kind == "brake_gave":  # they open together, whoever is asked
-                self._fell = 0
+                self._falls = 0
             self.journal.fault(fault)
 
     def _clear_fault(self) -> None:

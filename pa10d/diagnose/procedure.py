@@ -17,41 +17,35 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
-    BROKEN_SHARE,
-    FIRM,
-    MATERIAL_GAIN,
     MATERIAL_REST,
     SHARE_OFF,
     SIZED_LEVEL,
     STANDS_IN,
-    USUAL,
 )
 from pa10d.diagnose.evidence.curves import angles_of, parts_of_curves
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis, Finding
 from pa10d.diagnose.outcome.next_experiment import settle_doubt
 from pa10d.diagnose.outcome.words import helped_most, reason, sentence
-from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.search.bent_laws import bent_laws
-from pa10d.diagnose.search.candidates import Candidate, suspects
+from pa10d.diagnose.search.candidates import Candidate, heard, suspects
 from pa10d.diagnose.search.candidates import places as places_of
 from pa10d.diagnose.search.delivery import warnings as said
-from pa10d.diagnose.search.harm import less_likely, rms
+from pa10d.diagnose.search.frozen import (
+    always_lacked,
+    as_it_stood,
+    held_firmly,
+    kept_as_it_was,
+    new_kinds,
+)
+from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.judging import JudgedCandidate, Suspects
 from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
 from pa10d.diagnose.search.with_numbers import only_with_numbers
-from pa10d.diagnose.unknown.as_it_stood import (
-    OneChange,
-    alone_words,
-    left_far_more,
-    on_their_own,
-    one_change,
-    stood_words,
-)
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
@@ -65,7 +59,6 @@ from pa10d.diagnose.unknown.remaining import (
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import (
     Judgement,
-    RunResidual,
     in_band,
     judged,
     of_own_runs,
@@ -123,30 +116,25 @@ def diagnose(
     train, held, words = two_sides(model, fit, validate)
     say(0.1, "fitting the given model")
     state = SearchState.start(model, train, held, frozen)
-    given = len(state.terms)
+    given, moved = len(state.terms), rms(state.held_residual())
     as_given = held_out(model, state)
     given_error = with_known_floor(judged(model.name, as_given), known)
     asked = suspects(frozen, model.robot.n) if only is None else suspicion(only, model.robot.n)
     asked = heard(asked, held)
-    moved = rms(state.held_residual())
     if frozen:
-        firmness = 1.0
-        while firmness < FIRM**2 and _harmed(state, given_error.rms):
-            firmness *= FIRM
-            state = SearchState.start(model, train, held, True, firmness)
-        state.usual, state.as_given = _usual(model, given_error), given_error.rms
-        asked = [one for one in asked if only or not _always_lacked(*one, model, given_error)]
+        state = kept_as_it_was(state, model, given_error)
+        asked = [one for one in asked if only or not always_lacked(*one, model, given_error)]
     search = Search(state, asked, given, progress=lambda share, what: say(0.1 + 0.7 * share, what))
     search.run(steps)
     more = steps is None or len(search.steps) < steps
     if not frozen and more and search.swinging(_keeps(given_error, search)):
         search.run(steps)
     if frozen and only is None:
-        search.suspects = [*asked, *_new_kinds(model, given_error, search)]
+        search.suspects = [*asked, *new_kinds(model, given_error, search)]
         if len(search.suspects) > len(asked):
             search.run(steps)
         only_with_numbers(search, model, as_given)
-        search = _held_firmly(search, model, as_given)
+        search = held_firmly(search, model, as_given)
     if only is None:
         search.contest()
     whole = only is None and not frozen
@@ -164,20 +152,7 @@ def diagnose(
     if only is None and not (apart or geometry.told):
         may_change = heard(suspects(True, model.robot.n), state.held)
         apart = unlike_fitted(state, given, may_change, left.floor.values)
-    far, stood, alone_by = np.zeros(model.robot.n, dtype=bool), "", {}
-    units = [model.robot.torque_unit(j) for j in range(model.robot.n)]
-    if state.usual is not None:
-        far = left_far_more(state, moved, left.rms, given_error.floor.values)
-        spoken = _spoken_of(state.terms[given:], model.robot.n)
-        far &= ~(spoken & (left.rms <= state.usual))
-        may_change = heard(suspects(True, model.robot.n), held) if only is None else asked
-        changes = _changes(search, model, given_error, far, ~(far | spoken), may_change)
-        if only is not None:
-            far[:] = False  # of one suspicion: where it would do
-        if changes is not None:
-            far[[*changes]] = True
-            stood = stood_words(given_error.rms, moved, model.noise, far, changes)
-            alone_by = alone_words(given_error.rms, changes, units)
+    stood = as_it_stood(search, model, given_error, left, moved, None if only is None else asked)
     told: list[Apart | OtherGeometry] = [*apart, *geometry.told]
     over = left_over(
         state, seen, left, again, only is None, told, given, bent_laws(search.all_bent())
@@ -195,16 +170,14 @@ def diagnose(
     )
     knocked = {j: found for j in open_ if (found := knocks(seen, j)) is not None}
     faster = lines_above_band(orders, left.cutoff, left.rms)
-    before_all = as_given if frozen else seen
-    if findings and not frozen:
-        before_all = held_out(versions[0], state)
+    first = as_given if frozen else held_out(versions[0], state) if findings else seen
     verdict = "missing" if findings else "unknown" if over.unexplained else "none"
     kept = versions[1:] if frozen else fitted_to_all(model, versions[1:], fit, held.runs)
     lines = remaining(
         left,
         again,
         over.unexplained,
-        units,
+        [model.robot.torque_unit(j) for j in range(model.robot.n)],
         state.terms[given:],
         over.slight,
         over.doubt,
@@ -217,12 +190,12 @@ def diagnose(
         over.undetermined,
         faster,
         over.beside,
-        np.flatnonzero(far).tolist(),
+        np.flatnonzero(stood.far).tolist(),
         state.as_given,
         {j: found.words for j, found in knocked.items()},
         search.outdone,
         most_noise(state),
-        alone_by,
+        stood.alone,
         model.noise,
     )
     say(1.0, "done")
@@ -246,16 +219,16 @@ def diagnose(
         judged_on=words,
         frozen=frozen,
         identified_from=model.runs,
-        with_reversals=scores(before_all).rms_with_reversals,
+        with_reversals=scores(first).rms_with_reversals,
         above_band=faster,
         knocked=tuple(knocked),
         only="" if only is None else effect(only[0]).named,
         lacked=tuple(
             j
             for j in range(model.robot.n)
-            if state.usual is not None and left.rms[j] <= state.usual[j] and not far[j]
+            if state.usual is not None and left.rms[j] <= state.usual[j] and not stood.far[j]
         ),
-        stood=stood,
+        stood=stood.words,
         told=_told(model),
     )
 
@@ -349,11 +322,6 @@ def lacking(model: TorqueModel, effect_id: str, joints: Sequence[int]) -> Suspec
     return [one for one in asked if one not in there]
 
 
-def heard(suspects: Suspects, held: Side) -> Suspects:
-    """Without those of joints of which no sample counts."""
-    return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
-
-
 def _told(model: TorqueModel) -> tuple[str, ...]:
     """Of which parameters somebody knew something when the model was identified."""
     prior = model.notes.prior
@@ -393,111 +361,10 @@ def _or_geometry(finding: Finding, geometry: Geometry) -> Finding:
     return replace(finding, sentence=finding.sentence + text)
 
 
-def _held_firmly(search: Search, model: TorqueModel, as_given: Sequence[RunResidual]) -> Search:
-    """Where one change alone, all else as it was, explains what was found otherwise or not at all
-    while the model moved within its doubt: the search of one that hardly moves, if it names that
-    change and leaves less."""
-    state, given = search.state, search.fixed
-    if state.usual is None or state.as_given is None:
-        return search
-    may_change = heard(suspects(True, model.robot.n), state.held)
-    change = one_change(state, model, may_change)
-    own = on_their_own(state, model, may_change, state.as_given > state.usual)
-    would_do = {one.place for one in (change, *own.values()) if one is not None} - _found(search)
-    if not would_do:
-        return search
-    firm = SearchState.start(model, state.train, state.held, True, FIRM)
-    firm.usual, firm.as_given = state.usual, state.as_given
-    other = Search(firm, search.suspects, given, progress=search.progress)
-    other.run()
-    only_with_numbers(other, model, as_given)
-    better = less_likely(rms(state.held_residual()) / rms(other.state.held_residual()))
-    return other if better and would_do & _found(other) else search
-
-
-def _harmed(state: SearchState, as_given: Array) -> bool:
-    """Does a frozen model, moved within its doubt to suit the fit side, leave materially more of
-    the other than as it was given?"""
-    return less_likely(rms(state.held_residual()) / ((1.0 + MATERIAL_GAIN) * as_given))
-
-
-def _changes(
-    search: Search,
-    model: TorqueModel,
-    given: Judgement,
-    far: NDArray[np.bool_],
-    rest: NDArray[np.bool_],
-    may_change: Suspects,
-) -> dict[int, OneChange] | None:
-    """By joint, what one change would do there, all else as it was: the same one on all that are
-    left far more, ``far``, or one of its own, there and on the ``rest`` above its noise, (n,)
-    masks. None where a finding says it."""
-    state = search.state
-    above = ~(given.rms <= MATERIAL_REST * given.floor.values)
-    change = one_change(state, model, may_change) if far.any() else None
-    if change is not None and change.place in _found(search):
-        return None
-    told = on_their_own(state, model, may_change, far | (rest & above))
-    if change is not None:
-        took = np.flatnonzero(far & (change.shares >= BROKEN_SHARE)).tolist()
-        told |= dict.fromkeys(took, change)
-    return told
-
-
-def _spoken_of(terms: Sequence[Term], n: int) -> NDArray[np.bool_]:
-    """(n,) joints of which one of these effects says what changed."""
-    out = np.zeros(n, dtype=bool)
-    for term in terms:
-        out[term.effect.speaks_on(term.joints)] = True
-    return out
-
-
-def _found(search: Search) -> set[tuple[str, tuple[int, ...]]]:
-    return {(term.effect_id, term.joints) for term in search.state.terms[search.fixed :]}
-
-
-def _usual(model: TorqueModel, given: Judgement) -> Array:
-    """(n,) N·m RMS that a model may leave though nothing changed: the noise, and some more than it
-    lacked on the data that it was identified from. Where the noise is not known all
-    that it left may be what it lacked."""
-    floor = np.nan_to_num(given.floor.values)
-    return np.asarray(np.hypot(floor, USUAL * np.sqrt(np.maximum(model.noise**2 - floor**2, 0.0))))
-
-
-def _new_kinds(model: TorqueModel, given: Judgement, search: Search) -> Suspects:
-    """Where what usually changes explains no more, and a joint keeps more than its noise: what else
-    of the library may have come, a gear's ripple or its play, on such joints alone."""
-    left, floor = rms(search.state.held_residual()), given.floor.values
-    usual = search.state.usual
-    keeps = left > MATERIAL_REST * floor
-    keeps &= True if usual is None else left > usual
-    asked = {(kind.id, joints) for kind, joints in search.suspects}
-    return [
-        (kind, joints)
-        for kind, joints in heard(suspects(False, model.robot.n), search.state.held)
-        if (kind.id, joints) not in asked
-        and any(keeps[j] for j in joints)
-        and not _always_lacked(kind, joints, model, given)
-    ]
-
-
 def _keeps(given: Judgement, search: Search) -> list[int]:
     """Joints that keep materially more than their noise, those that keep most of it first."""
     ratio = rms(search.state.held_residual()) / given.floor.values
     return [int(j) for j in np.argsort(-ratio) if ratio[j] > MATERIAL_REST]
-
-
-def _always_lacked(
-    kind: Effect, joints: Sequence[int], model: TorqueModel, given: Judgement
-) -> bool:
-    """May what a model always lacked pose as this change? Friction that it never had shows more in
-    one motion than in another, and a law with a shape of its own bends to it: no farther than what
-    a joint may usually leave."""
-    own = list(joints)
-    bends = any(not (s.smoothing or s.optional) for s in kind.shapes)
-    lacked = model.noise[own] > MATERIAL_REST * given.floor.values[own]
-    as_ever = given.rms[own] <= _usual(model, given)[own]
-    return kind.question == "missing" and bends and bool(np.any(lacked & as_ever))
 
 
 def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueModel]) -> Finding:
@@ -532,7 +399,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         parameters=parameters,
         rms_before=before,
         rms_after=after,
-        p_value=0.0 if judged.certain else judged.p_corrected,
+        p_value=judged.p_corrected,
         slope=judged.evidence.slope,
         size=size,
         confounded_with=confusions,
@@ -550,6 +417,7 @@ def _finding(search: Search, given: int, index: int, versions: Sequence[TorqueMo
         )
         + (none and f" But {none}.")
         + (NOT_ONE if not_one(term, parameters) else ""),
+        certain=judged.certain,
     )
 
 

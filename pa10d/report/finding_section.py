@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pa10d.common.words import listed, percent
+from pa10d.diagnose.constants import SEARCH_LEVEL
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.effects import all_effects
 from pa10d.figures.diagnosis_texts import BEFORE_AFTER, COURSE, EVIDENCE
@@ -70,7 +71,6 @@ def _cards(finding: Finding, joint: int, share: float, unit: str) -> list[tuple[
 
 def _facts(found: Diagnosis, finding: Finding) -> list[tuple[str, str]]:
     kind = finding.term.effect
-    p = "less than 1 in a million" if finding.p_value < 1e-6 else f"{finding.p_value:.2g}"
     rivals = [
         f"{all_effects()[c.effect].title}{_at(c.joints)}: {c.why}" for c in finding.confounded_with
     ]
@@ -82,9 +82,8 @@ def _facts(found: Diagnosis, finding: Finding) -> list[tuple[str, str]]:
         ("What is it known by?", kind.signature),
         (
             "Could it be chance?",
-            f"The probability that noise alone looks like this, over everything that was tried, is "
-            f"{p}. The new data show {finding.slope:.2f} times what the fit predicted; a real "
-            "effect shows 1, chance 0.",
+            f"{_by_chance(finding)} The new data show {finding.slope:.2f} times what the fit "
+            "predicted; a real effect shows 1, chance 0.",
         ),
         (
             "Could it be something else?",
@@ -103,6 +102,18 @@ def _facts(found: Diagnosis, finding: Finding) -> list[tuple[str, str]]:
             else "",
         ),
     ]
+
+
+def _by_chance(finding: Finding) -> str:
+    if finding.certain and finding.p_value >= SEARCH_LEVEL:
+        return (
+            f"Noise as slow and large as it likes may look so ({finding.p_value:.2g}), but it "
+            "takes more than twice what the joint kept on the model's own runs."
+        )
+    p = "less than 1 in a million" if finding.p_value < 1e-6 else f"{finding.p_value:.2g}"
+    return (
+        f"The probability that noise alone looks like this, over everything that was tried, is {p}."
+    )
 
 
 def _settle(finding: Finding) -> list[Block]:

@@ -11,7 +11,8 @@ from small_machines import machine
 from test_changes import CHANGES, asked
 from two_links import recordings, textbook
 
-from pa10d.diagnose.procedure import _always_lacked, diagnose
+from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.search.frozen import always_lacked
 from pa10d.effects import effect
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
@@ -41,7 +42,7 @@ def test_only_a_bent_law_poses_as_what_a_model_always_lacked_and_no_larger(kind,
     """A spring of 0.36 N·m, where 0.034 had been lacking, was not even looked for."""
     given = SimpleNamespace(floor=SimpleNamespace(values=np.array([0.006])), rms=np.array([leaves]))
     model = SimpleNamespace(noise=np.array([0.034]))
-    assert _always_lacked(effect(kind), (0,), model, given) == lacked
+    assert always_lacked(effect(kind), (0,), model, given) == lacked
 
 
 def rubbed(run: Recording) -> Recording:

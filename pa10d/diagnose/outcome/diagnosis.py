@@ -45,6 +45,7 @@ class Finding:
     of a frozen model, as that was given
     size: N·m RMS of its torque on the held-out side where it acts, and its standard error
     slope: of the held-out residual on the predicted change; 1 for a true effect
+    certain: of a frozen model, that it takes more of a joint than may come without a change
     was_there: of a frozen model, whether its own runs had it already; None: they do not tell, or
     nobody asked them
     """
@@ -60,6 +61,7 @@ class Finding:
     next_experiment: NextExperiment | None
     sentence: str
     was_there: bool | None = None
+    certain: bool = False
 
     def document(self) -> JsonObject:
         """As INTERFACES has it, and a little more."""

@@ -20,7 +20,8 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.regression.partial import PartialFit, partials
 from pa10d.diagnose.regression.shapes import around, refine
-from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.regression.side import Side
+from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.search.ripple import order_peaks
 from pa10d.effects import Context, Effect, Shape, all_effects
 from pa10d.model import Term
@@ -63,6 +64,11 @@ def suspects(frozen: bool, n: int) -> list[tuple[Effect, tuple[int, ...]]]:
             continue
         out += [(effect, joints) for joints in places(effect, n)]
     return out
+
+
+def heard(suspects: Suspects, held: Side) -> Suspects:
+    """Without those of joints of which no sample counts."""
+    return [(kind, joints) for kind, joints in suspects if not {*joints} & held.silent.keys()]
 
 
 def places(effect: Effect, n: int) -> Iterable[tuple[int, ...]]:

@@ -25,6 +25,7 @@ from pa10d.diagnose.regression.state import SearchState, Suspects
 from pa10d.diagnose.search.candidates import Candidate, held_columns
 from pa10d.diagnose.search.ripple import chance_beside_neighbours, chance_of_line
 from pa10d.effects import Effect, Shape
+from pa10d.model import Term
 from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
@@ -247,11 +248,17 @@ class Judging:
         usual, given = self.state.usual, self.state.as_given
         if usual is None or given is None:
             return usual
-        found = np.zeros(len(usual), dtype=bool)
-        for index, term in enumerate(self.state.terms[self.fixed :], self.fixed):
-            if index != but:
-                found[term.effect.speaks_on(term.joints)] = True
+        terms = enumerate(self.state.terms[self.fixed :], self.fixed)
+        found = spoken_of([term for index, term in terms if index != but], len(usual))
         return np.where(given > usual, np.where(found, usual, 0.0), np.inf)
+
+
+def spoken_of(terms: Sequence[Term], n: int) -> NDArray[np.bool_]:
+    """(n,) joints of which one of these effects says what changed."""
+    out = np.zeros(n, dtype=bool)
+    for term in terms:
+        out[term.effect.speaks_on(term.joints)] = True
+    return out
 
 
 def _speaking(kind: Effect, joints: Sequence[int], before: Array, usual: Array | None) -> list[int]:

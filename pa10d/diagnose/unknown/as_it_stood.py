@@ -24,7 +24,7 @@ from pa10d.effects import Effect
 from pa10d.model import Term, TorqueModel
 from pa10d.model.term import in_units_of
 from pa10d.model.unknowns import vector_of
-from pa10d.regression.per_joint import PerJoint
+from pa10d.regression.per_joint import PerJoint, rms
 
 Array = NDArray[np.float64]
 
@@ -50,25 +50,6 @@ def left_far_more(state: SearchState, moved: Array, now: Array, floor: Array) ->
     elsewhere = (state.as_given > MOVED_FAR * moved) | (now > state.usual)
     noise = state.as_given <= MATERIAL_REST * floor
     return np.asarray(elsewhere & (state.as_given > state.usual) & ~noise)
-
-
-def on_their_own(
-    state: SearchState, given: TorqueModel, suspects: Suspects, asked: NDArray[np.bool_]
-) -> dict[int, OneChange]:
-    """By joint (0-based) of those asked for, (n,) mask: a change of that joint alone that takes
-    most of its error, and three quarters of what is more than on the model's own runs: that came
-    since, if it is no more of what the model lacks that another motion shows."""
-    if state.as_given is None:
-        return {}
-    told = {}
-    for j in np.flatnonzero(asked).tolist():
-        if state.as_given[j] <= MATERIAL_REST * given.noise[j]:
-            continue
-        change = one_change(state, given, [one for one in suspects if tuple(one[1]) == (j,)], j)
-        came = 1.0 - (given.noise[j] / state.as_given[j]) ** 2
-        if change is not None and change.shares[j] >= (1.0 - MOVED_FAR**-2) * came:
-            told[j] = change
-    return told
 
 
 def stood_words(
@@ -117,36 +98,92 @@ def alone_words(
     }
 
 
-def one_change(
-    state: SearchState, given: TorqueModel, suspects: Suspects, on: int | None = None
-) -> OneChange | None:
-    """The plainest of the changes that take nearly the most; None where none takes half of it.
-    on: the joint of which the error counts; None: all."""
-    before = _as_given(state, given)
-    tried = []
-    for effect, joints in suspects:
-        if not all(s.smoothing or s.optional for s in effect.shapes):
-            continue  # what has a shape of its own bends to what a model lacks
-        shape = effect.starts(state.train.contexts[0], joints)[0]
-        fit, held = (side.columns(effect, joints, [shape]) for side in (state.train, state.held))
-        if any(len(c) and not np.all(np.isfinite(c)) for c in (*fit.values(), *held.values())):
-            continue
-        theta = _fitted(state, before[0], fit, effect, joints)
-        after = {j: r - held[j] @ theta if j in held else r for j, r in before[1].items()}
-        term = Term(effect.id, tuple(joints), theta, dict(shape))
-        named = f"{effect.named}{_sized(state.model.robot, term)}"
-        place = (effect.id, tuple(joints))
-        tried.append((_size(state, after, on), len(theta), place, named, after))
-    whole = _size(state, before[1], on)
-    least = min((size for size, *_ in tried), default=whole)
-    if least > (1.0 - BROKEN_SHARE) * whole:
-        return None
-    near = [one for one in tried if one[0] <= least + MATERIAL_GAIN * whole]
-    _, _, place, named, after = min(near, key=lambda one: (one[1], one[0]))
-    shares = [
-        1.0 - float(after[j] @ after[j]) / max(float(r @ r), 1e-300) for j, r in before[1].items()
-    ]
-    return OneChange(place, named, np.array(shares))
+@dataclass(frozen=True)
+class _Tried:
+    """after: joint -> (m_j,) N·m held out, of those where it acts."""
+
+    place: tuple[str, tuple[int, ...]]
+    named: str
+    count: int
+    after: PerJoint
+
+
+@dataclass(frozen=True)
+class Alone:
+    """What each of several changes, fitted to the fit side alone, would leave of the held-out one,
+    all else as it stood.
+
+    left: joint -> (m_j,) N·m of the model as it was given; sigma (n,) N·m: weights of the joints
+    """
+
+    left: PerJoint
+    sigma: Array
+    tried: tuple[_Tried, ...]
+
+    @classmethod
+    def of(cls, state: SearchState, given: TorqueModel, suspects: Suspects) -> Alone:
+        """suspects: those with a shape of their own are left out, for they bend to what a model
+        lacks."""
+        fitted, left = _as_given(state, given)
+        tried = []
+        for effect, joints in suspects:
+            if not all(s.smoothing or s.optional for s in effect.shapes):
+                continue
+            shape = effect.starts(state.train.contexts[0], joints)[0]
+            fit, held = (s.columns(effect, joints, [shape]) for s in (state.train, state.held))
+            if any(len(c) and not np.all(np.isfinite(c)) for c in (*fit.values(), *held.values())):
+                continue
+            theta = _fitted(state, fitted, fit, effect, joints)
+            term = Term(effect.id, tuple(joints), theta, dict(shape))
+            named = f"{effect.named}{_sized(state.model.robot, term)}"
+            after = {j: left[j] - c @ theta for j, c in held.items()}
+            tried.append(_Tried((effect.id, tuple(joints)), named, len(theta), after))
+        return cls(left, state.fit.sigma, tuple(tried))
+
+    def one(self, on: int | None = None) -> OneChange | None:
+        """The plainest of the changes that take nearly the most; None where none takes half of it.
+        on: the joint whose error counts, and whose changes; None: all."""
+        asked = [one for one in self.tried if on is None or one.place[1] == (on,)]
+        sizes = [self._size(one.after, on) for one in asked]
+        whole = self._size({}, on)
+        least = min(sizes, default=whole)
+        if least > (1.0 - BROKEN_SHARE) * whole:
+            return None
+        near = [k for k, size in enumerate(sizes) if size <= least + MATERIAL_GAIN * whole]
+        best = asked[min(near, key=lambda k: (asked[k].count, sizes[k]))]
+        shares = [
+            1.0 - _power(best.after.get(j, r)) / max(_power(r), 1e-300)
+            for j, r in self.left.items()
+        ]
+        return OneChange(best.place, best.named, np.array(shares))
+
+    def on_their_own(self, asked: NDArray[np.bool_], usual: Array) -> dict[int, OneChange]:
+        """By joint (0-based) of those asked for, (n,) mask: a change of that joint alone that takes
+        most of its error, and three quarters of what is more than usual, (n,) N·m RMS of the
+        model's own runs: that came since, if it is no more of what the model lacks that another
+        motion shows."""
+        told = {}
+        for j in np.flatnonzero(asked).tolist():
+            given = rms(self.left[j])
+            if given <= MATERIAL_REST * usual[j]:
+                continue
+            change = self.one(on=j)
+            came = 1.0 - (usual[j] / given) ** 2
+            if change is not None and change.shares[j] >= (1.0 - MOVED_FAR**-2) * came:
+                told[j] = change
+        return told
+
+    def _size(self, after: PerJoint, on: int | None) -> float:
+        """Squared error of all joints or of one, each in units of its weight, per sample."""
+        return sum(
+            _power(after.get(j, r)) / len(r) / float(self.sigma[j]) ** 2
+            for j, r in self.left.items()
+            if len(r) and on in (None, j)
+        )
+
+
+def _power(left: Array) -> float:
+    return float(left @ left)
 
 
 def _as_given(state: SearchState, given: TorqueModel) -> tuple[PerJoint, PerJoint]:
@@ -189,10 +226,3 @@ def _sized(robot: Robot, term: Term) -> str:
         if name not in term.shape and value.determined
     ]
     return f" ({listed(told)})" if told else ""
-
-
-def _size(state: SearchState, left: PerJoint, on: int | None) -> float:
-    """Squared error of all joints or of one, each in units of its weight, per sample."""
-    heard = left if on is None else {on: left[on]}
-    means = [np.mean((r / state.fit.sigma[j]) ** 2) for j, r in heard.items() if len(r)]
-    return float(np.sum(means))
