@@ -228,8 +228,7 @@ def in_words(found: Diagnosis) -> str:
     rows = [
         [
             str(j + 1),
-            f"{found.rms[j]:.4g}",
-            *(f"{f.rms_after[j]:.4g}" for f in found.findings),
+            *(f"{errors[j]:.4g}" for errors in found.course),
             f"{found.noise_floor[j]:.4g}" if np.isfinite(found.noise_floor[j]) else "not known",
         ]
         for j in range(n)

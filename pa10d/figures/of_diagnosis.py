@@ -51,12 +51,13 @@ def diagnosis_figures(found: Diagnosis, seen: HeldOut) -> JsonObject:
 
 
 def steps_of(found: Diagnosis) -> list[Stair]:
-    """The versions with their errors on the same held-out data; short names for an axis."""
+    """From the model that it begins with on, errors on the same held-out data; short names for an
+    axis."""
     words = [found.begins]
     words += [f"+ {finding.term.label}" for finding in found.findings]
     return [
-        Stair(f"step {k}" if k else "start", word, version.held_out["held out"])
-        for k, (word, version) in enumerate(zip(words, found.versions, strict=True))
+        Stair(f"step {k}" if k else "start", word, errors)
+        for k, (word, errors) in enumerate(zip(words, found.course, strict=True))
     ]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pa10d.common.version import __version__
 from pa10d.common.words import listed
-from pa10d.diagnose.constants import MATERIAL_REST, MUCH_WORSE
+from pa10d.diagnose.constants import MATERIAL_REST, MUCH_WORSE, USUAL
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.figures.diagnosis_texts import STAIRCASE
 from pa10d.figures.held_out import HeldOut
@@ -84,6 +84,9 @@ def _glance(found: Diagnosis) -> Section:
     return Section("Verdict", [*blocks, Lines(warnings)] if warnings else blocks)
 
 
+OR_MORE = f" or more than {USUAL:g} times what the joint kept on the model's own runs"
+
+
 def _remaining(found: Diagnosis) -> Section:
     lines = [("", line.sentence) for line in found.remaining]
     return Section("What is left on every joint", [Lines(lines)])
@@ -101,7 +104,7 @@ def _figures(found: Diagnosis) -> Section:
     head = ["joint", found.begins, *labels, "noise floor", "left ÷ noise", "unit"]
     rows = []
     for j, name in enumerate(found.model.robot.joint_names):
-        steps = [float(v.held_out["held out"][j]) for v in found.versions]
+        steps = [float(errors[j]) for errors in found.course]
         floor = float(found.noise_floor[j])
         known = np.isfinite(floor) and floor > 0
         rows.append([
@@ -137,8 +140,9 @@ def _judged(found: Diagnosis, asked: Asked) -> Section:
                         "When is an effect named?",
                         "When it predicts the error of data not fitted, by more than noise of the "
                         "same colour could, counted over all effects and joints that were tried "
-                        "(1 % false alarms per search), and leaves the joints no worse on the "
-                        f"whole, and none significantly so by more than {MUCH_WORSE:.0%}.",
+                        f"(1 % false alarms per search){OR_MORE if found.frozen else ''}, and "
+                        "leaves the joints no worse on the whole, and none significantly so by "
+                        f"more than {MUCH_WORSE:.0%}.",
                     ),
                     ("Low-pass", f"{found.cutoff:g} Hz, zero-phase, on both sides alike"),
                 ]

@@ -87,7 +87,7 @@ def improvement_page(
     names: of the versions, the given model first; promised: (n,) N·m by the search
     """
     robot = found.model.robot
-    errors = [version.held_out["held out"] for version in found.versions]
+    errors = found.course
     head = ["joint", *names, "promised", "noise floor", "unit"]
     rows = [
         [

@@ -13,6 +13,7 @@ import pytest
 
 from backends.virtual.datasets import make_runs
 from pa10d.api.schemas.sheets import Sheet as SheetSchema
+from pa10d.cli.diagnose import in_words
 from pa10d.common.errors import UserError
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
@@ -20,7 +21,7 @@ from pa10d.diagnose.procedure import diagnose
 from pa10d.dynamics import robot_from_profile
 from pa10d.effects import all_effects
 from pa10d.figures.held_out import HeldOut, held_out
-from pa10d.figures.of_diagnosis import diagnosis_figures
+from pa10d.figures.of_diagnosis import diagnosis_figures, steps_of
 from pa10d.figures.structure_map import variable_label
 from pa10d.figures.views import QUANTITIES
 from pa10d.identify.procedure import identify
@@ -172,6 +173,27 @@ def test_what_changed_is_not_added_but_undone(stribeck):
     assert "What changed: Stribeck friction in joint 4." in words
     assert "pa10d add" not in words
     assert "pa10d identify train_a --profile arm.yaml" in words
+
+
+def test_every_view_begins_with_the_error_that_the_model_had_as_it_was_given(stribeck):
+    """The terminal said 1.42 N·m, and the page's "as given" 0.14, of the model as it had moved."""
+    found, seen, _ = stribeck
+    given = 3.0 * found.rms
+    kept = replace(found, frozen=True, rms=given, as_given=replace(found.as_given, rms=given))
+    told = f"{given[3]:.4g}"
+    assert told in page_of(kept, seen).words
+    assert told in in_words(kept)
+    assert steps_of(kept)[0].rms[3] == given[3]
+
+
+def test_what_was_there_before_is_called_missing(stribeck):
+    found, seen, _ = stribeck
+    there = tuple(replace(f, was_there=True) for f in found.findings)
+    kept = replace(found, frozen=True, findings=there)
+    words = " ".join(page_of(kept, seen).words)
+    assert "Missing, and not changed: Stribeck friction in joint 4." in words
+    assert "pa10d add" in words
+    assert in_words(kept).startswith("Missing, not changed:")
 
 
 def test_nothing_missing_is_said_plainly(stribeck):

@@ -158,6 +158,11 @@ class Diagnosis:
         return "as given" if self.frozen else "as given, refitted"
 
     @property
+    def course(self) -> tuple[Array, ...]:
+        """(n,) N·m held out: of the model that it begins with, and with each finding more."""
+        return self.rms, *(finding.rms_after for finding in self.findings)
+
+    @property
     def noise_floor(self) -> Array:
         """(n,) N·m; nan where this data does not show it."""
         return self.left.floor.values
