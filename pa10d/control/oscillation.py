@@ -26,9 +26,7 @@ OWN = 2.5  # times the change of the desired speed: margins allow no servo to an
 FADES = 0.8  # of the half before the last: less is a swing that dies away
 SLOWEST = 0.5  # Hz
 HALVES, SOME, FEW = 10, 4, 2
-GROWS = (
-    1.5  # times the half before, and that one as well: a collision or a fall do not go to and fro
-)
+GROWS = 1.5  # times the half before, twice in a row: collisions and falls do not go to and fro
 _ROWS = 11
 (_SIGN, _CYCLES, _SPEED, _LEAST, _MOST, _BEFORE, _LAST, _LOW, _HIGH, _LOW_LAST,
  _HIGH_LAST) = range(_ROWS)  # fmt: skip

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -231,8 +230,10 @@ class TorquePath:
             self._swings.watch(self.dq, self.reference, self.sent)
             self._watch_signs()
             if self._pushes:
-                with self._in_units():
+                try:
                     self._first_steps.watch(self.q, self.dq, self.sent, self.reference)
+                except LoopFault as violation:
+                    raise self._in_units(violation) from None
             return
         far = np.abs(self.reference.q - self.q) > RUNAWAY * self.limits.following_error
         fast = np.abs(self.dq) > RUNAWAY * self.limits.velocity
@@ -264,18 +265,16 @@ class TorquePath:
         if self.reference.dq.any():
             self._wrong_way.restart()
             return
-        with self._in_units():
-            self._wrong_way.watch(self.q - self.reference.q, self.dq, self.sent)
-
-    @contextmanager
-    def _in_units(self) -> Iterator[None]:
-        """What those say who know nothing of slides."""
         try:
-            yield
+            self._wrong_way.watch(self.q - self.reference.q, self.dq, self.sent)
         except LoopFault as violation:
-            if violation.axis is not None:
-                violation.cause = self.limits.in_units(violation.axis, violation.cause)
-            raise
+            raise self._in_units(violation) from None
+
+    def _in_units(self, violation: LoopFault) -> LoopFault:
+        """What somebody says who knows nothing of slides."""
+        if violation.axis is not None:
+            violation.cause = self.limits.in_units(violation.axis, violation.cause)
+        return violation
 
     def torque(self, state: ArmState) -> Array:
         """What may be sent in this cycle."""
