@@ -4,11 +4,16 @@ A linear Gaussian estimate (Rasmussen & Williams, Gaussian Processes for Machine
 section 2.1): the URDF is the prior mean and how rough URDFs are the prior spread, so that what the
 small motions did not show stays as the URDF has it. What is left in doubt is kept as draws, and the
 pre-check predicts tracking for each of them.
+
+A base that leans against its profile is no matter of bodies: those that explain it in one pose are
+far off in others. Where bodies leave much more than they do with a gravity that leans, too, they
+are those beside it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -31,12 +36,29 @@ RUBS = 0.15  # of the dry friction that was measured, by which sliding friction 
 TRIFLE = 2e-3  # of the torque limit: currents, noise
 ABOUT = 0.1  # of an inertia that was measured
 ALIKE = 8.0  # samples of one place that err alike
+LEANS = 0.2  # rad, by which a base may stand other than its profile says
+ROUNDS = 3  # until what leans and what weighs agree
+TIMES, SURE = 3.0, 6.0  # as much is left over without, and by so many standard errors
+
+Row = tuple[Array, Array, Array]
+Motion = tuple[Array, Array, float]
+
+
+@dataclass(frozen=True)
+class _Estimate:
+    """likeliest: bodies (10n,), with a gravity that leans its angles, rad (2,), behind them; inner,
+    root: of their covariance root·inner·rootᵀ; left: squared standard errors left over."""
+
+    likeliest: Array
+    inner: Array
+    root: Array
+    left: float
 
 
 def felt_bodies(
     robot: Robot,
     figures: JointFigures,
-    seen: Sequence[tuple[Array, Array, float]],
+    seen: Sequence[Motion],
     shaken: Sequence[tuple[int, Array]] = (),
 ) -> Array:
     """(1 + DRAWS, n, 10) standard parameters: the likeliest, then draws of what they may be.
@@ -44,21 +66,96 @@ def felt_bodies(
     figures: friction, rotors, inertias; seen: angle rad and sent torque N·m (N, n), rate Hz, per
     motion; shaken: joints (0-based) and poses (n,) rad in which their inertia was measured.
     """
+    measured = [_inertia_row(robot, figures, j, pose) for j, pose in shaken]
+    found = _estimate(robot, figures, seen, measured)
+    leaning = _leaning(robot, figures, seen, measured, found)
+    found = found if leaning is None else leaning
+    size, n = len(found.likeliest), robot.parameters.size
+    apart = np.random.default_rng(0).standard_normal((DRAWS, n))
+    apart = np.concatenate([apart, np.zeros((DRAWS, size - n))], axis=1)
+    inner = np.linalg.cholesky(0.5 * (found.inner + found.inner.T))
+    draws = found.likeliest + apart @ inner.T @ found.root.T
+    return np.concatenate([found.likeliest[None], draws])[:, :n].reshape(-1, robot.n, 10)
+
+
+def gravity_felt(
+    robot: Robot,
+    figures: JointFigures,
+    seen: Sequence[Motion],
+    shaken: Sequence[tuple[int, Array]] = (),
+) -> Array | None:
+    """(3,) m/s² in the base frame, by what the joints weigh; None where it may as well be the
+    profile's."""
+    measured = [_inertia_row(robot, figures, j, pose) for j, pose in shaken]
+    found = _estimate(robot, figures, seen, measured)
+    leaning = _leaning(robot, figures, seen, measured, found)
+    if leaning is None:
+        return None
+    leant = robot.gravity + leaning.likeliest[-2:] @ _across(robot)
+    return np.asarray(leant * (np.linalg.norm(robot.gravity) / np.linalg.norm(leant)))
+
+
+def _leaning(
+    robot: Robot,
+    figures: JointFigures,
+    seen: Sequence[Motion],
+    measured: Sequence[Row],
+    straight: _Estimate,
+) -> _Estimate | None:
+    """The same with a gravity that leans; None where that explains little more."""
+    if not robot.gravity.any():
+        return None
+    found, bodies, angle = straight, straight.likeliest, np.zeros(2)
+    for _ in range(ROUNDS):
+        found = _estimate(robot, figures, seen, measured, (bodies, angle))
+        bodies, angle = found.likeliest[:-2], found.likeliest[-2:]
+    more = straight.left - found.left
+    return found if more >= SURE**2 and straight.left >= TIMES**2 * found.left else None
+
+
+def _across(robot: Robot) -> Array:
+    """(2, 3) m/s² per rad, by which gravity leans."""
+    strength = float(np.linalg.norm(robot.gravity))
+    return np.asarray(strength * np.linalg.svd(robot.gravity[None])[2][1:])
+
+
+def _estimate(
+    robot: Robot,
+    figures: JointFigures,
+    seen: Sequence[Motion],
+    measured: Sequence[Row],
+    near: tuple[Array, Array] | None = None,
+) -> _Estimate:
+    """measured: rows beside those of ``seen``; near: bodies and a leaning gravity (2,) rad about
+    which it is linear."""
     mean, spread = robot.parameters.ravel(), _prior(robot)
+    size, here, sides = len(mean), robot, np.zeros((0, 3))
+    bodies, angle = (mean, np.zeros(0)) if near is None else near
+    if near is not None:
+        sides = _across(robot)
+        here = robot.with_gravity(robot.gravity + angle @ sides)
+        mean = np.append(mean, np.zeros(2))
+        spread = scipy.linalg.block_diag(spread, LEANS**2 * np.eye(2))
+    tables = []
+    for one in seen:
+        rows, wanted, error = rows_felt(here, figures, *one)
+        for k, side in enumerate(sides):
+            more = rows_felt(here.with_gravity(here.gravity + side), figures, *one)[0]
+            leans = (more - rows[:, :size]) @ bodies
+            wanted = wanted + leans * angle[k]
+            rows = np.column_stack([rows, leans])
+        tables.append((rows, wanted, error))
+    wide = [(np.pad(rows, ((0, 0), (0, len(sides)))), *rest) for rows, *rest in measured]
     information, pull = np.zeros_like(spread), np.zeros_like(mean)
-    tables = [rows_felt(robot, figures, *one) for one in seen]
-    tables += [_inertia_row(robot, figures, j, pose) for j, pose in shaken]
-    for rows, wanted, error in tables:
+    for rows, wanted, error in (*tables, *wide):
         weighed = rows / error[:, None] ** 2
         information += weighed.T @ rows
         pull += weighed.T @ (wanted - rows @ mean)
-    root = np.linalg.cholesky(spread)
-    inner = np.linalg.inv(np.eye(len(mean)) + root.T @ information @ root)
-    after = root @ inner @ root.T
-    likeliest = mean + after @ pull
-    apart = np.random.default_rng(0).standard_normal((DRAWS, len(mean)))
-    draws = likeliest + apart @ np.linalg.cholesky(0.5 * (inner + inner.T)).T @ root.T
-    return np.concatenate([likeliest[None], draws]).reshape(-1, robot.n, 10)
+    root = np.asarray(np.linalg.cholesky(spread), dtype=float)
+    inner = np.asarray(np.linalg.inv(np.eye(len(mean)) + root.T @ information @ root), dtype=float)
+    likeliest = mean + root @ inner @ root.T @ pull
+    left = sum(float((((w - r @ likeliest) / e) ** 2).sum()) for r, w, e in tables)
+    return _Estimate(likeliest, inner, root, left)
 
 
 def _prior(robot: Robot) -> Array:

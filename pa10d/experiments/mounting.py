@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pa10d.control.joint_figures import ROUGH, JointFigures
 from pa10d.dynamics import Robot
-from pa10d.experiments.felt_bodies import rows_felt
+from pa10d.experiments.felt_bodies import Motion, gravity_felt, rows_felt
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,27 @@ def wrong_mount(
         f"that the URDF's bodies, each up to {ROUGH:g} times heavier or lighter, leave "
         f"{np.sqrt(told / found[best]):.2g} times as much of what was measured as with gravity "
         f"{where}; correct base.rpy (or gravity) in the profile, and run first_motion again"
+    )
+
+
+def leaning_mount(
+    robot: Robot,
+    figures: JointFigures,
+    seen: Sequence[Motion],
+    shaken: Sequence[tuple[int, Array]] = (),
+) -> str | None:
+    """By how much the base leans against its profile, in a sentence; None where it may stand as it
+    says. The arm is moved all the same: bodies are felt beside that."""
+    felt = gravity_felt(robot, figures, seen, shaken)
+    if felt is None:
+        return None
+    cosine = felt @ robot.gravity / (np.linalg.norm(felt) * np.linalg.norm(robot.gravity))
+    leans = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    x, y, z = felt
+    return (
+        f"by what its joints weigh the base leans by about {leans:.0f}° against the profile's "
+        f"mount: gravity is [{x:.2f}, {y:.2f}, {z:.2f}] m/s² in its frame; correct base.rpy (or "
+        "gravity) and run first_motion again: until then weights are known less well"
     )
 
 

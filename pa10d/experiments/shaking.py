@@ -4,7 +4,8 @@ A joint that slides has friction of one sign, so what the small torques do shows
 friction, delay and springs alone; at rest it would stick. Amplitudes are such that the joint never
 turns round, be it three times as light as is thought, or its rotor alone on a spring. Half of what
 its viscous friction takes is added: a light joint that rubs would hardly move else, and a
-neighbour's sway be taken for its own. Schroeder phases keep the peaks low (Schroeder, Synthesis of
+neighbour's sway be taken for its own. A light joint further out may be flung about by it: then it
+is shaken less. Schroeder phases keep the peaks low (Schroeder, Synthesis of
 low-peak-factor signals, IEEE Trans. Inf. Theory 16, 1970).
 """
 
@@ -30,6 +31,7 @@ OF_RATE = 0.125  # of the loop's rate: highest frequency
 LINES = 16
 APART = 2  # lines of a window's spectrum: Hann's, so that slow drift stays out of the others
 SWING = 0.8  # of the joint's steady speed, that the small torques may take from it or add
+FLUNG = 0.8  # of its speed limit, that another joint may be given by it, were it free
 SOFT, SOFT_MOST = 0.024, 12.0  # of the loop's rate, Hz: above it a spring may hide the link
 SHARP = 0.02  # rad/s at which friction of the reference has its full size, at once
 
@@ -91,7 +93,8 @@ def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rat
             continue
         middle = np.array([0.5 * (span.begin + span.end)])
         q, dq, _ = plan.at(middle)
-        link = figures.link[j] * mass_matrices(robot, q)[0, j, j]
+        mass = mass_matrices(robot, q)[0]
+        link = figures.link[j] * mass[j, j]
         lines, soft = lines_of(rate), min(SOFT * rate, SOFT_MOST)
         if np.isfinite(figures.stiffness[j]):  # above its swing the link stays where it is
             soft = min(soft, float(np.sqrt(figures.stiffness[j] / link)) / (2.0 * np.pi))
@@ -99,8 +102,18 @@ def small_torques(plan: Plan, robot: Robot, figures: JointFigures, t: Array, rat
         inside = (t >= span.begin) & (t <= span.end)
         rubs = WORN * float(figures.viscous[j])
         shape = multisine(t[inside], lines, inertia / figures.doubt[j], rubs)
-        out[inside, j] = SWING * abs(dq[0, j]) * shape
+        swings = SWING * abs(float(dq[0, j]))
+        out[inside, j] = min(swings, _calm(robot, figures, mass, j)) * shape
     return out
+
+
+def _calm(robot: Robot, figures: JointFigures, mass: Array, j: int) -> float:
+    """rad/s by which joint j may be shaken until another one is given ``FLUNG`` by it. mass: (n, n)
+    kg·m² of the links."""
+    free = figures.rotor + figures.link * np.diagonal(mass)
+    given = np.abs(mass[:, j]) / np.maximum(free * robot.velocity, 1e-12)
+    given[j] = 0.0
+    return FLUNG / max(float(given.max()), 1e-12)
 
 
 def multisine(t: Array, lines: Array, inertia: Array, viscous: float = 0.0) -> Array:

@@ -45,7 +45,7 @@ from pa10d.experiments.measured_joints import (
     sentences,
     weighed_more,
 )
-from pa10d.experiments.mounting import wrong_mount
+from pa10d.experiments.mounting import leaning_mount, wrong_mount
 from pa10d.experiments.seen import Seen
 from pa10d.profile import Profile
 from pa10d.services.library import Library, open_library
@@ -143,6 +143,8 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
     learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)
+    if (note := leaning_mount(robot, figures, told)) is not None:
+        learned = replace(learned, sentences=(*learned.sentences, note))
     return learned.document()
 
 

@@ -11,7 +11,8 @@ import pytest
 from pa10d.common.errors import UserError
 from pa10d.control.joint_figures import ROUGH, presumed_figures
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
-from pa10d.experiments.mounting import wrong_mount
+from pa10d.experiments.felt_bodies import felt_bodies
+from pa10d.experiments.mounting import leaning_mount, wrong_mount
 from pa10d.experiments.seen import Seen
 from pa10d.profile import load_profile
 from pa10d.services import joints
@@ -87,3 +88,40 @@ def test_a_first_motion_ends_with_that(robot, monkeypatch):
     known = joints.learnt(profile, robot, presumed_figures(robot)).document()
     with pytest.raises(UserError, match=r"gravity points the other way.*base\.rpy"):
         joints.learn("", "", {"response": "r"}, known)
+
+
+LEANS = np.array([0.13, -0.11, -0.985])  # by ten degrees
+
+
+def felt(robot, off, down, seed=0):
+    """N·m RMS by which the weights of felt bodies are wrong over the arm's range, beside gravity as
+    the profile has it, and what is said."""
+    figures = presumed_figures(robot)
+    known = figures.but(coulomb=rubs(robot), rotor=0.0 * figures.rotor)
+    seen = moved(robot, off, down, seed)
+    q = np.random.default_rng(2).uniform(-1.5, 1.5, (200, robot.n))
+    bodies = robot.parameters * off[:, None]
+    bodies[:, 1:4] *= np.random.default_rng(seed + 1000).uniform(0.9, 1.1, (robot.n, 1))
+    weights = [inverse_dynamics(robot, each, q, 0.0 * q, 0.0 * q)
+               for each in (felt_bodies(robot, known, seen)[0], bodies)]  # fmt: skip
+    return np.sqrt(((weights[0] - weights[1]) ** 2).mean(axis=0)), leaning_mount(robot, known, seen)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_base_that_leans_is_said_and_bodies_are_not_bent_for_it(robot, seed, monkeypatch):
+    off = np.exp(np.random.default_rng(seed).uniform(-0.4, 0.4, robot.n))
+    down = LEANS / np.linalg.norm(LEANS)
+    wrong, said = felt(robot, off, down, seed)
+    told = [float(v) for v in re.findall(r"-?\d+\.\d+", said.partition("[")[2])[:3]]
+    assert np.linalg.norm(np.array(told) / 9.81 - down) < 0.06
+    monkeypatch.setattr("pa10d.experiments.felt_bodies._leaning", lambda *_: None)
+    bent, nothing = felt(robot, off, down, seed)
+    assert nothing is None
+    assert (wrong[1:4] < 0.75 * bent[1:4]).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_base_that_stands_as_it_should_is_not_said_to_lean(robot, seed):
+    off = np.exp(np.random.default_rng(seed).uniform(-1.0, 1.0, robot.n))
+    _, said = felt(robot, off, np.array([0.0, 0.0, -1.0]), seed)
+    assert said is None

@@ -8,7 +8,8 @@ import pytest
 from pa10d.control.joint_figures import presumed_figures
 from pa10d.dynamics import robot_from_profile
 from pa10d.dynamics.mass import mass_matrices
-from pa10d.experiments.shaking import lines_of, multisine, small_torques, torque_ahead
+from pa10d.experiments.shaking import FLUNG, lines_of, multisine, small_torques, torque_ahead
+from pa10d.experiments.shaking import SWING as SHAKES
 from pa10d.experiments.wound_springs import LOSS, links_of
 from pa10d.profile import load_profile
 from pa10d.trajectory.kinds import read_request
@@ -103,3 +104,25 @@ def test_what_rubs_is_shaken_as_far_as_what_does_not(viscous):
         speed[k] = (speed[k - 1] + torque[k] / rate / inertia) / (1.0 + viscous / rate / inertia)
     settled = speed[len(t) // 2 :]
     assert np.abs(settled - settled.mean()).max() == pytest.approx(1.0, rel=0.15)
+
+
+@pytest.mark.parametrize("light", [1.0, 0.003], ids=["as it is", "a light wrist"])
+def test_a_light_neighbour_is_not_flung_about(robot, light):
+    """One of 5e-4 kg·m² had 2.4 rad/s within 20 ms, as a joint far below it was shaken."""
+    around = Surroundings.of(robot)
+    plan = read_request({"kind": "first_motion", "parameters": {"part": "response"}}).build(around)
+    figures, t = presumed_figures(robot), np.arange(0.0, plan.duration, 1.0 / RATE)
+    heavy, wrist = 1, 5
+    figures = figures.but(rotor=np.where(np.arange(robot.n) == wrist, 1e-6, figures.rotor))
+    factor = np.where(np.arange(robot.n) == wrist, light, 1.0)
+    torque = np.abs(small_torques(plan, robot, figures.but(link=factor), t, RATE)).max(axis=0)
+    usual = np.abs(small_torques(plan, robot, figures, t, RATE)).max(axis=0)
+    assert torque[0] == usual[0] > 0.0
+    span = next(span for span in plan.spans if span.label == f"joint {heavy + 1} shaken")
+    q, dq, _ = plan.at(np.array([0.5 * (span.begin + span.end)]))
+    mass = mass_matrices(robot, q)[0]
+    given = mass[wrist, heavy] / (light * mass[wrist, wrist]) * SHAKES * abs(dq[0, heavy])
+    most = FLUNG * robot.velocity[wrist]
+    share = torque[heavy] / usual[heavy]
+    assert share == pytest.approx(min(1.0, most / abs(given)), rel=0.1)
+    assert (share < 0.7) == (light < 1.0), "nothing was shown"
