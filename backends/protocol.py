@@ -123,3 +123,12 @@ class OpensOneByOne(Protocol):
         """Axes that are free while all others are in their brakes: those without one, and that
         which is tried. None: no brake opens alone now."""
         ...
+
+
+@runtime_checkable
+class CutsPower(Protocol):
+    """A backend whose axes can each be left to their brakes alone."""
+
+    def cut_power(self, axis: int) -> None:
+        """As ``quick_stop``, but this axis, and those that were named before, have no power until
+        they are enabled again, and their brakes close: what their drives do drives them on."""

@@ -127,6 +127,12 @@ class CanopenBackend:
         self._powered, self._sequence = False, None
         self.command([Control.QUICK_STOP] * self.n)
 
+    def cut_power(self, axis: int) -> None:
+        self._powered, self._sequence = False, None
+        self._cut.add(axis)
+        cut, stop = Control.DISABLE_VOLTAGE, Control.QUICK_STOP
+        self.command([cut if k in self._cut else stop for k in range(self.n)])
+
     def begin_disable(self) -> None:
         self._begin(sequence.Disable(self))
 
@@ -213,6 +219,7 @@ class CanopenBackend:
             raise latched[0]  # only reset forgets a fault
         if open_risks := self._open_risks():
             raise refusal("unaccepted_risk", open_risks)
+        self._cut.clear()
         self._begin(what)
 
     def _begin(self, what: sequence.Sequence) -> None:
@@ -262,6 +269,7 @@ class CanopenBackend:
         )
         self._words, self._per_mille = [int(Control.DISABLE_VOLTAGE)] * self.n, [0] * self.n
         self._powered = False
+        self._cut: set[int] = set()  # axes that are left to their brakes
         self._sequence = None
 
     def _connected(self) -> BusCycle:
@@ -391,7 +399,9 @@ class CanopenBackend:
     def _send_words(self) -> None:
         """Controlwords and torques, as far as the brakes let them pass."""
         feedback = self._feedback
-        words = self._brakes.let_pass(self._words, self.statuses(), feedback.time, feedback.q)
+        words = self._brakes.let_pass(
+            self._words, self.statuses(), feedback.time, feedback.q, self._cut
+        )
         self._connected().send(self._exchange.pack(words, self._per_mille))
 
     def _other(self, can_id: int, data: bytes) -> None:

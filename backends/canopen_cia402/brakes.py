@@ -8,7 +8,7 @@ Where it hangs on us all the same, a quick stop keeps its power until the brake 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from math import inf
 
@@ -79,10 +79,18 @@ class Brakes:
         self._speed = np.zeros(n)
         self._now = 0.0
 
-    def let_pass(self, words: list[int], statuses: list[int], now: float, q: Array) -> list[int]:
+    def let_pass(
+        self,
+        words: list[int],
+        statuses: list[int],
+        now: float,
+        q: Array,
+        cut: Collection[int] = (),
+    ) -> list[int]:
         """The controlwords that may go out at ``now`` s: power stays until the brake holds.
 
-        q: (n,) where the axes are, rad.
+        q: (n,) where the axes are, rad; cut: axes whose power does worse than none, which goes at
+        once, whatever their brakes do.
         """
         if not self._axes:
             return words
@@ -90,7 +98,10 @@ class Brakes:
         self._see(q)
         allowed = list(words)
         for axis in self._axes:
-            allowed[axis] = self._allowed(axis, words[axis], statuses[axis] & 0x6F)
+            if axis in cut:
+                self._turn(axis, True)
+            else:
+                allowed[axis] = self._allowed(axis, words[axis], statuses[axis] & 0x6F)
             self._insist(axis)
         return allowed
 

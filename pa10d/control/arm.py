@@ -10,15 +10,17 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from backends.error_history import DriveErrors, KeepsErrors
-from backends.protocol import Backend, OpensOneByOne
+from backends.protocol import Backend, CutsPower, OpensOneByOne
 from pa10d.common.errors import UserError
 from pa10d.control.admission import HasModel, wrong_along, wrong_with_torque
-from pa10d.control.faults import Fault, LoopFault, blamed_on_time, fault_from
+from pa10d.control.faults import WAY_ROUND, Fault, LoopFault, blamed_on_time, fault_from
 from pa10d.control.guard import BackendBroke, asked, read
 from pa10d.control.joint_figures import ROUGH
 from pa10d.control.journal import Journal
@@ -45,6 +47,11 @@ STANDS = 0.2  # s for which the arm must stand with open brakes before it counts
 CALMS = 10.0  # s in which one that sways comes to rest, or is held as it is
 RESTS = 5.0  # s after a fall until links that swing on their gears at 2 Hz have lost 85 % of it, of
 # which no encoder in a brake knows: 3 % of critical damping. Whoever presses STOP waits for 6 s
+
+RAN_ON = (
+    "got faster as its own drive stopped it, and was left to its brake: its torque acts the wrong "
+    "way round, or its load is more than its motor holds"
+)
 
 log = logging.getLogger("pa10d.control")
 
@@ -89,6 +96,7 @@ class Arm:
         self._switch_by: float | None = None  # s, until when the drives may; None: no cycle yet
         self._asked_off = False  # the backend took in that it shall switch off
         self._falls = 0  # times as its brakes opened, since it ended a motion
+        self._together = False  # brakes open with each other's, as was seen since it was connected
         self.maybe_powered = False  # given up: the drives were to switch off and have not obeyed
 
     @property
@@ -114,6 +122,7 @@ class Arm:
             raise Refused("connect", self.state, (ArmState.OFFLINE,), why) from error
         self.path.forget()
         self._held_at, self._held_by, self._asked_off = None, None, False
+        self._together = False
         self.state = ArmState.INACTIVE
         self.cycle()
 
@@ -165,7 +174,7 @@ class Arm:
 
     @property
     def _each_alone(self) -> bool:
-        return self._falls >= ALONE_AFTER
+        return self._falls >= ALONE_AFTER and not self._together
 
     def disable(self) -> None:
         """Rest first, then brakes on and power off."""
@@ -196,7 +205,7 @@ class Arm:
             needed = (ArmState.FAULT, ArmState.INACTIVE)
             raise Refused("reset", self.state, needed, REMEDIES[self.state])
         require("reset", self.state, ArmState.FAULT, ArmState.INACTIVE)
-        fell = self.fault is not None and self.fault.runs_away
+        fell = self.fault is not None and self.fault.fell
         passed = self.path.time - self.fault.time if self.fault is not None else 0.0
         self._rest = float(np.clip(self._rests - passed, 0.0, self._rests)) if fell else 0.0
         self._switch(ArmState.RESETTING)
@@ -378,6 +387,9 @@ class Arm:
             self.motion.advance(self.path.reference)
 
     def _stop_further(self, stop: Stop) -> None:
+        if stop.by_drives:
+            for axis in stop.runs_on():
+                self._leave_to_its_brake(axis)
         progress = stop.advance()
         if progress == StopProgress.OVERDUE and not stop.by_drives:
             raise stop.overdue()
@@ -440,7 +452,30 @@ class Arm:
             return
         self._begin_stop(ArmState.FAULT, by_drives=True)
         with contextlib.suppress(Exception):
-            asked("quick_stop", self.backend.quick_stop)
+            asked("quick_stop", self._brakes_by_drives())
+
+    def _brakes_by_drives(self) -> Callable[[], None]:
+        """How the drives stop their axes: one whose torque acts the wrong way round by its brake
+        alone, for its own ramp would drive it on."""
+        fault, backend = self.fault, self.backend
+        wrong = fault.axis if fault is not None and fault.kind == "wrong_sign" else None
+        if wrong is None or not isinstance(backend, CutsPower):
+            return backend.quick_stop
+        return partial(backend.cut_power, wrong)
+
+    def _leave_to_its_brake(self, axis: int) -> None:
+        """It gets faster along its drive's own ramp. Whatever else was told by how the arm moved,
+        this is no matter of weights."""
+        if not isinstance(self.backend, CutsPower):
+            return
+        with contextlib.suppress(Exception):
+            asked("cut_power", self.backend.cut_power, axis)
+        log.warning("joint %d %s", axis + 1, RAN_ON)
+        if self.fault is not None:
+            named = "" if axis == self.fault.axis else f"joint {axis + 1} "
+            cause = f"{self.fault.cause}; {named}{RAN_ON}"
+            self.fault = replace(self.fault, cause=cause, remedy=WAY_ROUND, weighed=0)
+            self.journal.fault(self.fault)
 
     def _brake_on(self, fault: Fault) -> None:
         """A fault while brakes close: they go on closing, without torque where that is wrong."""
@@ -536,12 +571,12 @@ class Arm:
             fault = blamed_on_time(fault, self.starved())
             broke = error.__cause__ if isinstance(error, BackendBroke) else None
             # whoever runs the motion may try it again, and knows of what to do where it does not
-            said = fault.seen if self.motion is not None or fault.weighed else fault.sentence
+            again = self.motion is not None or fault.weighed or fault.opens_together
+            said = fault.seen if again else fault.sentence
             log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
             self._falls += fault.weighed > 0 or fault.kind == "not_held"
-            if fault.kind == "brake_gave":  # they open together, whoever is asked
-                self._falls = 0
+            self._together |= fault.opens_together
             self.journal.fault(fault)
 
     def _clear_fault(self) -> None:

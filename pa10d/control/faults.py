@@ -13,6 +13,10 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.control.guard import BackendBroke
 from pa10d.control.punctuality import Starved
 
+WAY_ROUND = (
+    "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in the profile "
+    "turns angle and torque together and does not mend this"
+)
 REMEDIES = {
     "not_finite": "report it with the recorded run; look at gains and model first",
     "torque_state": "report it: torque was asked for in a state that allows none",
@@ -25,8 +29,9 @@ REMEDIES = {
     "URDF's masses or centres from this joint on are wrong, or base.rpy: correct them",
     "oscillation": "its gains do not fit it: run the experiment first_motion, which measures the "
     "joints and sets them, or lower control.bandwidth_hz",
-    "wrong_sign": "exchange two phases of its motor, or the drive's polarity (0x607E); 'sign' in "
-    "the profile turns angle and torque together and does not mend this",
+    "brake_gave": "look at this joint's brake, and whether brakes that hang on one output open "
+    "together: from now on all of them open at once",
+    "wrong_sign": WAY_ROUND,
     "stale": "check cabling, termination and bus load; the axis stopped answering",
     "no_number": "look at what this backend reads; the drive's encoder and its scaling",
     "backend": "report it to whoever wrote this backend, with the daemon's log; 'reset' tries anew",
@@ -74,6 +79,16 @@ class Fault:
     def runs_away(self) -> bool:
         """Whether the torque itself is what moves an axis that shall stand."""
         return self.kind in ("not_held", "wrong_sign")
+
+    @property
+    def opens_together(self) -> bool:
+        """Whether all brakes open at once from now on, for one opened with another's."""
+        return self.kind == "brake_gave"
+
+    @property
+    def fell(self) -> bool:
+        """Whether a brake has caught a fall, and links may swing on behind it."""
+        return self.runs_away or self.opens_together
 
     @property
     def seen(self) -> str:

@@ -24,6 +24,8 @@ GRACE = 1.0  # s that a stop may take beyond what braking needs …
 DIES_AWAY = 14.0  # … and at least this long, in 1/ω: less than a thousandth is left
 GENTLEST = 0.1  # of the acceleration limit, however soft the servo
 DRIVES_STOP = 2.0  # s for the drives' own quick stop
+FASTER, MUCH = 1.3, 0.5  # times as fast as it was, and of the speed limit: no ramp makes it so …
+BEGINS, LATE = 0.03, 4  # … once it has begun, s or periods: what falls gathers speed until then
 
 
 class StopProgress(Enum):
@@ -53,6 +55,20 @@ class Stop:
         span = DRIVES_STOP if by_drives else own
         self._deadline = path.time + span
         self._rest_since = path.time
+        self._begins = path.time + max(BEGINS, LATE * period)
+        self._most = np.maximum(FASTER * np.abs(path.dq), MUCH * limits.velocity)
+        self._cap = np.maximum(self._most, limits.velocity)
+        self._ran_on = np.zeros(len(self._most), dtype=bool)
+
+    def runs_on(self) -> list[int]:
+        """Axes that get faster though their drives brake them, each told once: motor or encoder are
+        the wrong way round, or what it bears is more than its drive can hold."""
+        speed = np.abs(self._path.dq)
+        if self._path.time < self._begins:
+            self._most = np.clip(FASTER * speed, self._most, self._cap)
+        fast = (speed > self._most) & self._path.live & ~self._ran_on
+        self._ran_on |= fast
+        return [int(axis) for axis in np.flatnonzero(fast)]
 
     def advance(self) -> StopProgress:
         """One period on."""

@@ -71,6 +71,8 @@ class TorquePath:
         self._heaviest = limits.torque if heaviest is None else np.minimum(heaviest, limits.torque)
         self._inertia = inertia
         self._alone: int | None = None  # the joint whose brake is open, all others being closed
+        self._last_alone: int | None = None  # the last that was so
+        self._free: set[int | None] | None = None  # of brakes that open one by one; None: all
         self._tried_alone = False  # each, since power-up: what shakes all of them then is no fall
         self._caught: dict[int, Weighed] = {}  # a joint that fell, and is borne by that
         self.fell: dict[int, Weighed] = {}  # joints that ended a power-up, as it weighed them
@@ -136,6 +138,8 @@ class TorquePath:
                 raise self._swings.violation(violation.axis) from violation
             if violation.kind == "stale" or not self._new:  # what swayed up has not fallen
                 raise
+            if violation.axis is not None and self._in_its_brake(violation.axis):
+                raise self._gave(violation) from violation
             axis, cause = violation.axis, f"{violation.cause} while the arm is being enabled"
             if axis is not None:
                 cause += self._in_vain(axis)
@@ -167,6 +171,8 @@ class TorquePath:
             if isinstance(self.controller, Pid):
                 self.controller.bear(self._alone, float(self.sent[self._alone]))
         self._alone = axis
+        self._last_alone = self._last_alone if axis is None else axis  # its brake may yet close
+        self._free = None if out is None else {*out, self._last_alone}
         self._tried_alone |= axis is not None
         if out is None:
             return
@@ -176,6 +182,14 @@ class TorquePath:
         self.reference.q[free] = places
         if axis is not None:
             self.catch()
+
+    def _in_its_brake(self, axis: int) -> bool:
+        return self._free is not None and axis not in self._free
+
+    def _gave(self, violation: LoopFault) -> LoopFault:
+        """A joint that moves in its closed brake: its drive gives no torque, it tells nothing."""
+        others = "" if self._alone is None else f" as that of joint {self._alone + 1} opened"
+        return LoopFault("brake_gave", f"{violation.cause} in its brake{others}", violation.axis)
 
     def _in_vain(self, axis: int) -> str:
         """With what this joint was to be held, for a URDF may say too little, or too much; and what
@@ -298,7 +312,7 @@ class TorquePath:
         self._stood.restart()
         self._falls.restart()
         self._untouched, self._caught, self.fell = True, {}, {}
-        self._alone, self._tried_alone = None, False
+        self._alone, self._last_alone, self._free, self._tried_alone = None, None, None, False
         self.exit.restart()
         self.exit.reach.begin(self.q)
         self.reference.rest(self.q.copy())

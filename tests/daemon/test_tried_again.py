@@ -121,6 +121,22 @@ def test_it_tells_three_times_at_most_and_not_at_all_where_nothing_was_learnt(
         assert (len(paces), type(error)) == (tries, UserError)
 
 
+GAVE = Fault("brake_gave", "left its place in its brake as that of joint 1 opened", 1, device=True)
+
+
+def test_brakes_that_do_not_open_alone_are_opened_together_by_itself(monkeypatch, tmp_path, caplog):
+    """Control does that with the next enabling; if the same is seen again, it is something else."""
+    falls = [FELL, FELL, FELL, GAVE, FELL]
+    paces, found = tried(monkeypatch, falls, MotionRequest("x"), tmp_path)
+    assert paces == (len(falls) + 1) * [1.0]
+    assert "with all brakes opening together" in found.notes[3]
+    assert "all brakes opening together" in caplog.text
+    paces, error = tried(monkeypatch, [GAVE, GAVE], MotionRequest("x"), tmp_path)
+    assert (len(paces), type(error)) == (2, UserError)
+    paces, error = tried(monkeypatch, [GAVE], MotionRequest("x"), tmp_path, stopped_at=1)
+    assert (len(paces), type(error)) == (1, Stopped)
+
+
 def test_nor_where_the_next_fall_would_go_over_a_limit():
     """Brakes take their time: a slide went a centimetre or two each time, onto its end."""
     arm = SimpleNamespace(lower=np.array([-0.09, -3.0]), upper=np.array([0.09, 3.0]))

@@ -9,6 +9,7 @@ from backends.canopen_cia402.brakes import CLOSES_IN
 from backends.canopen_cia402.sequence import GIVES, RESTS, SWAYS, EnableOneByOne
 from backends.protocol import BackendFault, Feedback
 from pa10d.control.arm import ALONE_AFTER
+from pa10d.control.arm import RESTS as RESTS_AFTER_A_FALL
 from pa10d.control.faults import Fault
 from pa10d.control.states import EACH
 
@@ -44,6 +45,48 @@ def test_after_some_falls_each_brake_opens_alone_before_all_do(world):
     alone = [state for k in range(n) for state in ([j == k for j in range(n)], closed)]
     assert open_now[: 2 * n + 2] == [closed, *alone, n * [True]]
     assert np.diff(when[1 : 2 * n + 1]).min() > 0.1
+
+
+def test_brakes_that_hang_on_one_output_open_together_from_then_on(make_world, monkeypatch):
+    """However often it falls, until the arm is connected anew. Links that swing on behind the
+    brakes that caught it are waited for, as after any fall."""
+    world = make_world(home=[0.0, 0.9, 0.0, 0.9, 0.0, 0.5, 0.0])
+    drives, backend = world.drives.drives, world.arm.backend
+    alone = type(drives[0]).brake_closed.fget
+    together = property(lambda drive: all(alone(each) for each in drives))
+    monkeypatch.setattr(type(drives[0]), "brake_closed", together)
+    tried, faults, rested = [], [], []
+    for name in ("begin_enable", "begin_enable_one_by_one"):
+        as_before = getattr(backend, name)
+        monkeypatch.setattr(
+            backend, name, lambda name=name, begin=as_before: (tried.append(name), begin())
+        )
+
+    def story():
+        world.say("connect")
+        yield world.is_in("inactive")
+        for _ in range(3):
+            world.arm._falls = ALONE_AFTER
+            world.say("enable")
+            yield world.is_in("enabling")
+            yield world.is_in("fault", "holding")
+            if world.arm.fault is not None:
+                faults.append(world.arm.fault.kind)
+            began = world.now
+            world.say("disable" if world.state() == "holding" else "reset")
+            yield world.is_in("disabling", "resetting")
+            yield world.is_in("inactive")
+            rested.append(world.now - began)
+        world.say("disconnect")
+        yield world.is_in("offline")
+        world.say("connect")
+        yield world.is_in("inactive")
+        assert world.arm._each_alone, "somebody may have rewired them"
+
+    world.run(story())
+    assert faults == ["brake_gave"]
+    assert tried == ["begin_enable_one_by_one", "begin_enable", "begin_enable"]
+    assert rested[0] > RESTS_AFTER_A_FALL - 1.0
 
 
 class Axes:

@@ -43,7 +43,9 @@ class Actuation:
 
 
 class Mechanics:
-    """Steps a plant of INTERFACES' protocol under the drives' actuation."""
+    """Steps a plant of INTERFACES' protocol under the drives' actuation. ``motors``: (n,) signs
+    with which they act, -1 where two phases are exchanged: then what a drive does against its speed
+    makes it faster, and its brake alone brakes. A plant may say them."""
 
     def __init__(self, plant: Any, strength: Array) -> None:
         self.plant = plant
@@ -51,6 +53,7 @@ class Mechanics:
         n = len(self.q)
         self._stiffness, self._damping = STIFFNESS * strength, DAMPING * strength
         self._brake_limit = BRAKE_STRENGTH * strength
+        self.motors = np.broadcast_to(np.asarray(getattr(plant, "motors", 1.0), float), n)
         self.velocity = np.zeros(n)
         self._brake_torque = np.zeros(n)
         self._brake_at = self.q.copy()
@@ -69,7 +72,7 @@ class Mechanics:
         if elapsed > 0:
             self.velocity = (q - self.q) / elapsed
         self.q = q
-        return q, np.where(powered, current - self._brake_torque, 0.0)
+        return q, np.where(powered, self.motors * (current - self._brake_torque), 0.0)
 
     def follow(self, torque: Array, dt: float) -> None:
         """Let ``dt`` seconds pass with every axis free and given ``torque`` (n,), N·m."""
@@ -78,7 +81,7 @@ class Mechanics:
             self._brake_torque[:] = 0.0
             self._was_braked[:] = self._was_stopping[:] = False
         self._last_torque = torque
-        self.plant.step(torque, dt)
+        self.plant.step(self.motors * torque, dt)
 
     def advance(self, act: Actuation, dt: float) -> None:
         """Let ``dt`` seconds pass."""
@@ -152,7 +155,7 @@ class Mechanics:
         self._brake_at = q + (brake + self._damping * velocity) / self._stiffness
         self._brake_torque = np.where(act.braked, brake, 0.0)
         self._last_torque = motor
-        self.plant.step(motor + self._brake_torque, h)
+        self.plant.step(self.motors * motor + self._brake_torque, h)
 
     def _slowed(self, act: Actuation, velocity: Array) -> Array:
         """The commanded torque, N·m, as far as the drive's largest speed lets it through."""

@@ -168,13 +168,16 @@ class Experiment:
 
     async def _weighed(self, fell: Counter[int]) -> bool:
         """Whether a joint was not held, and how it fell told what holds it: then the next enabling
-        begins with that. It may fall as far each time: few are allowed. fell: how often each told.
-        """
+        begins with that. Or it left its place as another one's brake opened alone: then all open
+        together. It may fall as far each time: few are allowed. fell: how often each told, from 1,
+        and (0) how often brakes did not open alone."""
         fault = self._robot.fault
-        if fault is None or not fault.weighed:
+        if fault is None or not (fault.weighed or fault.opens_together):
             return False
         fell[fault.weighed] += 1
-        if fell[fault.weighed] > FALLS:
+        if fault.opens_together and fell[0] > 1:
+            return False
+        if fault.weighed and fell[fault.weighed] > FALLS:
             raise UserError(
                 f"{fault.seen}; joint {fault.weighed} was not held {FALLS + 1} times, and is not "
                 f"tried again by itself: {WRONG}"
@@ -185,13 +188,21 @@ class Experiment:
                 "position limit as it fell and would go over it: move it away from there, its "
                 f"brake released by hand; {WRONG}"
             )
-        log.warning(
-            "joint %s fell, which told what may hold joint %d (time %d, of %d at most): the arm "
-            "rests, and is enabled again by itself",
-            fault.joint, fault.weighed, fell[fault.weighed], FALLS,
-        )  # fmt: skip
-        self.falls.append(f"joint {fault.joint} {fault.cause}, and it is tried again.")
-        self.result.notes.append(self.falls[-1])
+        if fault.weighed:
+            log.warning(
+                "joint %s fell, which told what may hold joint %d (time %d, of %d at most): the "
+                "arm rests, and is enabled again by itself",
+                fault.joint, fault.weighed, fell[fault.weighed], FALLS,
+            )  # fmt: skip
+            note = f"joint {fault.joint} {fault.cause}, and it is tried again."
+        else:
+            log.warning(
+                "joint %s came out of its closed brake: the arm rests, and is enabled again by "
+                "itself, all brakes opening together", fault.joint,
+            )  # fmt: skip
+            note = f"{fault.seen}: it is tried again with all brakes opening together."
+        self.falls.append(note)
+        self.result.notes.append(note)
         await self._robot.reset()
         self._begin_again()
         return True

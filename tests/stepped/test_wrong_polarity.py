@@ -1,0 +1,48 @@
+"""A drive whose torque acts the wrong way round cannot brake its axis: its brake alone does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pa10d.control.faults import LoopFault
+
+WRONG = 1  # 0-based
+
+
+@pytest.mark.parametrize(
+    ("kind", "named", "faster"),
+    [("wrong_sign", WRONG, 0.05), ("not_held", 0, 0.5)],
+    ids=["it is known", "another joint was too fast first"],
+)
+def test_its_own_ramp_does_not_drive_it_on(world, kind, named, faster):
+    """22 rad/s before; all others stop along their ramps. faster: rad/s, until that is seen."""
+    seen, at = [], {}
+    cycle = world.arm.path.watch
+
+    def watched(stopping_for_fault):
+        cycle(stopping_for_fault)
+        if at:
+            seen.append((world.drives.mechanics.q.copy(), world.drives.mechanics.velocity.copy()))
+
+    world.arm.path.watch = watched
+
+    def story():
+        yield from world.moving()
+        mechanics = world.drives.mechanics
+        mechanics.motors = np.where(np.arange(world.robot.n) == WRONG, -1.0, 1.0)
+        at.update(q=mechanics.q.copy(), speed=np.abs(mechanics.velocity))
+        world.arm._on_fault(LoopFault(kind, "moved by itself", named))
+        yield world.is_in("fault")
+        yield world.passes(0.5)
+
+    world.run(story())
+    way = np.abs(np.array([q for q, _ in seen]) - at["q"]).max(axis=0)
+    fastest = np.abs(np.array([v for _, v in seen])).max(axis=0)
+    assert at["speed"][WRONG] > 0.1, "it did not move: nothing was shown"
+    assert fastest[WRONG] < at["speed"][WRONG] + faster
+    assert way[WRONG] < 0.1
+    assert world.at_rest()
+    assert ("joint 2 got faster as its own drive" in world.faults[-1].sentence) == (named != WRONG)
+    assert "exchange two phases" in world.faults[-1].sentence
+    assert [drive.brake_closed for drive in world.drives.drives] == world.robot.n * [True]
