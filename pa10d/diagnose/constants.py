@@ -107,6 +107,9 @@ SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out
 FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out
 FORETOLD_FOLDS = 4  # stretches of the fit side that take turns in settling set and ridge
+FORETOLD_MISSED = (
+    0.9  # of what a set foretells: quantities without which as much is left are not told
+)
 FORETOLD_DEGREE = 3  # of products of quantities
 FORETOLD_WAVES = 150  # random Fourier features beside them (Rahimi & Recht 2007)
 FORETOLD_WIDTHS = (0.5, 1.0, 2.0)  # standard deviations of a quantity in which they turn by 1 rad
@@ -118,6 +121,7 @@ STIFFNESSES = np.logspace(-9.0, 6.0, 121)  # tried ratios, of the typical streng
 INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it is part of
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
+STANDS_BESIDE_MORE = 1.5  # the same where it is more than what is named took, structured or not
 SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
 # thousand right ones
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that

@@ -17,9 +17,11 @@ from pa10d.compare.knocks import knocks
 from pa10d.compare.orders import order_spectrum
 from pa10d.compare.places import places
 from pa10d.diagnose.constants import (
+    BEYOND_SLOW_NOISE,
     MATERIAL_REST,
     SHARE_OFF,
     SIZED_LEVEL,
+    STANDS_BESIDE_MORE,
     STANDS_IN,
 )
 from pa10d.diagnose.evidence.curves import angles_of, parts_of_curves
@@ -435,16 +437,24 @@ def _of_curves(
 
 def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
     """What is named on a joint whose error follows something unnamed, too, may be part of that; so
-    may a law that moves another torque than its own shape says."""
+    may a law that moves another torque than its own shape says, one that takes less than it leaves,
+    and one that leaves more than slow noise reaches."""
     j = helped_most(finding.term, finding.rms_before, finding.rms_after)[0]
     told = lines[j].significant or not _whole(finding)
-    if not (told and lines[j].ratio > STANDS_IN):
+    beside = lines[j].ratio > (STANDS_IN if told else BEYOND_SLOW_NOISE)
+    if not (beside or _leaves_more(finding, lines[j])):
         return finding
     text = (
         f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
         "for what is missing there."
     )
     return replace(finding, sentence=finding.sentence + text)
+
+
+def _leaves_more(finding: Finding, line: Remaining) -> bool:
+    """Is what remains of a joint material, and, its noise aside, more than the finding took?"""
+    took = finding.rms_before[line.joint] ** 2 - finding.rms_after[line.joint] ** 2
+    return line.ratio > STANDS_BESIDE_MORE and bool(line.rms**2 - line.floor**2 > took)
 
 
 def _whole(finding: Finding) -> bool:

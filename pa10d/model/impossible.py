@@ -6,12 +6,16 @@ or friction that pushes: a controller or a simulator on it can become unstable.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pa10d.common.words import listed, percent
 from pa10d.dynamics.typical import usual_poses
+from pa10d.effects.base import fitted
 from pa10d.effects.context import posed
 from pa10d.model.model import TorqueModel
+from pa10d.model.term import in_units_of
 
 REMEDY = "use the feasible parameters (--parameters feasible) where something is to move by it"
 
@@ -33,7 +37,8 @@ def impossible(model: TorqueModel) -> tuple[str, ...]:
     for term in model.terms:
         for value, c in zip(term.coefficients, term.effect.coefficients, strict=True):
             if c.lower == 0.0 and value < 0.0:
-                unit = c.unit if c.unit != "1" else ""
+                told = in_units_of(robot, term, {c.name: fitted(value, math.nan, c.unit)})[c.name]
+                unit = told.unit if told.unit != "1" else ""
                 said.append(
                     f"{term.named(c.name)} = {value:.3g} {unit}".rstrip()
                     + f" in the free fit, expected at least 0; {REMEDY}"

@@ -16,9 +16,8 @@ from pa10d.common.errors import UserError
 from pa10d.readers.table import ForeignTable
 from pa10d.readers.weights import refuse_growth
 from pa10d.store.channels import Array
+from pa10d.store.column_mapping import SPELT
 
-SPELT = {"temperature": "temp", "current": "i", "t": "time"}
-"""What our own files, and most others', call a block of columns."""
 SECOND = 1_000_000_000  # ns
 NOT_NUMPY = (OSError, ValueError, zipfile.BadZipFile, zlib.error, KeyError, EOFError, MemoryError)
 FEW = 20  # rows: fewer are names, gains and the like

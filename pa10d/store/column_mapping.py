@@ -28,6 +28,8 @@ UNITS = {
     "A": 1.0, "mA": 1e-3, "°C": 1.0, "degC": 1.0, "C": 1.0,
 }  # fmt: skip
 """Unit -> what one of it is in SI."""
+SPELT = {"temperature": "temp", "current": "i", "t": "time"}
+"""What arrays are called in files -> what their columns are called here."""
 ANGLES = ("rad", "mrad", "deg", "°", "rev")
 PERIOD = re.compile(r"wrap(2pi|\d+(?:\.\d+)?(?:e\d+)?)")
 """Numbers that begin anew after so many: angles after a turn, counters after a word."""
@@ -40,6 +42,7 @@ _STRANGE = re.compile(
     re.I,
 )
 """Shares of a rated torque, numbers of a converter, units of other systems."""
+_BLOCK = re.compile(rf"^({'|'.join(SPELT)})(?=\d*\s*(?:[\[(]|$))")
 _OPERATOR = re.compile(r"[*/]")
 _NUMBER = "{n}"
 _FROM_ZERO = "{n-1}"
@@ -210,8 +213,11 @@ def _applies(rule: Rule, names: Sequence[str], n: int, taken: Resolved) -> bool:
 
 
 def _column(written: str, names: Sequence[str], text: str) -> tuple[str | None, Unit]:
-    """The column that is meant, and the unit behind its name."""
+    """The column that is meant, by its file's name or by ours, and the unit behind its name."""
     match = _WITH_UNIT.fullmatch(written)
+    if written not in names and (match is None or match[1] not in names):
+        written = _BLOCK.sub(lambda block: SPELT[block[0]], written)
+        match = _WITH_UNIT.fullmatch(written)
     if written in names:
         return written, Unit(UNITS.get(match[2].strip(), 1.0)) if match else Unit()
     if match is None or match[1] not in names:

@@ -11,7 +11,8 @@ from foreign_laws import on, turn
 from two_links import NAMES, motion, recordings, robot, state_of, textbook, textbook_torque
 
 from pa10d.diagnose.procedure import diagnose
-from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.foretold import foretold, rubs, sets_of
+from pa10d.diagnose.unknown.taken_together import together
 from pa10d.dynamics import inverse_dynamics
 from pa10d.measurement.recording import Recording
 
@@ -68,3 +69,50 @@ def test_noise_of_one_stretch_foretells_no_other(seeds):
         )
     }
     assert not said
+
+
+def test_friction_that_follows_how_fast_another_joint_turns_is_foretold_and_told():
+    """Three quantities of two joints: 3 times the floor, and the verdict was none."""
+    runs = recordings(7, extra=lambda t, q, dq, ddq: on(1, clamped(q, dq)))
+    (found,) = foretold(state_of(runs), [1])
+    assert not found.elsewhere
+    assert found.there > 0.5
+    assert rubs(1, 0) in found.names
+    assert "joint 2's" in found.unnamed().best_from
+    assert "joint 1's speed" in found.unnamed().best_from
+
+
+def test_a_product_of_two_quantities_is_foretold_from_one_stretch_to_another():
+    """Of fitted runs that leave open what the held-out side asks for: "for want of motion"."""
+    runs = recordings(8, extra=lambda t, q, dq, ddq: on(1, 0.15 * q[:, 0] * dq[:, 0]))
+    (found,) = foretold(state_of(runs), [], [1])
+    assert found.elsewhere
+    assert found.share > 0.5
+    assert set(found.names) == {"q1", "dq1"}
+
+
+def clamped(q, dq):
+    """(N,) N·m."""
+    return 0.4 * turn(dq[:, 1]) * np.sin(q[:, 1]) * np.abs(dq[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (("q2", "dq2"), "joint 2's position and speed"),
+        (("q3", "turn3", "turn3·|dq4|", "q4"),
+         "joint 3's position and direction and joint 4's speed and position"),
+        (("q1", "q1 0.4 s ago", "q1 2 s ago"),
+         "joint 1's position, position 0.4 s before and position 2 s before"),
+        (("dq1", "dq1 0.2 s before", "work2 1.5 s", "turned1 20 s", "time"),
+         "joint 1's speed, speed 0.2 s before and direction over the last 20 s, "
+         "joint 2's motion in the last 1.5 s and time"),
+    ],
+)  # fmt: skip
+def test_quantities_in_words(names, words):
+    assert together(names) == words
+
+
+def test_every_quantity_has_its_words():
+    for name in {n for joint in range(3) for names in sets_of(joint, 3) for n in names} - {"time"}:
+        assert "joint " in together([name])

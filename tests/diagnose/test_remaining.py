@@ -265,12 +265,13 @@ def test_where_no_floor_is_known_noise_is_no_more_than_the_fitted_runs_keep():
 def test_two_angles_that_pull_at_one_joint_may_pull_at_another():
     """A hose to the elbow: "no one or two quantities do" beside "depends on q1 and q2"."""
     left = judged(3.5, 6.7)
-    foretold = Unnamed(0, 0.64, 0.2, 1e-9, "motion")
+    foretold = Unnamed(0, 0.64, 0.2, 1e-9, "motion", best_from="joint 1's position and speed")
     pulled = replace(judgement_of_a_map(0.7), joint=1, variables=("q1", "q2"))
     said, _ = remaining(left, [None, None], [foretold, pulled], ["N·m"] * 2)
-    assert said.sentence.endswith("what was before. Or it is q1 and q2, as on joint 2.")
+    assert said.sentence.endswith("surely does. Or it is q1 and q2, as on joint 2.")
     alone, _ = remaining(left, [None, None], [foretold], ["N·m"] * 2)
-    assert alone.sentence.endswith("what was before.")
+    assert "best from joint 1's position and speed; no map" in alone.sentence
+    assert alone.sentence.endswith("surely does.")
 
 
 def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_the_band_hides():
@@ -302,3 +303,12 @@ def test_what_one_change_would_do_is_not_called_unpredicted():
         "; a spring (k about 0.3 N·m/rad) alone takes 98 % of the 0.356 N·m that the model leaves "
         "there as it was given."
     )
+
+
+@pytest.mark.parametrize(("fitted", "said"), [(1.05, False), (3.2, True), (float("nan"), False)])
+def test_what_the_fitted_runs_keep_themselves_is_not_for_want_of_motion(fitted, said):
+    """ "Fit to motion like this one" was all that was said of a joint at 3.2 times its floor
+    on the very runs that its model was fitted to."""
+    (line,) = remaining(judged(6.0), [None], [], ["N·m"], undetermined={0: fitted})
+    assert "do not determine the arm for this motion" in line.sentence
+    assert ("on the fitted runs themselves it keeps 3.2 times" in line.sentence) == said

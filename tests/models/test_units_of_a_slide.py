@@ -8,6 +8,7 @@ import pytest
 
 from pa10d.effects import Value, all_effects
 from pa10d.model import in_units_of
+from pa10d.model.impossible import impossible
 
 SLIDES = replace(examples.ROBOT, prismatic=np.array([False, True, False, True]))
 
@@ -34,6 +35,15 @@ def test_every_effect_of_a_slide_is_told_without_angles(effect_id):
     else:
         assert not any("rad" in v.unit or "N·m" in v.unit for v in told.values())
     assert in_units_of(SLIDES, replace(term, joints=(0,)), values) == values
+
+
+def test_what_cannot_exist_is_told_in_newtons():
+    model = examples.textbook()
+    light = tuple(replace(t, coefficients=-abs(t.coefficients)) for t in model.terms)
+    said = impossible(replace(model, robot=SLIDES, terms=light))
+    of_slide = [line for line in said if line.startswith("coulomb J2: Fc = ")]
+    assert len(of_slide) == 1
+    assert " N in the free fit" in of_slide[0]
 
 
 def test_heads_of_columns():

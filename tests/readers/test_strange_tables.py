@@ -177,6 +177,18 @@ def test_joints_from_0_by_a_mapping(tmp_path, robot):
     np.testing.assert_array_equal(found.samples.q, Q)
 
 
+@pytest.mark.parametrize(
+    "rules", [["t=time"], ["t[ms]=time", "current1[2*A]=i1"], ["time[ms]=time", "i1=i1"], []]
+)
+def test_a_block_is_mapped_by_its_files_name_and_by_ours(tmp_path, robot, rules):
+    """An array 't' is read as 'time': a rule for 't' was told that there is no such column."""
+    scale = 1000.0 if "[ms]" in "".join(rules) else 1.0
+    path = matlab(t=T * scale, q=Q, tau=TAU, current=Q)(tmp_path)
+    found = read_recording(path, *robot, rules)
+    since = (found.samples.stamps - found.samples.stamps[0]) * 1e-9
+    np.testing.assert_allclose(since, T, atol=1e-6)
+
+
 def numpy_file(folder, content):
     np.savez(folder / "run.npz", **content)
     return folder / "run.npz"

@@ -9,9 +9,9 @@ held-out side moves elsewhere, stretches of the fit side that take turns say it 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import combinations_with_replacement, islice
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement, islice, permutations
 from typing import Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from pa10d.diagnose.constants import (
     FORETOLD_FOLDS,
     FORETOLD_LATE,
     FORETOLD_LEVEL,
+    FORETOLD_MISSED,
     FORETOLD_RIDGES,
     FORETOLD_SHARP,
     FORETOLD_THIN,
@@ -50,6 +51,7 @@ from pa10d.diagnose.unknown.structure import (
     of_all,
     rows_of,
 )
+from pa10d.diagnose.unknown.taken_together import together
 
 Array = NDArray[np.float64]
 Motion = list[dict[str, Array]]
@@ -57,9 +59,10 @@ Motion = list[dict[str, Array]]
 
 @dataclass(frozen=True)
 class Foretold:
-    """joint (0-based) and the quantities together that foretell its residual; share: of all its
-    squared error; there: where the fit side has been; elsewhere: the held-out side has not been
-    there, and all this is about the fit side."""
+    """joint (0-based) and the quantities together that foretell its residual, of those tried
+    together as few as do it about as well; share: of all its squared error; there: where the fit
+    side has been; elsewhere: the held-out side has not been there, and all this is about the fit
+    side."""
 
     joint: int
     names: tuple[str, ...]
@@ -72,18 +75,23 @@ class Foretold:
     def unnamed(self) -> Unnamed:
         """As an entry of what is unexplained."""
         witness: Literal["elsewhere", "motion"] = "elsewhere" if self.elsewhere else "motion"
-        return Unnamed(self.joint, self.share, self.rms, self.p_value, witness)
+        words = together(self.names)
+        return Unnamed(self.joint, self.share, self.rms, self.p_value, witness, best_from=words)
 
 
-def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
-    """Of these joints, the ones whose held-out residual motion foretells."""
-    if not joints:
+def foretold(
+    state: SearchState, joints: Sequence[int], of_fit_side: Sequence[int] = ()
+) -> list[Foretold]:
+    """Of these joints, the ones whose held-out residual motion foretells; of others, those whose
+    residual on the fit side it does."""
+    if not joints and not of_fit_side:
         return []
     motions = _quantities(state.train), _quantities(state.held)
     asked = list(joints)
     found = shared_map(lambda j: _of_joint(state, motions, j), asked)
     predictions = [p for of_joint in found for p in of_joint]
     unseen = [j for j, of_joint in zip(asked, found, strict=True) if not of_joint]
+    unseen += of_fit_side
     elsewhere = shared_map(lambda j: _of_fit_side(state, motions[0], j), unseen)
     residual = state.held_residual()
     noise = noise_beside(state, residual, predictions)
@@ -99,7 +107,8 @@ def foretold(state: SearchState, joints: Sequence[int]) -> list[Foretold]:
         one = Foretold(p.joint, p.names, whole, rms, judged.p_value, judged.share)
         if p.joint not in best or one.there > best[p.joint].there:
             best[p.joint] = one
-    return [*best.values(), *(one for one in elsewhere if one is not None)]
+    said = [*best.values(), *(one for one in elsewhere if one is not None)]
+    return [replace(one, names=_needed(state, motions[0], one)) for one in said]
 
 
 def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
@@ -119,6 +128,7 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
     ]
     for k in range(n):
         if k != joint:
+            out.append((*own[::2], rubs(joint, k), f"q{k + 1}"))
             there = (f"q{k + 1}", f"dq{k + 1}", f"turn{k + 1}")
             out.append((*own, *there, f"ddq{k + 1}"))
             out.append((*own, *there, *(f"q{k + 1} {s:g} s ago" for s in MAP_MEMORIES)))
@@ -126,13 +136,18 @@ def sets_of(joint: int, n: int) -> list[tuple[str, ...]]:
     return list(dict.fromkeys(tuple(dict.fromkeys(names)) for names in out))
 
 
+def rubs(joint: int, other: int) -> str:
+    """Which way a joint (0-based) turns, by how fast the other one does."""
+    return f"turn{joint + 1}·|dq{other + 1}|"
+
+
 def _work(joint: int) -> tuple[str, ...]:
     return tuple(f"work{joint + 1} {s:g} s" for s in FORETOLD_WORK)
 
 
 def _quantities(side: Side) -> Motion:
-    """Motion variables, and besides: which way a joint turns, its speed a while before, how much it
-    moved of late and which way, time."""
+    """Motion variables, and besides: which way a joint turns, also by another one's speed, its
+    speed a while before, how much it moved of late and which way, time."""
     out = motion_variables(side.runs)
     for run, names in zip(side.runs, out, strict=True):
         names["time"] = run.t
@@ -150,6 +165,8 @@ def _quantities(side: Side) -> Motion:
                 names[f"dq{j + 1} {s:g} s before"] = np.concatenate(
                     [np.full(late, speed[0]), speed[: len(speed) - late]]
                 )
+        for j, k in permutations(range(side.n), 2):
+            names[rubs(j, k)] = names[f"turn{j + 1}"] * np.abs(names[f"dq{k + 1}"])
     return out
 
 
@@ -168,19 +185,46 @@ def _of_joint(state: SearchState, motions: tuple[Motion, Motion], joint: int) ->
 
 
 def _of_fit_side(state: SearchState, motion: Motion, joint: int) -> Foretold | None:
-    """What stretches of the fit side foretell of each other, corrected for all that was tried."""
+    """What stretches of the fit side foretell of each other. Set and ridge are settled anew for
+    each of them, on the others, so that what is foretold owes nothing to the choice."""
     sets = sets_of(joint, state.train.n)
-    strongest = _strongest([_fitted(state, motion, joint, names) for names in sets])[:1]
-    for t in strongest:
-        values = t.across(state, motion)
-        residual = {j: r * state.fit.sigma[j] for j, r in state.fit.residual.items()}
-        found = judge(state.train, residual, {joint: values}, of_itself=True)
-        share = 1.0 - float((found.after[joint] / found.before[joint]) ** 2)
-        p = min(1.0, found.p_value * state.train.n * len(sets) * len(FORETOLD_RIDGES))
-        if p < FORETOLD_LEVEL and holds(found, share):
-            rms = float(np.sqrt(np.mean(values**2)))
-            return Foretold(joint, t.names, share, rms, p, share, elsewhere=True)
-    return None
+    tried = [_fitted(state, motion, joint, names, anew=True) for names in sets]
+    gains = np.array([t.gains_of_others for t in tried])  # sets x stretches x ridges
+    values = np.zeros(len(state.fit.residual[joint]))
+    for f in range(FORETOLD_FOLDS):
+        best, ridge = np.unravel_index(int(np.argmax(gains[:, f])), gains[:, f].shape)
+        if gains[best, f, ridge] > 0.0:
+            values += tried[best].stretch(state, motion, f, int(ridge))
+    if not np.any(values):
+        return None
+    residual = {j: r * state.fit.sigma[j] for j, r in state.fit.residual.items()}
+    found = judge(state.train, residual, {joint: values}, of_itself=True)
+    share = 1.0 - float((found.after[joint] / found.before[joint]) ** 2)
+    p = min(1.0, found.p_value * state.train.n)
+    if not (p < FORETOLD_LEVEL and holds(found, share)):
+        return None
+    rms = float(np.sqrt(np.mean(values**2)))
+    names = max(tried, key=lambda t: t.gain).names
+    return Foretold(joint, names, share, rms, p, share, elsewhere=True)
+
+
+def _needed(state: SearchState, motion: Motion, found: Foretold) -> tuple[str, ...]:
+    """Without the quantities that are missed least, one after the other, while stretches of the fit
+    side foretell about as much of each other."""
+
+    def gain(names: tuple[str, ...]) -> float:
+        return _fitted(state, motion, found.joint, names).gain
+
+    names = found.names
+    enough = FORETOLD_MISSED * gain(names)
+    while len(names) > 1:
+        fewer = [tuple(n for n in names if n != one) for one in names]
+        gains = [gain(some) for some in fewer]
+        best = int(np.argmax(gains))
+        if gains[best] < enough:
+            break
+        names = fewer[best]
+    return names
 
 
 def _strongest(tried: Sequence[_Fitted]) -> list[_Fitted]:
@@ -236,25 +280,26 @@ class _Fitted:
     theta: Array
     absorbed: Array
     gain: float
-    ridge: float
+    ridges: Array
+    gains_of_others: Array
+    """stretches x ridges: what the others foretell of each other without that stretch; zero where
+    nobody asked"""
 
-    def across(self, state: SearchState, motion: Motion) -> Array:
-        """(m_j,) N·m: each stretch of the fit side as the others, but for those that touch it in
-        time, foretell it."""
+    def stretch(self, state: SearchState, motion: Motion, f: int, ridge: int) -> Array:
+        """(m_j,) N·m: one stretch of the fit side as the others, but for what touches it in time,
+        foretell it; zero elsewhere."""
         fit, side, joint = state.fit, state.train, self.joint
         raw = self.features(_stacked(side, motion, self.names, joint))
         columns = raw / self.scale / fit.sigma[joint]
         own = columns - fit.basis[joint] @ (fit.basis[joint].T @ columns)
-        fold = np.arange(len(own)) * FORETOLD_FOLDS // len(own)
+        asked = np.arange(len(own)) * FORETOLD_FOLDS // len(own) == f
         moments = side.gathered([_moments(run.t, k) for k, run in enumerate(side.runs)], joint)
+        others = _apart(moments, moments[asked])
+        known = own[others][::FORETOLD_THIN]
+        wanted = known.T @ fit.residual[joint][others][::FORETOLD_THIN]
+        gram = known.T @ known + self.ridges[ridge] * np.eye(own.shape[1])
         values = np.zeros(len(own))
-        for f in range(FORETOLD_FOLDS):
-            asked = fold == f
-            apart = _apart(moments, moments[asked])
-            others = own[apart][::FORETOLD_THIN]
-            wanted = others.T @ fit.residual[joint][apart][::FORETOLD_THIN]
-            gram = others.T @ others + self.ridge * np.eye(own.shape[1])
-            values[asked] = own[asked] @ np.linalg.solve(gram, wanted)
+        values[asked] = own[asked] @ np.linalg.solve(gram, wanted)
         return values * float(fit.sigma[joint])
 
     def predict(self, state: SearchState, motion: Motion) -> Prediction:
@@ -284,7 +329,10 @@ def _apart(moments: Array, asked: Array) -> NDArray[np.bool_]:
     return apart
 
 
-def _fitted(state: SearchState, motion: Motion, joint: int, names: tuple[str, ...]) -> _Fitted:
+def _fitted(
+    state: SearchState, motion: Motion, joint: int, names: tuple[str, ...], anew: bool = False
+) -> _Fitted:
+    """anew: it will be asked of each stretch anew, as if that had not been seen."""
     fit = state.fit
     x = _stacked(state.train, motion, names, joint)[::FORETOLD_THIN]
     features = _Features.of(x, joint)
@@ -296,25 +344,34 @@ def _fitted(state: SearchState, motion: Motion, joint: int, names: tuple[str, ..
     own = columns - basis @ seen
     residual = fit.residual[joint][::FORETOLD_THIN]
     ridges = FORETOLD_RIDGES * len(own) / fit.sigma[joint] ** 2
-    gains = _held_back(own, residual, ridges)
+    pairs = _held_back(own, residual, ridges, anew)
+    each = np.einsum("ffr->fr", pairs)
+    gains = each.sum(axis=0)
     best = int(np.argmax(gains))
     theta = np.linalg.solve(own.T @ own + ridges[best] * np.eye(own.shape[1]), own.T @ residual)
     return _Fitted(
         joint, names, features, scale, theta, fit.to_beta @ (seen @ theta), float(gains[best]),
-        float(ridges[best]),
+        ridges, pairs.sum(axis=1) - each,
     )  # fmt: skip
 
 
-def _held_back(columns: Array, residual: Array, ridges: Array) -> Array:
-    """Squared error that each ridge removes on stretches it has not been fitted to."""
+def _held_back(columns: Array, residual: Array, ridges: Array, pairs: bool) -> Array:
+    """(folds, folds, ridges): squared error of the second stretch that each ridge removes which was
+    fitted to neither of both; without pairs only of each stretch that none was fitted to."""
     fold = np.arange(len(columns)) * FORETOLD_FOLDS // len(columns)
     grams = np.array([columns[fold == f].T @ columns[fold == f] for f in range(FORETOLD_FOLDS)])
     sides = np.array([columns[fold == f].T @ residual[fold == f] for f in range(FORETOLD_FOLDS)])
-    gains = np.zeros(len(ridges))
-    for f in range(FORETOLD_FOLDS):
-        values, vectors = np.linalg.eigh(grams.sum(axis=0) - grams[f])
-        turned = vectors.T @ (sides.sum(axis=0) - sides[f])
+    gains = np.zeros((FORETOLD_FOLDS, FORETOLD_FOLDS, len(ridges)))
+    stretches = range(FORETOLD_FOLDS)
+    both: Iterable[tuple[int, int]] = zip(stretches, stretches, strict=True)
+    if pairs:
+        both = combinations_with_replacement(stretches, 2)
+    for f, g in both:
+        left_out = [*{f, g}]
+        values, vectors = np.linalg.eigh(grams.sum(axis=0) - grams[left_out].sum(axis=0))
+        turned = vectors.T @ (sides.sum(axis=0) - sides[left_out].sum(axis=0))
         for k, ridge in enumerate(ridges):
             theta = vectors @ (turned / (np.maximum(values, 0.0) + ridge))
-            gains[k] += 2.0 * float(theta @ sides[f]) - float(theta @ grams[f] @ theta)
+            for a, b in {(f, g), (g, f)}:
+                gains[a, b, k] = 2.0 * float(theta @ sides[b]) - float(theta @ grams[b] @ theta)
     return gains

@@ -56,14 +56,15 @@ class LeftOver:
     """unexplained: what is claimed; slight: maps that are too little for a claim; gains: by joint,
     such as sway and would explain more than what is claimed there; doubt (n,) N·m: what the
     uncertainty of the model's own coefficients may leave; undetermined: joints of which the fitted
-    runs leave open as much as they keep, for the held-out side's motion; beside: by joint, whose
+    runs leave open as much as they keep, for the held-out side's motion, and how many times the
+    floor they keep on the fitted runs themselves; beside: by joint, whose
     rest its own, of which nothing else is said, goes with."""
 
     unexplained: tuple[Unexplained, ...]
     slight: tuple[Structure, ...]
     gains: dict[int, Structure]
     doubt: Array
-    undetermined: tuple[int, ...]
+    undetermined: dict[int, float]
     beside: dict[int, GoesWith]
 
 
@@ -113,13 +114,15 @@ def left_over(
     drawn = [one for one in bent if one.joint in without and not far[one.joint]]
     open_ = [j for j in open_ if j not in {one.joint for one in drawn}]
     ringing = {ring.joint: Unnamed.of_ring(ring) for ring in rings(state, open_)}
-    foreseen = [one.unnamed() for one in foretold(state, [j for j in open_ if j not in ringing])]
+    undetermined = {j: _on_fit_side(state, left, j) for j in map(int, np.flatnonzero(far))}
+    fitted = [j for j, ratio in undetermined.items() if ratio > MATERIAL_REST and j in without]
+    asked = [j for j in open_ if j not in ringing]
+    foreseen = [one.unnamed() for one in foretold(state, asked, fitted)]
     named = [*told, *humming.values(), *drawn, *ringing.values(), *foreseen]
     rest = unnamed(
         left, again, named, doubt, searched, turning(seen), reversing(seen), state.held.silent
     )
     gains = swaying_gains(state, {one.joint: one.share for one in told})
-    undetermined = tuple(int(j) for j in np.flatnonzero(far))
     rest_of = [j for j in unsaid(left, [*named, *slight]) if searched and j in open_]
     beside = goes_with(state, rest_of, [one.joint for one in named])
     return LeftOver((*named, *rest), tuple(slight), gains, doubt, undetermined, beside)
@@ -151,6 +154,11 @@ def _farther(state: SearchState, left: Judgement, level: float, given: int) -> A
     doubt = doubtful(left, state.fit.rms(), moved)
     far = carried_farther(state, covariance, shapes) > CARRIED_FARTHER
     return np.where(far & (doubt > left.rms), doubt, 0.0)
+
+
+def _on_fit_side(state: SearchState, left: Judgement, joint: int) -> float:
+    """Times the noise floor that it keeps on the runs that the model was fitted to."""
+    return float(state.fit.rms()[joint] / left.floor.values[joint])
 
 
 def unsaid(left: Judgement, said: Sequence[Unexplained]) -> list[int]:

@@ -50,7 +50,8 @@ class Unnamed:
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
     line in time at so many hertz, that motion sets swinging at so many, that is gone where the
     joint may change at so many seconds of these runs (empty: of every run), or that a law takes at
-    the end of what its shape may be, in words; RMS N·m of that share."""
+    the end of what its shape may be, in words; best_from: what foretells it, in words; RMS N·m of
+    that share."""
 
     joint: int
     share: float
@@ -74,6 +75,7 @@ class Unnamed:
     seconds: float = float("nan")
     runs: tuple[str, ...] = ()
     law: str = ""
+    best_from: str = ""
 
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
@@ -236,7 +238,7 @@ def remaining(
     gains: Mapping[int, Structure] | None = None,
     stand_out: Sequence[Place] = (),
     silent: Mapping[int, str] | None = None,
-    undetermined: Collection[int] = (),
+    undetermined: Mapping[int, float] | None = None,
     faster: Mapping[int, str] | None = None,
     beside: Mapping[int, GoesWith] | None = None,
     moved: Collection[int] = (),
@@ -255,15 +257,15 @@ def remaining(
     looked for; gains: by joint, such as sway and explain more than its map or findings do;
     stand_out: parts of the motion in which errors are larger, the gravest first, where noise as
     slow as gravity may be, too; silent: joints of which no sample counts, and why; undetermined:
-    joints of which the fitted runs leave open as much as they keep, for the motion held out;
-    faster: by joint, in words, what the band does not let through; beside: by joint, whose rest its
-    own goes with; moved: joints on which a frozen model leaves so little because it was moved;
-    as_given (n,) N·m: what a frozen model leaves as it was; knocked: by joint, in words, of those
-    whose error lies in a few moments of the runs; outdone: by joint, effects that would take such a
-    share of it, of which a map leaves much less; most_noise (n,) N·m RMS: as much of it as there is
-    on the runs that the model was fitted to, at most; alone: by joint, in words, what one change
-    takes of what a frozen model leaves as it was; lacked (n,) N·m: what that model left on the data
-    that it was identified from."""
+    joints of which the fitted runs leave open as much as they keep, for the motion held out, and
+    how many times the floor they keep on the fitted runs; faster: by joint, in words, what the band
+    does not let through; beside: by joint, whose rest its own goes with; moved: joints on which a
+    frozen model leaves so little because it was moved; as_given (n,) N·m: what a frozen model
+    leaves as it was; knocked: by joint, in words, of those whose error lies in a few moments of the
+    runs; outdone: by joint, effects that would take such a share of it, of which a map leaves much
+    less; most_noise (n,) N·m RMS: as much of it as there is on the runs that the model was fitted
+    to, at most; alone: by joint, in words, what one change takes of what a frozen model leaves as
+    it was; lacked (n,) N·m: what that model left on the data that it was identified from."""
     of_joint = {one.joint: one for one in unexplained}
     traces = {one.joint: one for one in slight}
     out = []
@@ -313,8 +315,8 @@ def remaining(
             line = replace(line, sentence=f"{_size(line, units[j])}.")
         elif line.material is not False and alone and j in alone and not told:
             line = replace(line, sentence=f"{_size(line, units[j])}; {_follows(left)}{alone[j]}.")
-        elif left is None and line.material is not False and j in undetermined:
-            line = replace(line, sentence=f"{_size(line, units[j])}{NOT_DETERMINED}")
+        elif left is None and line.material is not False and undetermined and j in undetermined:
+            line = replace(line, sentence=_size(line, units[j]) + _open(undetermined[j]))
         elif left is None and line.material is not False and not line.repeatable:
             line = _with_doubt(line, 0.0 if doubt is None else float(doubt[j]))
         if left is None and j in traces and not kept:
@@ -331,6 +333,12 @@ def remaining(
             line = replace(line, sentence=line.sentence + parts)
         out.append(line)
     return tuple(out)
+
+
+def _open(fitted: float) -> str:
+    """What the fitted runs leave open; of a joint that keeps so many times its floor on these."""
+    text = FITTED_AS_WELL.format(ratio=times(fitted)) if fitted > MATERIAL_REST else ""
+    return NOT_DETERMINED + text
 
 
 def _follows(left: Unexplained | None) -> str:
@@ -355,6 +363,10 @@ def _not_judged(joint: int, rms: float, why: str) -> Remaining:
 NOT_DETERMINED = (
     ": the fitted runs do not determine the arm for this motion, and what they leave open of it "
     "may be as much. Fit to motion like this one."
+)
+FITTED_AS_WELL = (
+    " But on the fitted runs themselves it keeps {ratio} that floor: so much is not for want of "
+    "motion, but something that is missing, or slow noise."
 )
 MOVED_AWAY = (
     " Where it was not moved the model leaves {given} {unit} there: within its own doubt it was "
@@ -528,15 +540,15 @@ def _with_sentence(
         )
     elif isinstance(left, Unnamed) and left.witness == "motion":
         text = (
-            f"{size}; motion predicts {percent(left.share)} of its squared error, but no one or "
-            "two quantities surely do: more than two take part, or what was before"
+            f"{size}; motion predicts {percent(left.share)} of its squared error, best from "
+            f"{left.best_from}; no map of one or two quantities surely does"
         )
     elif isinstance(left, Unnamed) and left.witness == "elsewhere":
         text = (
             f"{size}; of the fitted runs motion predicts {percent(left.share)} of its squared "
-            "error, from one stretch to another, but no one or two quantities do: more than two "
-            "take part, or what was before. The held-out side moves where none of them has been: "
-            "hold out motion like the fitted one"
+            f"error, from one stretch to another, best from {left.best_from}; no map of one or two "
+            "quantities surely does. The runs held out ask for what these do not show: hold out "
+            "motion like the fitted one"
         )
     elif seen is not None and line.repeatable and line.material and left is None:
         text = (
