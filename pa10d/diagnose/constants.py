@@ -50,6 +50,11 @@ GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter lo
 LOWEST_ORDER = 4.0  # cycles per revolution: below, gravity and ripple cannot be told apart
 RIPPLE_LEAST_SPAN = 1e-3  # rad: a joint that turned less has no orders
 TIMING_MOST_SAMPLES = 3.0  # raw periods: the model brought its own offset, this is a correction
+COMMON_LEVEL = FORETOLD_LEVEL  # of a whole diagnosis, that errors of several joints go together
+COMMON_SHARE = 0.3  # of a joint's squared error that a cause in common has to take (policy)
+COMMON_MOMENTS = {"sway": (0.1, 0.25, 0.5, 1.0, 2.0), "stamps": (0.02, 0.04, 0.08)}
+# s for which a cause in common is as large: a base or a load that sways, stamps that scatter (d)
+COMMON_RIDGES = (1e-3, 1e-2, 1e-1, 1.0)  # of the mean square of its columns
 FORETOLD_LATE = (0.2, 0.6)  # s ago: speeds that a filter of the residual cannot have seen
 ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
 MAP_THIN = 2  # rows left out between, for the same reason

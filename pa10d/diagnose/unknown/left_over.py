@@ -1,9 +1,9 @@
 """What no effect explains, joint by joint, asked in the order of what can be named best.
 
 What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a step in
-time; friction that is other held out; a line in time; what swings on; what motion foretells though
-nobody can say by which quantity; and last that it comes again, follows reversals, or is simply too
-large.
+time; friction that is other held out; a cause that several joints have in common; a line in time;
+what swings on; what motion foretells though nobody can say by which quantity; and last that it
+comes again, follows reversals, or is simply too large.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from pa10d.diagnose.evidence.errors_of import (
 )
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.common_cause import in_common
 from pa10d.diagnose.unknown.foretold import foretold
 from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.goes_with import GoesWith, goes_with
@@ -107,9 +108,12 @@ def left_over(
     level = COMES_AGAIN_LEVEL / state.held.n
     doubt = doubtful(left, state.fit.rms(), moved_by_doubt(state, level))
     doubt, open_ = np.maximum(doubt, far), [j for j in open_ if not far[j]]
+    together = [Unnamed.of_common(one) for one in in_common(state, open_)]
+    open_ = [j for j in open_ if j not in {one.joint for one in together}]
     humming = {hum.joint: Unnamed.of_hum(hum) for hum in hums(state, sorted({*open_} - moved))}
     open_ = [j for j in open_ if j not in humming]
     told: list[Unexplained] = [*apart, *maps, *read.values(), *stepped.values(), *rubs.values()]
+    told += together
     without = unsaid(left, [*told, *humming.values()])
     drawn = [one for one in bent if one.joint in without and not far[one.joint]]
     open_ = [j for j in open_ if j not in {one.joint for one in drawn}]

@@ -27,6 +27,7 @@ from pa10d.diagnose.constants import (
 )
 from pa10d.diagnose.unknown.between_runs import Apart
 from pa10d.diagnose.unknown.beyond import Beyond
+from pa10d.diagnose.unknown.common_cause import InCommon
 from pa10d.diagnose.unknown.geometry import OtherGeometry
 from pa10d.diagnose.unknown.goes_with import GoesWith
 from pa10d.diagnose.unknown.humming import Hum
@@ -50,8 +51,9 @@ class Unnamed:
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
     line in time at so many hertz, that motion sets swinging at so many, that is gone where the
     joint may change at so many seconds of these runs (empty: of every run), or that a law takes at
-    the end of what its shape may be, in words; best_from: what foretells it, in words; RMS N·m of
-    that share."""
+    the end of what its shape may be, in words, or that other joints tell of a base that sways by so
+    many degrees or of stamps that scatter; best_from: what foretells it, in words; RMS N·m of that
+    share."""
 
     joint: int
     share: float
@@ -69,6 +71,8 @@ class Unnamed:
         "ring",
         "step",
         "law",
+        "sway",
+        "stamps",
     ]
     variables: tuple[str, ...] = ()
     hertz: float = float("nan")
@@ -76,6 +80,7 @@ class Unnamed:
     runs: tuple[str, ...] = ()
     law: str = ""
     best_from: str = ""
+    degrees: float = float("nan")
 
     @classmethod
     def of_hum(cls, hum: Hum) -> Unnamed:
@@ -93,6 +98,12 @@ class Unnamed:
         """``gone if its friction or offset changes at t = 6 s of every run``."""
         where = listed(self.runs) or "every run"
         return f"gone if its friction or offset changes at t = {self.seconds:.3g} s of {where}"
+
+    @classmethod
+    def of_common(cls, one: InCommon) -> Unnamed:
+        """What other joints tell of."""
+        angle = float(np.degrees(one.size))
+        return cls(one.joint, one.share, one.rms, one.p_value, one.cause, degrees=angle)
 
     @classmethod
     def of_ring(cls, ring: SwingsOn) -> Unnamed:
@@ -524,6 +535,20 @@ def _with_sentence(
                 "not tight, a cable, a frame or a gear that gives. Stop quickly and record what "
                 "swings on, with the tool and without"
             )
+    elif isinstance(left, Unnamed) and left.witness == "sway":
+        text = (
+            f"{size}; the other joints tell {percent(left.share)} of its squared error, moment by "
+            f"moment, as where gravity turns to and fro by {left.degrees:.2g}° (RMS) under the "
+            "arm: a base that tips or gives, or a load that swings. Hold the base, or measure how "
+            "it moves; look at what hangs on the arm"
+        )
+    elif isinstance(left, Unnamed) and left.witness == "stamps":
+        text = (
+            f"{size}; the other joints tell {percent(left.share)} of its squared error, moment by "
+            "moment, as where all positions are read earlier or later than their stamps say: "
+            "nothing of the arm, but of the recording. Stamp positions and torques where they are "
+            "read"
+        )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (
             f"{size}; {percent(left.share)} of its squared error is there around reversals and "
