@@ -188,15 +188,10 @@ def in_words(found: Diagnosis) -> str:
     """A diagnosis for the terminal."""
     import numpy as np
 
-    from pa10d.diagnose.outcome.words import none_found, unexplained
+    from pa10d.diagnose.outcome.words import headline
 
     n = len(found.rms)
-    says = {
-        "none": none_found(found),
-        "unknown": f"{unexplained(found)}.",
-        "missing": f"{found.heading}:",
-    }
-    lines = [says[found.verdict]]
+    lines = [f"{found.heading}:" if found.findings else headline(found)]
     for number, finding in enumerate(found.findings, 1):
         lines.append(f"{number}. {finding.sentence}")
         values = ", ".join(

@@ -70,6 +70,7 @@ class ShapeParameter:
     optional: bool = False  # only some joints have it; absent from the shapes of others
     blur: float = 0.0  # standard deviation, relative, over which the columns average
     step: float | Callable[[Shape], float] | None = None
+    usual: float | None = None  # a value that a law of the field has, though it be an end
 
     def step_at(self, shape: Shape) -> float:
         """How far a search that begins at this shape steps at first."""

@@ -103,8 +103,9 @@ def identify(
     told: Errors = {}
     if with_effects:
         say(0.55, "shapes of the effects that were asked for")
-        layout = look_through_all(pieces, layout)
-        layout, told = refined(layout, pieces)
+        for _ in range(2 if layout.has_springs else 1):  # whose loads follow their shapes
+            layout = look_through_all(pieces, layout)
+            layout, told = refined(layout, pieces)
         smoothing, layout = sharpened(pieces, layout)
     say(0.6, "least squares")
     layout = look_through_all(pieces, layout)

@@ -98,5 +98,6 @@ def _stopped(value: Value, of: ShapeParameter) -> bool:
         return False
     if of.scale == "log":
         return of.at_edge(value.value)
-    ends = [end for end in (of.lower, of.upper) if end]  # nothing is what a joint may have of it
+    # nothing is what a joint may have of it, and so is what the field's own law has
+    ends = [end for end in (of.lower, of.upper) if end and end != of.usual]
     return any(abs(value.value - end) <= NEAR * abs(end) for end in ends)

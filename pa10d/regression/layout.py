@@ -49,6 +49,11 @@ class Layout(Unknowns):
         """Whether columns of some term change with the model's loads and torques."""
         return any(term.effect.uses_model for term in self.terms)
 
+    @property
+    def has_springs(self) -> bool:
+        """Whether links of some joint swing behind its gear."""
+        return any(term.effect.series_spring for term in self.terms)
+
     def with_shapes(self, shapes: dict[int, dict[str, float]]) -> Layout:
         """The same unknowns with other shapes for some terms (by index)."""
         terms = [replace(t, shape=shapes.get(i, t.shape)) for i, t in enumerate(self.terms)]

@@ -176,9 +176,11 @@ class Compare(Document):
 
 
 class Diagnose(Document):
-    """Which effect is missing, and what is left."""
+    """Which effect is missing, and what is left. headline: in words, also where this data cannot
+    say."""
 
     verdict: Literal["missing", "none", "unknown"]
+    headline: str
     rms: PerJoint
     noise_floor: Known
     cutoff_hz: float

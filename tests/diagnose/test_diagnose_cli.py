@@ -66,6 +66,7 @@ def test_diagnose_names_the_spring(run):
     status, found, _ = run("diagnose", "m0", *sides())
     assert status == 0
     assert found["verdict"] == "missing"
+    assert found["headline"].startswith("Missing: spring J")
     for key in ("rms", "noise_floor"):
         _is_numbers(found[key])
     assert found["cutoff_hz"] == CUTOFF
@@ -95,6 +96,7 @@ def test_diagnose_names_the_spring(run):
 def test_diagnose_clears_a_clean_arm(run):
     _, found, _ = run("diagnose", "clean0", *sides("clean_"))
     assert found["verdict"] == "none"
+    assert found["headline"].startswith("Nothing is missing")
     assert (found["findings"], found["unexplained"]) == ([], [])
 
 

@@ -140,6 +140,14 @@ def test_a_shape_that_was_stopped_at_its_end_is_no_estimate():
     assert not given["delta"].beyond
 
 
+def test_an_end_that_is_the_fields_own_law_is_an_estimate():
+    """Armstrong's exponent of 2: "no estimate, but where something else has drawn it"."""
+    shape, errors = {"vs": 0.2, "delta": 2.0}, {"vs": 0.01, "delta": 0.12}
+    term, found = told("stribeck", [1.0], [0.01], shape, errors)
+    assert str(found["delta"]) == "2 ± 0.12"
+    assert no_estimates(term, found) == ""
+
+
 def test_a_small_value_of_a_wide_range_is_an_estimate():
     """A rotor of 0.4 kg·m², where a robot's largest may have 1000."""
     shape = {"v0": 0.01, "rotor": 0.4}

@@ -201,6 +201,16 @@ def _place(term: Term) -> str:
     return f"Joint{'s' if len(term.joints) > 1 else ''} {joints}" if joints else "The arm"
 
 
+def headline(found: Diagnosis) -> str:
+    """The answer in its first sentence or two. The verdict alone does not tell an arm that lacks
+    nothing from one of which this data cannot say."""
+    if found.verdict == "none":
+        return none_found(found)
+    if found.verdict == "unknown":
+        return f"{unexplained(found)}."
+    return f"{found.heading}: {', '.join(f.term.label for f in found.findings)}."
+
+
 def none_found(found: Diagnosis) -> str:
     """The verdict where nothing was found; of one suspicion it says nothing of all others."""
     if found.only and found.stood:

@@ -28,7 +28,7 @@ class Stribeck(Effect):
     coefficients = (Coefficient("Fs", "N·m", lower=0.0),)
     shapes = (
         ShapeParameter("vs", "rad/s", 2e-3, 1.0, "log"),
-        ShapeParameter("delta", "1", 0.5, 3.0, "linear", step=0.5),
+        ShapeParameter("delta", "1", 0.5, 2.0, "linear", step=0.5, usual=2.0),
     )
     also_changes = True
     signature = (
