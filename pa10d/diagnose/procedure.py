@@ -47,7 +47,7 @@ from pa10d.diagnose.search.simpler import simpler_inside
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import held_out, snapshot, unseen, versions_of
 from pa10d.diagnose.search.whole import fitted_to_all
-from pa10d.diagnose.search.with_numbers import only_with_numbers
+from pa10d.diagnose.search.with_numbers import needed_springs, only_with_numbers
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
@@ -137,6 +137,8 @@ def diagnose(
             search.run(steps)
         only_with_numbers(search, model, as_given)
         search = held_firmly(search, model, as_given)
+    if not frozen:
+        needed_springs(search, model, as_given)
     if only is None:
         search.contest()
     whole = only is None and not frozen
@@ -443,12 +445,29 @@ def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
     told = lines[j].significant or not _whole(finding)
     beside = lines[j].ratio > (STANDS_IN if told else BEYOND_SLOW_NOISE)
     if not (beside or _leaves_more(finding, lines[j])):
-        return finding
+        return replace(finding, sentence=finding.sentence + _of_a_spring(finding))
     text = (
         f" Joint {j + 1} still keeps {times(lines[j].ratio)} its noise floor: this may stand in "
         "for what is missing there."
     )
     return replace(finding, sentence=finding.sentence + text)
+
+
+def _of_a_spring(finding: Finding) -> str:
+    """What a spring's own torque says against it: all of the joint's passes through it, whatever
+    the noise. A frame that gives under the arm asks for something like it."""
+    term, told = finding.term, finding.parameters.get("share")
+    if not term.effect.series_spring or told is None:
+        return ""
+    (kind,) = term.effect.coefficients
+    off = abs(told.value - 1.0) > SHARE_OFF * told.std_error_random > 0.0
+    if not off or kind.lower <= told.value <= kind.upper:
+        return ""
+    return (
+        f" Its share of the joint's torque comes out at {told.value:.2g} ± {told.std_error:.1g}, "
+        "and through a spring in the gear all of it passes (1): a frame that gives, or another "
+        "joint's spring, may be behind it."
+    )
 
 
 def _leaves_more(finding: Finding, line: Remaining) -> bool:

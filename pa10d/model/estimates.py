@@ -62,9 +62,12 @@ def no_estimates(term: Term, found: Mapping[str, Value]) -> str:
 
 
 def not_one(term: Term, found: Mapping[str, Value]) -> bool:
-    """Is not one of a term's numbers an estimate, those that are chosen left out?"""
-    chosen = {s.name for s in term.effect.shapes if s.scale == "choice"}
-    told = [value for name, value in found.items() if name not in chosen]
+    """Is not one of a term's numbers an estimate? Left out are those that are chosen, and shares
+    of what a shape says."""
+    kind = term.effect
+    no_size = {s.name for s in kind.shapes if s.scale == "choice"}
+    no_size |= {c.name for c in kind.coefficients if c.whole_at_one}
+    told = [value for name, value in found.items() if name not in no_size]
     return bool(told) and not any(value.determined for value in told)
 
 

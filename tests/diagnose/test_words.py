@@ -154,6 +154,24 @@ def test_a_spring_whose_torque_is_not_its_own_may_stand_in_for_another():
         assert said.endswith("for what is missing there.") == doubted
 
 
+@pytest.mark.parametrize(
+    ("share", "error", "doubted"),
+    [(0.69, 0.044, True), (0.69, 0.1, False), (1.02, 0.001, False), (1.0, 0.05, False)],
+)
+def test_a_spring_that_does_not_pass_all_of_its_joint_s_torque_is_doubted(share, error, doubted):
+    """A base on springs: elasticity of a joint that does not give, its share 7 errors off."""
+    line = Remaining(0, 0.15, 0.1, "high frequencies", False, True, None, (), "")
+    term = Term("joint_elasticity", (0,), np.array([share]), {"K": 850.0, "zeta": 0.08})
+    finding = Finding(
+        term,
+        {"share": Value(share, error, "1")},
+        *(np.array([0.4]), np.array([0.15])),
+        *(1e-9, 1.0, Value(0.4, 0.1, "N·m"), (), None, "Joint 1 gives."),
+    )
+    said = _beside_more(finding, [line]).sentence
+    assert ("a frame that gives" in said) == doubted
+
+
 @pytest.mark.parametrize(("error", "doubted"), [(0.028, True), (0.1, False)])
 def test_a_gap_whose_torque_is_surely_not_its_own_may_stand_in(error, doubted):
     """A gap of 0.8 mrad: its share was 0.737, nine standard errors off, and nothing was said."""

@@ -140,6 +140,14 @@ def test_a_shape_that_was_stopped_at_its_end_is_no_estimate():
     assert not given["delta"].beyond
 
 
+def test_a_share_is_none_of_a_spring_s_numbers():
+    """K 1800 ± 6400 and zeta 0.4 ± 8, but a share of 1.2 ± 0.2: nothing was said of it."""
+    shape, errors = {"K": 1800.0, "zeta": 0.4}, {"K": 6400.0, "zeta": 8.5}
+    term, found = told("joint_elasticity", [1.18], [0.21], shape, errors)
+    assert found["share"].determined
+    assert not_one(term, found)
+
+
 def test_an_end_that_is_the_fields_own_law_is_an_estimate():
     """Armstrong's exponent of 2: "no estimate, but where something else has drawn it"."""
     shape, errors = {"vs": 0.2, "delta": 2.0}, {"vs": 0.01, "delta": 0.12}

@@ -1,9 +1,13 @@
-"""Changes of a frozen model that are told: those of which at least one number is an estimate."""
+"""What is told: changes of which at least one number is an estimate, springs that are needed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from pa10d.diagnose.constants import MATERIAL_GAIN
+from pa10d.diagnose.search.harm import rms
 from pa10d.diagnose.search.steps import Search
 from pa10d.diagnose.search.versions import snapshot
 from pa10d.effects import Value
@@ -32,6 +36,26 @@ def only_with_numbers(search: Search, given: TorqueModel, as_given: Sequence[Run
         for index in reversed(none):
             state.drop(index)
         search.settle()
+
+
+def needed_springs(search: Search, given: TorqueModel, as_given: Sequence[RunResidual]) -> None:
+    """Drop springs that have not one number that the data determine where nothing is the worse for
+    it once the others are fitted anew: another joint's spring, not yet refined when they came, had
+    left what they took.
+
+    as_given: the held-out side as the given model saw it
+    """
+    springs = [t for t in search.state.terms[search.fixed :] if t.effect.series_spring]
+    version = snapshot(given, search.state, len(search.state.terms), as_given) if springs else None
+    for term in reversed(springs if len(springs) > 1 else []):
+        index = next(k for k, t in enumerate(search.state.terms) if t.label == term.label)
+        if version is None or not not_one(search.state.terms[index], version.term_values(index)):
+            continue
+        saved, before = search.state.copy(), rms(search.state.held_residual())
+        search.state.drop(index)
+        search.settle()
+        if np.any(rms(search.state.held_residual()) > (1.0 + MATERIAL_GAIN) * before):
+            search.state = saved
 
 
 def too_large(term: Term, found: Mapping[str, Value]) -> bool:

@@ -26,7 +26,7 @@ from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.structure import Prediction, evidence_of, noise_beside
 from pa10d.dynamics import inverse_dynamics
-from pa10d.effects import Context, effect
+from pa10d.effects import Context
 from pa10d.regression.per_joint import PerJoint
 
 Array = NDArray[np.float64]
@@ -49,7 +49,12 @@ class InCommon:
 
 def gravity_turned(context: Context) -> Array:
     """(N, n, 2) N·m/rad: what gravity asks for that turns about the base's x and y."""
-    return np.asarray(effect("base_tilt").columns(context, (), {})[..., :2])
+    robot, zero = context.robot, np.zeros_like(context.q)
+    turned = [np.cross(robot.gravity, axis) for axis in np.eye(3)[:2]]  # per rad, of a small angle
+    each = (robot.with_gravity(by) for by in turned)
+    return np.stack(
+        [inverse_dynamics(one, context.rigid, context.q, zero, zero) for one in each], axis=-1
+    )
 
 
 def momentum(context: Context) -> Array:

@@ -1,0 +1,51 @@
+"""A spring that came before another one was well described, and is needless since, is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pa10d.diagnose.search import with_numbers
+from pa10d.diagnose.search.with_numbers import needed_springs
+from pa10d.model import Term
+
+
+def spring(joint: int) -> Term:
+    return Term("joint_elasticity", (joint,), np.ones(1), {"K": 80.0, "zeta": 0.05})
+
+
+@dataclass
+class State:
+    """What a search leaves on two joints, with the first spring alone and with both."""
+
+    alone: float
+    terms: list[Term] = field(default_factory=lambda: [spring(0), spring(1)])
+
+    def copy(self) -> State:
+        return State(self.alone, list(self.terms))
+
+    def drop(self, index: int) -> None:
+        del self.terms[index]
+
+    def held_residual(self) -> dict[int, np.ndarray]:
+        left = 1.0 if len(self.terms) == 2 else self.alone
+        return {0: np.ones(9), 1: np.full(9, left)}
+
+
+@pytest.mark.parametrize(
+    ("alone", "told", "kept"),
+    [(1.0, False, 1), (1.04, False, 1), (1.5, False, 2), (1.0, True, 2)],
+)
+def test_a_spring_without_a_number_has_to_be_missed(monkeypatch, alone, told, kept):
+    monkeypatch.setattr(
+        with_numbers, "snapshot", lambda *_: SimpleNamespace(term_values=lambda index: {})
+    )
+    monkeypatch.setattr(
+        with_numbers, "not_one", lambda term, found: term.joints == (1,) and not told
+    )
+    search = SimpleNamespace(state=State(alone), fixed=0, settle=lambda: None)
+    needed_springs(search, None, [])
+    assert [t.joints for t in search.state.terms] == [(0,), (1,)][:kept]
