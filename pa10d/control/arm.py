@@ -474,7 +474,8 @@ class Arm:
         if self.fault is not None:
             named = "" if axis == self.fault.axis else f"joint {axis + 1} "
             cause = f"{self.fault.cause}; {named}{RAN_ON}"
-            self.fault = replace(self.fault, cause=cause, remedy=WAY_ROUND, weighed=0)
+            told = replace(self.fault, cause=cause, remedy=WAY_ROUND)
+            self.fault = replace(told, weighed=0, alone_next=False)
             self.journal.fault(self.fault)
 
     def _brake_on(self, fault: Fault) -> None:
@@ -568,16 +569,25 @@ class Arm:
 
     def _latch(self, fault: Fault, error: Exception) -> None:
         if self.fault is None:
-            fault = blamed_on_time(fault, self.starved())
+            fault = self._alone_next(blamed_on_time(fault, self.starved()))
             broke = error.__cause__ if isinstance(error, BackendBroke) else None
             # whoever runs the motion may try it again, and knows of what to do where it does not
-            again = self.motion is not None or fault.weighed or fault.opens_together
+            again = self.motion is not None or fault.weighed or fault.opens_otherwise
             said = fault.seen if again else fault.sentence
             log.warning("fault while %s: %s", fault.state, said, exc_info=broke)
             self.fault = fault
             self._falls += fault.weighed > 0 or fault.kind == "not_held"
             self._together |= fault.opens_together
             self.journal.fault(fault)
+
+    def _alone_next(self, fault: Fault) -> Fault:
+        """Where several joints fell at once and nobody can tell by what, each brake opens alone
+        the next time: what falls then falls by itself, and tells more."""
+        told = fault.kind != "not_held" or fault.weighed or self._each_alone or self._together
+        if told or not isinstance(self.backend, OpensOneByOne):
+            return fault
+        self._falls = ALONE_AFTER
+        return replace(fault, alone_next=True)
 
     def _clear_fault(self) -> None:
         self.fault = None

@@ -64,6 +64,7 @@ class Fault:
     hertz: float = 0.0  # of an oscillation
     was_there: bool = False  # where it should go, since power-up: nothing bars that way
     weighed: int = 0  # a joint (from 1) whose fall told what holds it: begun with next; 0: none
+    alone_next: bool = False  # a fall that told nothing: each brake opens alone from now on
 
     @property
     def dead_axis(self) -> int | None:
@@ -84,6 +85,11 @@ class Fault:
     def opens_together(self) -> bool:
         """Whether all brakes open at once from now on, for one opened with another's."""
         return self.kind == "brake_gave"
+
+    @property
+    def opens_otherwise(self) -> bool:
+        """Whether the next enabling has brakes opened in another way, and may hold the arm."""
+        return self.opens_together or self.alone_next
 
     @property
     def fell(self) -> bool:
@@ -129,6 +135,7 @@ class Fault:
             hertz=float(document.get("hertz", 0.0)),
             was_there=bool(document.get("was_there", False)),
             weighed=int(document.get("weighed", 0)),
+            alone_next=bool(document.get("alone_next", False)),
         )
 
 

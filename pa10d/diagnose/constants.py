@@ -112,6 +112,7 @@ SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out
 FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out
 FORETOLD_FOLDS = 4  # stretches of the fit side that take turns in settling set and ridge
+LEAST_FREE = 3.0  # samples as good as independent, beyond two, below which nothing agrees surely
 FORETOLD_MISSED = (
     0.9  # of what a set foretells: quantities without which as much is left are not told
 )

@@ -137,6 +137,21 @@ def test_brakes_that_do_not_open_alone_are_opened_together_by_itself(monkeypatch
     assert (len(paces), type(error)) == (1, Stopped)
 
 
+LOST = replace(FELL, weighed=0, alone_next=True)
+
+
+def test_after_a_fall_that_told_nothing_each_brake_opens_alone(monkeypatch, tmp_path, caplog):
+    """A slide that rubs nowhere fell twice with its neighbours, and that was the end."""
+    paces, found = tried(monkeypatch, [FELL, LOST, FELL], MotionRequest("x"), tmp_path)
+    assert paces == 4 * [1.0]
+    assert "with each brake opening alone first" in found.notes[1]
+    assert "each brake opening alone first" in caplog.text
+    paces, error = tried(monkeypatch, [LOST, LOST], MotionRequest("x"), tmp_path)
+    assert (len(paces), type(error)) == (2, UserError)
+    paces, error = tried(monkeypatch, [LOST], MotionRequest("x"), tmp_path, stopped_at=1)
+    assert (len(paces), type(error)) == (1, Stopped)
+
+
 def test_nor_where_the_next_fall_would_go_over_a_limit():
     """Brakes take their time: a slide went a centimetre or two each time, onto its end."""
     arm = SimpleNamespace(lower=np.array([-0.09, -3.0]), upper=np.array([0.09, 3.0]))

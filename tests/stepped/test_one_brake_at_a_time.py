@@ -14,7 +14,9 @@ from pa10d.control.faults import Fault
 from pa10d.control.states import EACH
 
 
-def test_after_some_falls_each_brake_opens_alone_before_all_do(world):
+@pytest.mark.parametrize(("weighed", "falls"), [(2, ALONE_AFTER), (0, 1)])
+def test_after_some_falls_each_brake_opens_alone_before_all_do(world, weighed, falls):
+    """Or after one that told nothing: several joints fell at once."""
     open_now, when = [], []
 
     def until_held(seconds):
@@ -30,8 +32,9 @@ def test_after_some_falls_each_brake_opens_alone_before_all_do(world):
     def story():
         world.say("connect")
         yield world.is_in("inactive")
-        for _ in range(ALONE_AFTER):
-            world.arm._latch(Fault("not_held", "it fell", 1), RuntimeError())
+        for _ in range(falls):
+            world.arm._latch(Fault("not_held", "it fell", 1, weighed=weighed), RuntimeError())
+            assert world.arm.fault.alone_next == (not weighed)
             world.arm._rests = 0.1
             world.say("reset")
             yield world.is_in("inactive")

@@ -168,14 +168,16 @@ class Experiment:
 
     async def _weighed(self, fell: Counter[int]) -> bool:
         """Whether a joint was not held, and how it fell told what holds it: then the next enabling
-        begins with that. Or it left its place as another one's brake opened alone: then all open
-        together. It may fall as far each time: few are allowed. fell: how often each told, from 1,
-        and (0) how often brakes did not open alone."""
+        begins with that. Or it told nothing, and each brake opens alone the next time; or it left
+        its place as another one's brake opened alone: then all open together. It may fall as far
+        each time: few are allowed. fell: how often each told, from 1, and how often brakes did not
+        open alone (0) or are going to (-1)."""
         fault = self._robot.fault
-        if fault is None or not (fault.weighed or fault.opens_together):
+        if fault is None or not (fault.weighed or fault.opens_otherwise):
             return False
-        fell[fault.weighed] += 1
-        if fault.opens_together and fell[0] > 1:
+        which = fault.weighed or -int(fault.alone_next)
+        fell[which] += 1
+        if fault.opens_otherwise and fell[which] > 1:
             return False
         if fault.weighed and fell[fault.weighed] > FALLS:
             raise UserError(
@@ -195,6 +197,12 @@ class Experiment:
                 fault.joint, fault.weighed, fell[fault.weighed], FALLS,
             )  # fmt: skip
             note = f"joint {fault.joint} {fault.cause}, and it is tried again."
+        elif fault.alone_next:
+            log.warning(
+                "joint %s fell, which did not tell what holds it: the arm rests, and is enabled "
+                "again by itself, each brake opening alone first", fault.joint,
+            )  # fmt: skip
+            note = f"{fault.seen}: it is tried again with each brake opening alone first."
         else:
             log.warning(
                 "joint %s came out of its closed brake: the arm rests, and is enabled again by "

@@ -34,6 +34,7 @@ from pa10d.diagnose.constants import (
     FORETOLD_WAVES,
     FORETOLD_WIDTHS,
     FORETOLD_WORK,
+    LEAST_FREE,
     MAP_MEMORIES,
     WORTH_JUDGING,
 )
@@ -200,12 +201,23 @@ def _of_fit_side(state: SearchState, motion: Motion, joint: int) -> Foretold | N
     residual = {j: r * state.fit.sigma[j] for j, r in state.fit.residual.items()}
     found = judge(state.train, residual, {joint: values}, of_itself=True)
     share = 1.0 - float((found.after[joint] / found.before[joint]) ** 2)
-    p = min(1.0, found.p_value * state.train.n)
+    p = min(1.0, _by_chance(values, residual[joint], found.z) * state.train.n)
     if not (p < FORETOLD_LEVEL and holds(found, share)):
         return None
     rms = float(np.sqrt(np.mean(values**2)))
     names = max(tried, key=lambda t: t.gain).names
     return Foretold(joint, names, share, rms, p, share, elsewhere=True)
+
+
+def _by_chance(said: Array, found: Array, z: float) -> float:
+    """p (one-sided) of two signals (m,) that agree so well and have nothing to do with each other.
+    z: of their product, under the spectrum of what was found, which says how many samples (z/r)² of
+    it are as good as independent. Slow as they are, few agree nearly wholly by accident (t)."""
+    r = float(said @ found / np.sqrt((said @ said) * (found @ found)))
+    free = (z / r) ** 2 - 2.0 if r > 0.0 else 0.0
+    if free < LEAST_FREE:
+        return 1.0
+    return float(scipy.stats.t.sf(r * np.sqrt(free / max(1.0 - r**2, 1e-12)), free))
 
 
 def _needed(state: SearchState, motion: Motion, found: Foretold) -> tuple[str, ...]:
