@@ -97,6 +97,7 @@ def add_commands(commands: Subcommands) -> None:
 
 def diagnose(options: argparse.Namespace) -> Answer:
     """``diagnose``."""
+    from pa10d.diagnose.outcome.words import in_json
     from pa10d.services.diagnoses import diagnose_runs
 
     if options.joint and options.effect is None:
@@ -105,7 +106,7 @@ def diagnose(options: argparse.Namespace) -> Answer:
         _library(options), options.model_, options.fit, options.validate, frozen=options.frozen,
         effect=options.effect, joints=options.joint, force=options.force, progress=progress_line(),
     )  # fmt: skip
-    document = found.document()
+    document = in_json(found)
     _write_report(options, found, document)
     return Answer(document, in_words(found))
 

@@ -12,6 +12,7 @@ from pa10d.common.jsonable import JsonObject
 from pa10d.compare import Comparison as Compared
 from pa10d.compare import document
 from pa10d.diagnose.outcome.diagnosis import Diagnosis as FoundOut
+from pa10d.diagnose.outcome.words import in_json
 from pa10d.face.model import Model, Parameter
 from pa10d.face.run import Run
 from pa10d.face.told import confusion, next_experiment, remaining, unexplained
@@ -129,7 +130,7 @@ class Diagnosis(Answer):
 
     def __init__(self, inner: FoundOut, fit: tuple[Run, ...], validate: tuple[Run, ...]) -> None:
         self.inner, self._fit, self._validate = inner, fit, validate
-        self._document = inner.document()
+        self._document = in_json(inner)
         self.verdict: str = inner.verdict
         self.rms, self.noise_floor = frozen(inner.rms), frozen(inner.noise_floor)
         self.cutoff_hz = float(inner.cutoff)

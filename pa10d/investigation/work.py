@@ -13,6 +13,7 @@ from pa10d.common.errors import UserError
 from pa10d.common.jsonable import parsed, plain
 from pa10d.common.words import listed
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
+from pa10d.diagnose.outcome.words import in_json
 from pa10d.diagnose.search.delivery import delivered
 from pa10d.identify.summary import summary
 from pa10d.investigation.archive import SHEET, Archive
@@ -88,7 +89,7 @@ def _diagnose(
     progress(0.97, "plots")
     write_diagnosis_sheet(library, found, place / SHEET, base, fit, judge)
     _keep_versions(found, place / VERSIONS)
-    document = plain(found.document())
+    document = plain(in_json(found))
     seen = parsed(Searched, document)
     ways = write_doubts(state.profile, seen.findings, place)
     for finding, way in zip(document["findings"], ways, strict=True):

@@ -14,6 +14,7 @@ from pa10d.diagnose.asked.changed import what_changed
 from pa10d.diagnose.asked.smooth import add_map
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.outcome.settling import NextExperiment
+from pa10d.diagnose.outcome.words import in_json
 from pa10d.diagnose.procedure import diagnose, suspicion
 from pa10d.effects import all_effects
 from pa10d.judgement import worse_elsewhere
@@ -67,7 +68,7 @@ class Improved:
             "name": last.name if last else None,
             "versions": made,
             "doubt": self.doubt and self.doubt.document(),
-            **self.diagnosis.document(),
+            **in_json(self.diagnosis),
             "warnings": list(self.warnings),
         }
 

@@ -180,7 +180,7 @@ class Diagnose(Document):
     say."""
 
     verdict: Literal["missing", "none", "unknown"]
-    headline: str
+    headline: str = ""  # of one that was kept before there was one
     rms: PerJoint
     noise_floor: Known
     cutoff_hz: float

@@ -210,6 +210,7 @@ def diagnose(
     force: bool = False,
 ) -> JsonObject:
     """Which effect is missing → what ``pa10d diagnose --json`` says. sheet: a folder for plots."""
+    from pa10d.diagnose.outcome.words import in_json
     from pa10d.services.diagnoses import diagnose_runs
     from pa10d.services.library import open_library
     from pa10d.services.sheets import write_diagnosis_sheet
@@ -222,7 +223,7 @@ def diagnose(
     if sheet is not None:
         progress(0.98, "plots")
         write_diagnosis_sheet(library, found, Path(sheet), model, fit, validate)
-    return found.document()
+    return in_json(found)
 
 
 def add(

@@ -288,12 +288,9 @@ class Diagnosis:
         )
 
     def document(self) -> JsonObject:
-        """JSON of ``diagnose``."""
-        from pa10d.diagnose.outcome.words import headline  # which speaks of this class
-
+        """JSON of ``diagnose``, without its first sentence (``words.in_json``)."""
         return {
             "verdict": self.verdict,
-            "headline": headline(self),
             "rms": self.rms.tolist(),
             "rms_as_given": plain(self.as_given.rms),
             "rms_with_reversals": plain(self.with_reversals),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pa10d.common.jsonable import JsonObject
 from pa10d.common.words import joint_words, listed, percent, times
 from pa10d.diagnose.constants import BEYOND_NOISE, MATERIAL_GAIN, MATERIAL_REST, OWN_SHARE
 from pa10d.diagnose.outcome.diagnosis import Confusion, Diagnosis
@@ -209,6 +210,11 @@ def headline(found: Diagnosis) -> str:
     if found.verdict == "unknown":
         return f"{unexplained(found)}."
     return f"{found.heading}: {', '.join(f.term.label for f in found.findings)}."
+
+
+def in_json(found: Diagnosis) -> JsonObject:
+    """JSON of ``diagnose``, with its first sentence."""
+    return {**found.document(), "headline": headline(found)}
 
 
 def none_found(found: Diagnosis) -> str:
