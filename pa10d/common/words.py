@@ -43,8 +43,11 @@ def joint_words(joints: Iterable[int]) -> str:
 
 
 def of_a_slide(said: str) -> str:
-    """What is said of a joint that turns, of one that slides: m for rad, N for N·m."""
-    return re.sub(r"\brad\b", "m", said.replace("N·m", "N"))
+    """What is said of a joint that turns, of one that slides: m for rad, N for N·m, kg for kg·m²,
+    cycles in a metre for those of a turn."""
+    for turns, slides in (("kg·m²", "kg"), ("N·m", "N"), ("cycles/rev", "1/m")):
+        said = said.replace(turns, slides)
+    return re.sub(r"\brad\b", "m", said)
 
 
 def sentence(text: str) -> str:

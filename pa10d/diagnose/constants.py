@@ -23,6 +23,8 @@ HELD_OUT_LEVEL = 0.05  # of one candidate on the held-out side alone; both sides
 COMES_AGAIN_LEVEL = 1e-3  # of a whole diagnosis, that an error comes again
 BEYOND_NOISE_LEVEL = 1e-3  # of a whole diagnosis, that a noise floor is that much too low
 FORETOLD_LEVEL = 1e-3  # of a whole diagnosis: at 1 % one clean two-link arm of 60 was claimed
+COMMON_LEVEL = FORETOLD_LEVEL  # of a whole diagnosis, that errors of several joints go together
+LEAST_FREE = 3.0  # samples as good as independent, beyond two, below which nothing agrees surely
 CONTRADICTED_LEVEL = 1e-3  # of a whole diagnosis, that fitted runs contradict each other
 GEOMETRY_LEVEL = 1e-3  # of a whole diagnosis, that lengths or axes are not as the URDF says
 STEP_LEVEL = 1e-3  # of a whole diagnosis, that a joint changes at one moment of its runs
@@ -50,11 +52,6 @@ GUARD_PERIODS = 1.5  # of the cut-off, left out where blocks meet: the filter lo
 LOWEST_ORDER = 4.0  # cycles per revolution: below, gravity and ripple cannot be told apart
 RIPPLE_LEAST_SPAN = 1e-3  # rad: a joint that turned less has no orders
 TIMING_MOST_SAMPLES = 3.0  # raw periods: the model brought its own offset, this is a correction
-COMMON_LEVEL = FORETOLD_LEVEL  # of a whole diagnosis, that errors of several joints go together
-COMMON_SHARE = 0.3  # of a joint's squared error that a cause in common has to take (policy)
-COMMON_MOMENTS = {"sway": (0.1, 0.25, 0.5, 1.0, 2.0), "stamps": (0.02, 0.04, 0.08)}
-# s for which a cause in common is as large: a base or a load that sways, stamps that scatter (d)
-COMMON_RIDGES = (1e-3, 1e-2, 1e-1, 1.0)  # of the mean square of its columns
 FORETOLD_LATE = (0.2, 0.6)  # s ago: speeds that a filter of the residual cannot have seen
 ALIKE = 2.0  # samples that say the same to begin with: the equation keeps twice as many as needed
 MAP_THIN = 2  # rows left out between, for the same reason
@@ -112,10 +109,9 @@ SMOOTH_ROUNDS = 2
 MAPS_PER_JOINT = 3  # that are judged held out
 FORETOLD_TRIED = 2  # sets of quantities per joint that are judged held out
 FORETOLD_FOLDS = 4  # stretches of the fit side that take turns in settling set and ridge
-LEAST_FREE = 3.0  # samples as good as independent, beyond two, below which nothing agrees surely
-FORETOLD_MISSED = (
-    0.9  # of what a set foretells: quantities without which as much is left are not told
-)
+COMMON_MOMENTS = {"sway": (0.1, 0.25, 0.5, 1.0, 2.0), "stamps": (0.02, 0.04, 0.08)}
+# s for which a cause in common is as large; tried: a base or a load that sways, stamps that scatter
+COMMON_RIDGES = (1e-3, 1e-2, 1e-1, 1.0)  # of the mean square of its columns
 FORETOLD_DEGREE = 3  # of products of quantities
 FORETOLD_WAVES = 150  # random Fourier features beside them (Rahimi & Recht 2007)
 FORETOLD_WIDTHS = (0.5, 1.0, 2.0)  # standard deviations of a quantity in which they turn by 1 rad
@@ -128,6 +124,8 @@ INSIDE = 0.1  # of a simpler effect's torque, that may lie beside the finding it
 MATERIAL_REST = MATERIAL  # times the noise floor: one for all that judge
 STANDS_IN = 2.0  # times the floor, and structured: what is named there may be a part of that
 STANDS_BESIDE_MORE = 1.5  # the same where it is more than what is named took, structured or not
+COMMON_SHARE = 0.3  # of a joint's squared error that a cause in common has to take
+FORETOLD_MISSED = 0.9  # of what a set foretells: quantities without which as much is, are not told
 SHARE_OFF = 4.0  # standard errors by which a torque is more or less than its shape says: one of ten
 # thousand right ones
 OWN_SHARE = 0.3  # of its squared error that an effect's own joint loses where it is told by that

@@ -456,10 +456,12 @@ def _beside_more(finding: Finding, lines: Sequence[Remaining]) -> Finding:
 def _of_a_spring(finding: Finding) -> str:
     """What a spring's own torque says against it: all of the joint's passes through it, whatever
     the noise. A frame that gives under the arm asks for something like it."""
-    term, told = finding.term, finding.parameters.get("share")
-    if not term.effect.series_spring or told is None:
+    if not finding.term.effect.series_spring:
         return ""
-    (kind,) = term.effect.coefficients
+    (kind,) = finding.term.effect.coefficients
+    told = finding.parameters.get(kind.name)
+    if told is None:
+        return ""
     off = abs(told.value - 1.0) > SHARE_OFF * told.std_error_random > 0.0
     if not off or kind.lower <= told.value <= kind.upper:
         return ""

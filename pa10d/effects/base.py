@@ -16,6 +16,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pa10d.common.words import of_a_slide
 from pa10d.dynamics import Robot
 from pa10d.effects.context import Context
 from pa10d.effects.sign import smooth_sign
@@ -170,10 +171,7 @@ class Value:
 
     def of_a_slide(self) -> Value:
         """The same where the joint does not turn but slide: newtons and metres."""
-        unit = self.unit
-        for turns, slides in (("N·m", "N"), ("rad", "m"), ("kg·m²", "kg"), ("cycles/rev", "1/m")):
-            unit = unit.replace(turns, slides)
-        return replace(self, unit=unit)
+        return replace(self, unit=of_a_slide(self.unit))
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pa10d.common.errors import UserError
+from pa10d.common.words import of_a_slide
 from pa10d.control.gains import PidGains, gravity_slope
 from pa10d.control.joint_figures import ROUGH, JointFigures, inertias, presumed_figures
 from pa10d.dynamics import Robot, inverse_dynamics
@@ -131,11 +132,12 @@ def sentences(robot: Robot, figures: JointFigures, gains: PidGains) -> list[str]
             spring = f", a spring of {figures.stiffness[j]:.3g} N·m/rad ({resonance[j]:.2g} Hz)"
         # of a joint that stuck in each of its strokes nothing else is known
         unit = "kg·m² (by the URDF)" if figures.doubt[j] >= ROUGH else "kg·m²"
-        lines.append(
+        said = (
             f"joint {j + 1}: inertia {span.light[j]:.2g} … {span.heavy[j]:.2g} {unit}, friction "
             f"{figures.coulomb[j]:.2g} N·m + {figures.viscous[j]:.2g} N·m·s/rad{spring}; "
             f"kp {gains.kp[j]:.3g}, ki {gains.ki[j]:.3g}, kd {gains.kd[j]:.3g}"
         )
+        lines.append(of_a_slide(said) if robot.prismatic[j] else said)
     return lines
 
 

@@ -17,7 +17,7 @@ from backends.bus_budget import profile_budget
 from backends.scaling import scaling_of
 from pa10d.common.errors import UserError
 from pa10d.common.jsonable import JsonObject
-from pa10d.common.words import listed
+from pa10d.common.words import listed, of_a_slide
 from pa10d.control.faults import Fault
 from pa10d.control.gains import (
     PUSH,
@@ -412,6 +412,7 @@ def calmed(
         fit = (
             f"a rotor of {rotor:.2g} kg·m² behind a spring of {sprung.stiffness[axis]:.2g} N·m/rad"
         )
+        fit = of_a_slide(fit) if robot.prismatic[axis] else fit
     share = float(again.gains.kd[axis] / max(gains.kd[axis], 1e-12))
     note = (
         f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit {fit} were set (damping "

@@ -91,7 +91,7 @@ def test_stamps_that_scatter_are_told_by_the_other_joints():
     assert {1, 2} <= set(found)
     assert {one.witness for one in found.values()} == {"stamps"}
     (*_, line) = remaining(judged(5.0, 5.0), [None] * 2, [found[1]], ["N·m"] * 2)
-    assert "nothing of the arm, but of the recording" in line.sentence
+    assert "rather of the recording than of the arm" in line.sentence
 
 
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 20), marks=pytest.mark.long)])

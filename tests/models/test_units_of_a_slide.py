@@ -6,7 +6,10 @@ import model_examples as examples
 import numpy as np
 import pytest
 
+from pa10d.control.gains import PidGains
+from pa10d.control.joint_figures import JointFigures
 from pa10d.effects import Value, all_effects
+from pa10d.experiments.measured_joints import sentences
 from pa10d.model import in_units_of
 from pa10d.model.impossible import impossible
 
@@ -44,6 +47,16 @@ def test_what_cannot_exist_is_told_in_newtons():
     of_slide = [line for line in said if line.startswith("coulomb J2: Fc = ")]
     assert len(of_slide) == 1
     assert " N in the free fit" in of_slide[0]
+
+
+def test_what_a_first_motion_found_of_a_slide_is_told_in_kilograms():
+    """ "inertia 22 … 35 kg·m², friction 0.048 N·m" of a slide."""
+    one = np.ones(4)
+    figures = JointFigures(one, one, one, one, 0 * one, 50 * one, one, one, 0 * one)
+    turning, sliding = sentences(SLIDES, figures, PidGains(one, one, one, one))[:2]
+    for line, units in ((turning, ("kg·m²", "N·m", "N·m·s/rad")), (sliding, ("kg", "N", "N·s/m"))):
+        assert f" {units[0]}, friction 1 {units[1]} + 1 {units[2]}, a spring of 50 " in line
+    assert not any(turns in sliding for turns in ("N·m", "m²", "rad"))
 
 
 def test_heads_of_columns():

@@ -2,8 +2,8 @@
 
 What fitted runs contradict each other in; a map of the motion; of a torque as it is read; a step in
 time; friction that is other held out; a cause that several joints have in common; a line in time;
-what swings on; what motion foretells though nobody can say by which quantity; and last that it
-comes again, follows reversals, or is simply too large.
+what swings on; what several quantities of the motion foretell together; and last that it comes
+again, follows reversals, or is simply too large.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unnamed:
-    """Structure of which nobody can say what it depends on: share of the joint's squared error that
+    """Structure of which no map says what it depends on: share of the joint's squared error that
     comes again with the motion, that motion predicts (of the fit side alone, where the held-out
     side moves elsewhere), that is gone in the middle of its strokes, that turns round with the
     joint, that is beyond any noise the data show, that depends on torque as it is read, that is one
@@ -375,6 +375,19 @@ NOT_DETERMINED = (
     ": the fitted runs do not determine the arm for this motion, and what they leave open of it "
     "may be as much. Fit to motion like this one."
 )
+FORETOLD: Mapping[str, str] = {
+    "motion": "motion predicts {share} of its squared error, {best}",
+    "elsewhere": "of the fitted runs motion predicts {share} of its squared error, from one "
+    "stretch to another, {best}. The runs held out ask for what these do not show: hold out motion "
+    "like the fitted one",
+}
+IN_COMMON: Mapping[str, str] = {
+    "sway": "gravity turns to and fro by {degrees:.2g}° (RMS) under the arm: a base that tips or "
+    "gives, or a load that swings. Hold the base, or measure how it moves; look at what hangs on "
+    "the arm",
+    "stamps": "all positions are read earlier or later than their stamps say: rather of the "
+    "recording than of the arm. Stamp positions and torques where they are read",
+}
 FITTED_AS_WELL = (
     " But on the fitted runs themselves it keeps {ratio} that floor: so much is not for want of "
     "motion, but something that is missing, or slow noise."
@@ -535,19 +548,10 @@ def _with_sentence(
                 "not tight, a cable, a frame or a gear that gives. Stop quickly and record what "
                 "swings on, with the tool and without"
             )
-    elif isinstance(left, Unnamed) and left.witness == "sway":
+    elif isinstance(left, Unnamed) and left.witness in IN_COMMON:
         text = (
             f"{size}; the other joints tell {percent(left.share)} of its squared error, moment by "
-            f"moment, as where gravity turns to and fro by {left.degrees:.2g}° (RMS) under the "
-            "arm: a base that tips or gives, or a load that swings. Hold the base, or measure how "
-            "it moves; look at what hangs on the arm"
-        )
-    elif isinstance(left, Unnamed) and left.witness == "stamps":
-        text = (
-            f"{size}; the other joints tell {percent(left.share)} of its squared error, moment by "
-            "moment, as where all positions are read earlier or later than their stamps say: "
-            "nothing of the arm, but of the recording. Stamp positions and torques where they are "
-            "read"
+            f"moment, as where {IN_COMMON[left.witness].format(degrees=left.degrees)}"
         )
     elif isinstance(left, Unnamed) and left.witness == "turning":
         text = (
@@ -563,17 +567,10 @@ def _with_sentence(
             "seal, a lubricant, a temperature that was not measured). One motion twice would show "
             "how much"
         )
-    elif isinstance(left, Unnamed) and left.witness == "motion":
-        text = (
-            f"{size}; motion predicts {percent(left.share)} of its squared error, best from "
-            f"{left.best_from}; no map of one or two quantities surely does"
-        )
-    elif isinstance(left, Unnamed) and left.witness == "elsewhere":
-        text = (
-            f"{size}; of the fitted runs motion predicts {percent(left.share)} of its squared "
-            f"error, from one stretch to another, best from {left.best_from}; no map of one or two "
-            "quantities surely does. The runs held out ask for what these do not show: hold out "
-            "motion like the fitted one"
+    elif isinstance(left, Unnamed) and left.witness in FORETOLD:
+        text = f"{size}; " + FORETOLD[left.witness].format(
+            share=percent(left.share),
+            best=f"best from {left.best_from}; no map of one or two quantities surely does",
         )
     elif seen is not None and line.repeatable and line.material and left is None:
         text = (
