@@ -51,13 +51,11 @@ from pa10d.diagnose.search.with_numbers import needed_springs, only_with_numbers
 from pa10d.diagnose.unknown.at_most import most_noise
 from pa10d.diagnose.unknown.between_runs import Apart, contradiction, needless, unlike_fitted
 from pa10d.diagnose.unknown.beyond import beyond
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.geometry import Geometry, OtherGeometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
-from pa10d.diagnose.unknown.remaining import (
-    Remaining,
-    Unnamed,
-    remaining,
-)
+from pa10d.diagnose.unknown.of_joint import Known
+from pa10d.diagnose.unknown.remaining import Remaining, remaining
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import (
     Judgement,
@@ -182,25 +180,27 @@ def diagnose(
         again,
         over.unexplained,
         [model.robot.torque_unit(j) for j in range(model.robot.n)],
-        state.terms[given:],
-        over.slight,
-        over.doubt,
-        beyond(state),
-        state.usual,
-        only is None,
-        {**search.rival_gains, **over.gains},
-        stand_out,
-        held.silent,
-        over.undetermined,
-        faster,
-        over.beside,
-        np.flatnonzero(stood.far).tolist(),
-        state.as_given,
-        {j: found.words for j, found in knocked.items()},
-        search.outdone,
-        most_noise(state),
-        stood.alone,
-        model.noise,
+        Known(
+            found=state.terms[given:],
+            searched=only is None,
+            slight=over.slight,
+            doubt=over.doubt,
+            beyond=beyond(state),
+            gains={**search.rival_gains, **over.gains},
+            stand_out=stand_out,
+            silent=held.silent,
+            undetermined=over.undetermined,
+            faster=faster,
+            beside=over.beside,
+            knocked={j: found.words for j, found in knocked.items()},
+            outdone=search.outdone,
+            most_noise=most_noise(state),
+            usual=state.usual,
+            lacked=model.noise,
+            as_given=state.as_given,
+            moved=np.flatnonzero(stood.far).tolist(),
+            alone=stood.alone,
+        ),
     )
     say(1.0, "done")
     return Diagnosis(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pa10d.diagnose.outcome.diagnosis import Diagnosis
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.claims import Unexplained, Unnamed
 from pa10d.diagnose.unknown.geometry import OtherGeometry
-from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
 from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects.smooth_map import EXPLAINS_NOTHING, SmoothMap

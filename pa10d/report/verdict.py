@@ -10,8 +10,8 @@ from pa10d.common.words import listed, percent, times
 from pa10d.diagnose.outcome.diagnosis import Diagnosis, Finding
 from pa10d.diagnose.outcome.words import none_found, unexplained
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.claims import Unexplained, Unnamed
 from pa10d.diagnose.unknown.geometry import OtherGeometry
-from pa10d.diagnose.unknown.remaining import Unexplained, Unnamed
 from pa10d.diagnose.unknown.rubbing import OtherFriction
 from pa10d.effects import Effect
 from pa10d.figures.of_diagnosis import shown_joint

@@ -12,8 +12,9 @@ from test_remaining import judged
 
 from pa10d.diagnose.regression.sides import two_sides
 from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.common_cause import in_common
-from pa10d.diagnose.unknown.remaining import Unnamed, remaining
+from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.dynamics import inverse_dynamics
 from pa10d.effects.library.base_tilt import rotation
 from pa10d.identify import identify

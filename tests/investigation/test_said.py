@@ -9,7 +9,7 @@ import numpy as np
 from made_up import SET, investigation
 
 from pa10d.compare.comparison import RunScores
-from pa10d.diagnose.unknown.remaining import Unnamed
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.effects import Value
 from pa10d.investigation import course
 from pa10d.investigation.results import LastWord

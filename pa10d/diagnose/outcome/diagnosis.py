@@ -15,8 +15,9 @@ from pa10d.diagnose.evidence.tails import tails
 from pa10d.diagnose.outcome.settling import NextExperiment
 from pa10d.diagnose.search.delivery import delivered, warnings
 from pa10d.diagnose.unknown.between_runs import Apart
+from pa10d.diagnose.unknown.claims import Unexplained
 from pa10d.diagnose.unknown.geometry import OtherGeometry
-from pa10d.diagnose.unknown.remaining import Remaining, Unexplained
+from pa10d.diagnose.unknown.remaining import Remaining
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.effects import Value
 from pa10d.judgement import Judgement

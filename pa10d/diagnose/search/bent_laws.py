@@ -9,7 +9,7 @@ import numpy as np
 from pa10d.common.words import listed
 from pa10d.diagnose.constants import CLAIMED_SHARE
 from pa10d.diagnose.search.judging import JudgedCandidate
-from pa10d.diagnose.unknown.remaining import Unnamed
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.effects import Effect, Shape
 
 QUANTITIES = {"q": "q", "dq": "dq", "travel": "q"}

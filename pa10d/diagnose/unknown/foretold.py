@@ -41,7 +41,7 @@ from pa10d.diagnose.constants import (
 from pa10d.diagnose.evidence.held_out import judge
 from pa10d.diagnose.regression.side import Side
 from pa10d.diagnose.regression.state import SearchState
-from pa10d.diagnose.unknown.remaining import Unnamed
+from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.structure import (
     KNOWN_GROUND,
     Prediction,

@@ -24,12 +24,7 @@ from pa10d.diagnose.evidence.errors_of import (
 )
 from pa10d.diagnose.regression.state import SearchState
 from pa10d.diagnose.unknown.between_runs import Apart
-from pa10d.diagnose.unknown.common_cause import in_common
-from pa10d.diagnose.unknown.foretold import foretold
-from pa10d.diagnose.unknown.geometry import OtherGeometry
-from pa10d.diagnose.unknown.goes_with import GoesWith, goes_with
-from pa10d.diagnose.unknown.humming import hums
-from pa10d.diagnose.unknown.remaining import (
+from pa10d.diagnose.unknown.claims import (
     Unexplained,
     Unnamed,
     comes_again,
@@ -37,6 +32,11 @@ from pa10d.diagnose.unknown.remaining import (
     material,
     unnamed,
 )
+from pa10d.diagnose.unknown.common_cause import in_common
+from pa10d.diagnose.unknown.foretold import foretold
+from pa10d.diagnose.unknown.geometry import OtherGeometry
+from pa10d.diagnose.unknown.goes_with import GoesWith, goes_with
+from pa10d.diagnose.unknown.humming import hums
 from pa10d.diagnose.unknown.ringing import rings
 from pa10d.diagnose.unknown.rubbing import OtherFriction, other_friction
 from pa10d.diagnose.unknown.stepping import steps_in_time
