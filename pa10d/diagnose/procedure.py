@@ -54,7 +54,7 @@ from pa10d.diagnose.unknown.beyond import beyond
 from pa10d.diagnose.unknown.claims import Unnamed
 from pa10d.diagnose.unknown.geometry import Geometry, OtherGeometry, other_geometry
 from pa10d.diagnose.unknown.left_over import left_over, unsaid
-from pa10d.diagnose.unknown.of_joint import Known
+from pa10d.diagnose.unknown.of_joint import KnownBesides
 from pa10d.diagnose.unknown.remaining import Remaining, remaining
 from pa10d.effects import Effect, Value, effect
 from pa10d.judgement import (
@@ -180,7 +180,7 @@ def diagnose(
         again,
         over.unexplained,
         [model.robot.torque_unit(j) for j in range(model.robot.n)],
-        Known(
+        KnownBesides(
             found=state.terms[given:],
             searched=only is None,
             slight=over.slight,

@@ -11,7 +11,7 @@ from two_links import recordings, textbook
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.unknown.beyond import Beyond, places_of
 from pa10d.diagnose.unknown.claims import unnamed
-from pa10d.diagnose.unknown.of_joint import Known
+from pa10d.diagnose.unknown.of_joint import KnownBesides
 from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.judgement import Judgement, NoiseFloor
 
@@ -49,13 +49,13 @@ def test_the_line_says_the_place_and_what_to_do(ratio, source):
     known = NoiseFloor(floor, (source,), 0.01 * floor, np.ones(1))
     left = Judgement("m", ("run",), 10.0, 0.1 * np.array([ratio]), known)
     claims = unnamed(left, [None], [], np.zeros(1))
-    (line,) = remaining(left, [None], claims, ["N·m"], Known(beyond=[PLACE]))
+    (line,) = remaining(left, [None], claims, ["N·m"], KnownBesides(beyond=[PLACE]))
     assert (
         "99 % of its squared error lies where q1 is above 0.4 rad, where the fit" in line.sentence
     )
     assert "Fit to motion that goes there." in line.sentence
     assert "noise that is slow" not in line.sentence
-    (line,) = remaining(left, [None], claims, ["N·m"], Known(beyond=[None]))
+    (line,) = remaining(left, [None], claims, ["N·m"], KnownBesides(beyond=[None]))
     assert "has not been" not in line.sentence
 
 

@@ -14,7 +14,7 @@ from pa10d.compare.regions import Region
 from pa10d.diagnose.evidence.held_out import Evidence
 from pa10d.diagnose.unknown.as_it_stood import OneChange, alone_words
 from pa10d.diagnose.unknown.claims import Unnamed, doubtful, material, unnamed
-from pa10d.diagnose.unknown.of_joint import Known
+from pa10d.diagnose.unknown.of_joint import KnownBesides
 from pa10d.diagnose.unknown.remaining import remaining
 from pa10d.diagnose.unknown.structure import Structure
 from pa10d.judgement import Judgement, NoiseFloor, Repeatable, Turning
@@ -68,7 +68,7 @@ def test_a_trace_in_an_error_that_is_noise_is_told_and_not_claimed(ratio, share,
     worth, slight = material(left, [seen])
     assert [bool(worth), bool(slight)] == [claimed, not claimed]
     if slight:
-        (said,) = remaining(left, [None], worth, ["N·m"], Known(slight=slight))
+        (said,) = remaining(left, [None], worth, ["N·m"], KnownBesides(slight=slight))
         assert said.significant
         assert said.material is False
         assert "explained to the floor. 6 % of its squared error depends on dq2" in said.sentence
@@ -100,7 +100,7 @@ def test_findings_that_follow_the_angle_may_be_parts_of_the_curve_that_is_left()
 
     def sentence(variable: str, terms: list[Term]) -> str:
         seen = Unnamed(0, 0.56, 0.1, 1e-9, "motion", (variable,))
-        return remaining(left, [None], [seen], ["N·m"], Known(found=terms))[0].sentence
+        return remaining(left, [None], [seen], ["N·m"], KnownBesides(found=terms))[0].sentence
 
     assert "may be no more than parts of one such curve" in sentence("q1", found)
     assert "parts" not in sentence("q1", found[:1]) + sentence("dq1", found)
@@ -111,7 +111,7 @@ def test_what_swings_on_beside_a_spring_that_was_found_is_first_of_all_that_spri
     ring = Unnamed(0, 0.5, 0.1, 1e-4, "ring", hertz=7.6)
     shape = {"K": 1000.0, "zeta": 0.02}
     spring = Term("joint_elasticity", (1,), np.zeros(0), shape)
-    said = remaining(judged(5.0), [None], [ring], ["N·m"], Known(found=[spring]))[0].sentence
+    said = remaining(judged(5.0), [None], [ring], ["N·m"], KnownBesides(found=[spring]))[0].sentence
     assert "the spring that was found in joint 2, if it is other than its law has it" in said
     assert "found in" not in remaining(judged(5.0), [None], [ring], ["N·m"])[0].sentence
 
@@ -177,7 +177,9 @@ def test_what_little_data_leaves_open_asks_for_more_data_to_fit(source):
 
     def sentence(doubt: float) -> str:
         left = judged(8.0, source=source)
-        return remaining(left, [None], [], ["N·m"], Known(doubt=np.array([doubt])))[0].sentence
+        return remaining(left, [None], [], ["N·m"], KnownBesides(doubt=np.array([doubt])))[
+            0
+        ].sentence
 
     assert sentence(0.9).endswith("may leave as much: fit to more data.")
     assert "fit to more data" not in sentence(0.5)
@@ -203,7 +205,7 @@ def test_where_an_error_is_larger_is_said_and_claims_nothing_by_itself(ratio, cl
     left = judged(ratio, source="high frequencies")
     found = claims(left, [None])
     assert bool(found) == claimed
-    (said,) = remaining(left, [None], found, ["N·m"], Known(stand_out=[place]))
+    (said,) = remaining(left, [None], found, ["N·m"], KnownBesides(stand_out=[place]))
     assert "; joint 1 below 0.10 rad/s carries 94 % of its squared error" in said.sentence
     assert "does not predict" not in said.sentence
     assert said.significant == claimed
@@ -216,7 +218,7 @@ def test_where_more_lies_than_a_witness_speaks_of_is_said_with_what_acts_there(s
     place = Place(0, region, sentence(0, region, "N·m"), 1e-3)
     left = judged(31.0, source="high frequencies")
     swings = Unnamed(0, share, 0.1, 1e-6, "ring", hertz=6.5)
-    (said,) = remaining(left, [None], [swings], ["N·m"], Known(stand_out=[place]))
+    (said,) = remaining(left, [None], [swings], ["N·m"], KnownBesides(stand_out=[place]))
     assert "swings at about 6.5 Hz" in said.sentence
     assert ("carries 82 % of its squared error" in said.sentence) == beside
     assert ("play, or a gear or a belt that gives" in said.sentence) == beside
@@ -239,7 +241,7 @@ def test_a_frozen_model_that_was_moved_away_from_the_held_out_runs_says_what_it_
     as_given, told
 ):
     left = judged(3.26)
-    (said,) = remaining(left, [None], [], ["N·m"], Known(as_given=np.array([as_given])))
+    (said,) = remaining(left, [None], [], ["N·m"], KnownBesides(as_given=np.array([as_given])))
     assert ("Where it was not moved the model leaves 0.15 N·m there" in said.sentence) is told
 
 
@@ -248,7 +250,7 @@ def test_what_a_map_outdid_is_told_where_it_took_most(share, told):
     """``compare`` said "off by a constant, 77 %" beside "no effect … explains it"."""
     left, seen = judged(4.8), judgement_of_a_map(0.89)
     outdone = {0: (("a torque offset",), share)}
-    (said,) = remaining(left, [None], [seen], ["N·m"], Known(outdone=outdone))
+    (said,) = remaining(left, [None], [seen], ["N·m"], KnownBesides(outdone=outdone))
     looks = "What looks like a torque offset there (78 % of its squared error) is part of that:"
     assert (looks in said.sentence) is told
 
@@ -258,7 +260,9 @@ def test_where_no_floor_is_known_noise_is_no_more_than_the_fitted_runs_keep():
     left = judged(57.0, source=None)
 
     def said(most: float) -> str:
-        return remaining(left, [None], [], ["N·m"], Known(most_noise=np.array([most])))[0].sentence
+        return remaining(left, [None], [], ["N·m"], KnownBesides(most_noise=np.array([most])))[
+            0
+        ].sentence
 
     assert "Hardly more than 0.33 N·m is noise as it was on the runs that" in said(0.33)
     assert "cannot say how much of it is noise" in said(5.5)
@@ -282,9 +286,9 @@ def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_th
     def said(**more) -> str:
         seen = judgement_of_a_map(0.7)
         left = judged(5.0)
-        return remaining(left, [None], [seen], ["N·m"], Known(usual=np.array([1.0]), **more))[
-            0
-        ].sentence
+        return remaining(
+            left, [None], [seen], ["N·m"], KnownBesides(usual=np.array([1.0]), **more)
+        )[0].sentence
 
     assert "depends on" not in said()
     assert said().endswith("ask what is missing, not what changed.")
@@ -297,7 +301,7 @@ def test_a_frozen_joint_that_keeps_what_it_lacked_is_told_its_knocks_and_what_th
         [None],
         [],
         ["N·m"],
-        Known(usual=np.array([1.0]), knocked={0: "87 % lies in 0.6 of 11 s"}),
+        KnownBesides(usual=np.array([1.0]), knocked={0: "87 % lies in 0.6 of 11 s"}),
     )
     assert "87 % lies in 0.6 of 11 s" in line.sentence
 
@@ -306,7 +310,7 @@ def test_what_one_change_would_do_is_not_called_unpredicted():
     """ "Motion does not predict it" stood below "a spring alone takes more than 99 % of it"."""
     spring = OneChange(("spring", (0,)), "a spring (k about 0.3 N·m/rad)", np.array([0.98, 0.2]))
     alone = alone_words(np.array([0.356, 0.1]), {0: spring}, ["N·m", "N·m"])
-    (said,) = remaining(judged(5.0), [None], [], ["N·m"], Known(alone=alone))
+    (said,) = remaining(judged(5.0), [None], [], ["N·m"], KnownBesides(alone=alone))
     assert said.sentence.endswith(
         "; a spring (k about 0.3 N·m/rad) alone takes 98 % of the 0.356 N·m that the model leaves "
         "there as it was given."
@@ -317,6 +321,6 @@ def test_what_one_change_would_do_is_not_called_unpredicted():
 def test_what_the_fitted_runs_keep_themselves_is_not_for_want_of_motion(fitted, said):
     """ "Fit to motion like this one" was all that was said of a joint at 3.2 times its floor
     on the very runs that its model was fitted to."""
-    (line,) = remaining(judged(6.0), [None], [], ["N·m"], Known(undetermined={0: fitted}))
+    (line,) = remaining(judged(6.0), [None], [], ["N·m"], KnownBesides(undetermined={0: fitted}))
     assert "do not determine the arm for this motion" in line.sentence
     assert ("on the fitted runs themselves it keeps 3.2 times" in line.sentence) == said

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownBesides:
     """What a search knows besides its claims; joints from 0, arrays (n,), each empty where nobody
     asked.
 
@@ -87,7 +87,7 @@ class OfJoint:
     left: Unexplained | None
     others: tuple[Unexplained, ...]
     seen: Repeatable | None
-    known: Known
+    known: KnownBesides
 
     @property
     def rms(self) -> float:

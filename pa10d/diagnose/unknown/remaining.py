@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pa10d.common.jsonable import JsonObject, plain
 from pa10d.diagnose.unknown.claims import Unexplained
-from pa10d.diagnose.unknown.of_joint import Known, OfJoint
+from pa10d.diagnose.unknown.of_joint import KnownBesides, OfJoint
 from pa10d.diagnose.unknown.said_of_joint import said_of_joint
 from pa10d.judgement import Judgement
 from pa10d.judgement.repeatable import Repeatable
@@ -55,11 +55,11 @@ def remaining(
     again: Sequence[Repeatable | None],
     unexplained: Sequence[Unexplained],
     units: Sequence[str],
-    known: Known | None = None,
+    known: KnownBesides | None = None,
 ) -> tuple[Remaining, ...]:
     """A line per joint; judged: of the model with all findings, on the held-out side; again: what
     comes again of it; unexplained: what is claimed; units: of each joint's torque or force."""
-    known = known or Known()
+    known = known or KnownBesides()
     claimed = {one.joint: one for one in unexplained}
     return tuple(
         _not_judged(j, float(judged.rms[j]), known.silent[j])
