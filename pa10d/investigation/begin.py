@@ -21,6 +21,9 @@ from pa10d.store.names import checked_name, new_id
 
 MINUTES = 15.0  # of motion, unless somebody says otherwise
 NAME = "investigation"
+UNMEASURED = (
+    "first_motion, which measures the joints, cannot be run, and nothing larger is moved before it"
+)
 
 
 def begin(
@@ -51,6 +54,9 @@ def begin(
     named = _name(library, archive, name)
     seen = [] if fit else previews(data, found, robot, question, progress)
     asked = [(one.motion, "; ".join(one.problems)) for one in seen]
+    for motion, problem in asked:
+        if motion.kind == "first_motion" and problem:
+            raise UserError(f"{found.path}: {UNMEASURED}: {problem}")
     if seen and not any(m.purpose == "fit" and not problem for m, problem in asked):
         raise UserError(
             f"{found.path}: no motion can be planned that a model could be fitted to: "

@@ -140,7 +140,7 @@ def preview(
     t, q, dq, _ = whole.samples
     motion = ArmMotion(seconds=float(t[-1]), **given)
     if entry.kind == "first_motion":
-        whole = as_lighter(whole, robot, [plan.start])
+        whole = as_lighter(whole)
     bars = [one for one in whole.violations if lifts or one.kind != "torque"]
     problems = tuple(dict.fromkeys(violation.sentence for violation in bars))
     return MotionPreview(motion, t, q, dq, problems)

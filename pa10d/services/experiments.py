@@ -57,7 +57,7 @@ Array = NDArray[np.float64]
 
 TAKEN = "control takes every row of it"
 TOO_HEAVY = (
-    "by the URDF's masses the motors hardly hold the arm where it stands: it is measured all the "
+    "by the URDF's masses this takes more torque than the motors give: the arm is measured all the "
     "same, as lighter; correct them where it is"
 )
 PLAN, PACED, ROWS = "plan.json", "paced.json", "rows.npy"
@@ -162,7 +162,7 @@ def prepare_motion(
             unhurried = softly(figures, bounds.following_error, plan.start - np.array(start))
         whole = whole_motion(plan, np.array(start), robot, rate, softly=unhurried)
         if under_way:
-            judged = as_lighter(whole, robot, [np.array(start), plan.start])
+            judged = as_lighter(whole)
             said = [Check("warning", "torque", TOO_HEAVY)] if judged is not whole else said
             whole = judged
         if model is None and plan.kind != "first_motion":

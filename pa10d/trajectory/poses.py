@@ -54,12 +54,6 @@ class Surroundings:
         inside = np.all((q >= self.limits.lower) & (q <= self.limits.upper), axis=1)
         return np.asarray(clear & light & inside)
 
-    def too_heavy(self, pose: Array) -> bool:
-        """Whether the motors could hardly hold the arm at this pose (n,) by its URDF: masses are
-        wrong then sooner than motors."""
-        most = limits_of(self.robot).planned().torque
-        return bool((np.abs(self.gravity(pose[None])[0]) > most).any())
-
     def within(self, pose: Array, what: str) -> Array:
         """The pose (n,) rad that somebody gives, if the joints go there; margins aside."""
         low, high = self.limits.lower - POSITION_MARGIN, self.limits.upper + POSITION_MARGIN

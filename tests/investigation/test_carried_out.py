@@ -208,6 +208,16 @@ def test_a_motion_that_this_arm_cannot_make_is_left_out(tmp_path, carry):
     ] * 2
 
 
+def test_an_arm_whose_joints_cannot_be_measured_is_not_moved_further(tmp_path, carry):
+    """Its gains follow the URDF until then, and the others are large motions."""
+    daemon = PaperDaemon(tmp_path, refuses=("first_motion",))
+    with pytest.raises(UserError, match="floor"):
+        carry(daemon)
+    assert not daemon.carried_out
+    (left,) = daemon.investigations.all()
+    assert {step.status for step in left.steps} == {"waiting"}
+
+
 def test_an_arm_in_a_fault_is_not_taken_for_a_motion_it_cannot_make(tmp_path, carry):
     daemon = PaperDaemon(tmp_path, refuses=("excitation",))
     daemon.robot.state = "fault"

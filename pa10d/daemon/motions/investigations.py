@@ -104,7 +104,8 @@ class _Carrier:
 
     async def _move(self, state: Investigation, step: Step, told: Progress) -> None:
         """A motion that the pre-check refuses is left out. A fault or a stop ends the job, and so
-        does what may be otherwise in a while, as a full disk: the step is still to be done."""
+        does what may be otherwise in a while, as a full disk, and the refusal of what measures the
+        joints, without which nothing larger is moved: the step is still to be done."""
         assert step.motion is not None
         tags = [*TAGS.get(step.motion.purpose, []), state.name]
         asked = step.motion
@@ -114,6 +115,7 @@ class _Carrier:
             found = await experiment.carry_out()
         except UserError as error:
             passes = isinstance(error, Stopped | NotNow)  # no lack of the motion's own
+            passes = passes or asked.kind == "first_motion"
             if passes or experiment.moved or self._daemon.robot.state not in ABLE:
                 raise
             course.left_out(state, step, str(error))
