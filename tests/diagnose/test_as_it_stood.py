@@ -36,7 +36,9 @@ def test_a_payload_within_the_doubt_of_a_model_is_told_as_what_would_do_alone():
     assert "joints 1 and 2" in said
 
 
-@pytest.mark.parametrize(("change", "doubt"), [(None, DOUBT), (more_mass, 1.0)])
+@pytest.mark.parametrize(
+    ("change", "doubt"), [(None, DOUBT), pytest.param(more_mass, 1.0, marks=pytest.mark.long)]
+)
 def test_nothing_is_said_where_nothing_changed_or_the_change_is_named(change, doubt):
     found = changed_since(change, doubt)
     assert found.stood == ""

@@ -96,7 +96,9 @@ def test_stamps_that_scatter_are_told_by_the_other_joints():
 
 
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 20), marks=pytest.mark.long)])
-@pytest.mark.parametrize("colour", [0.0, 0.99, 0.999])
+@pytest.mark.parametrize(
+    "colour", [0.99, *(pytest.param(phi, marks=pytest.mark.long) for phi in (0.0, 0.999))]
+)
 def test_noise_of_one_joint_tells_nothing_of_another(seeds, colour):
     for seed in seeds:
         sides = runs(10 + seed, colour=colour)

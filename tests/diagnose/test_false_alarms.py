@@ -36,15 +36,21 @@ def test_a_clean_arm_is_cleared(seed, noise):
     assert claims(arm(seed, noise=noise, seconds=15.0, cutoff=12.0).diagnose()) == []
 
 
-@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 24), marks=pytest.mark.long)])
-def test_a_clean_small_arm_is_cleared_under_any_noise(seeds):
-    colours = {
-        "white": None,
-        "coloured": lambda rng, n: ar1(rng, n, 0.99),
-        "slow": lambda rng, n: ar1(rng, n, 0.9995),
-    }
+COLOURS = {
+    "white": None,
+    "coloured": lambda rng, n: ar1(rng, n, 0.99),
+    "slow": lambda rng, n: ar1(rng, n, 0.9995),
+}
+
+
+@pytest.mark.parametrize(
+    ("names", "seeds"),
+    [(["slow"], range(1)), pytest.param(list(COLOURS), range(24), marks=pytest.mark.long)],
+    ids=["one", "many"],
+)
+def test_a_clean_small_arm_is_cleared_under_any_noise(names, seeds):
     said, searches = {}, 0
-    for name, colour in colours.items():
+    for name, colour in ((name, COLOURS[name]) for name in names):
         for seed in seeds:
             runs = recordings(40 + seed, colour=colour)
             found = diagnose(

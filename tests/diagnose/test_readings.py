@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_remaining import judged
 from two_links import CUTOFF, motion, robot, textbook_torque
 
 from pa10d.diagnose.procedure import diagnose
+from pa10d.diagnose.regression.sides import two_sides
+from pa10d.diagnose.regression.state import SearchState
+from pa10d.diagnose.unknown.claims import Unnamed
+from pa10d.diagnose.unknown.remaining import remaining
+from pa10d.diagnose.unknown.structure import find_readings
 from pa10d.identify.procedure import identify
 from pa10d.measurement.recording import Recording
 
@@ -34,18 +40,39 @@ def read(name, seed, by):
     return Recording(name, t, q, by(t, textbook_torque(q, dq, ddq)) + noise)
 
 
-@pytest.mark.parametrize(
+READ = pytest.mark.parametrize(
     ("by", "joint", "variables", "hint"),
     [
-        pytest.param(dead_band, 0, ("tau1",), "a dead band", marks=pytest.mark.long),
-        pytest.param(warming, 0, ("time", "tau1"), "as it warms", marks=pytest.mark.long),
+        (dead_band, 0, ("tau1",), "a dead band"),
+        (warming, 0, ("time", "tau1"), "as it warms"),
         (cross_talk, 1, ("tau1",), "takes on another's torque"),
     ],
 )
-def test_a_reading_is_told_by_what_it_depends_on(by, joint, variables, hint):
+
+
+def sides(by):
+    """The model of two runs, these, and the one to judge by."""
     runs = [read(name, seed, by) for seed, name in enumerate(("a", "b", "judge"))]
-    model = identify(runs[:2], robot(), name="m0", cutoff=CUTOFF)
-    found = diagnose(model, runs[:2], runs[2:])
+    return identify(runs[:2], robot(), name="m0", cutoff=CUTOFF), runs[:2], runs[2:]
+
+
+@READ
+def test_what_a_reading_depends_on_is_found_and_told(by, joint, variables, hint):
+    model, fit, judge = sides(by)
+    train, held, _ = two_sides(model, fit, judge)
+    state = SearchState.start(model, train, held)
+    found = {one.joint: one for one in find_readings(state, range(2))}[joint]
+    assert found.variables == variables
+    assert found.share > 0.7
+    told = Unnamed(joint, found.share, found.rms, found.p_value, "reading", found.variables)
+    lines = remaining(judged(5.0, 5.0), [None] * 2, [told], ["N·m"] * 2)
+    assert hint in lines[joint].sentence
+
+
+@pytest.mark.long  # a whole search, which first tries everything else
+@READ
+def test_a_reading_is_told_as_such_and_as_no_effect(by, joint, variables, hint):
+    found = diagnose(*sides(by))
     assert not [f.term.label for f in found.findings]
     told = {one.joint: one for one in found.unexplained}
     assert told[joint].variables == variables

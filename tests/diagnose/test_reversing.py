@@ -56,7 +56,15 @@ def swing(rng, samples, hertz=1.7):
     )
 
 
-@pytest.mark.parametrize("pole", [0.0, 0.9, 0.99, 0.9995, "swing", "friction"])
+@pytest.mark.parametrize(
+    "pole",
+    [
+        *(pytest.param(p, marks=pytest.mark.long) for p in (0.0, 0.9, 0.99)),
+        0.9995,
+        "swing",
+        "friction",
+    ],
+)
 def test_noise_does_not_know_which_way_a_joint_moves(pole):
     """Of any colour, and friction that is a little off is no wandering one: no smaller p than
     chance gives, by Kolmogorov and Smirnov."""

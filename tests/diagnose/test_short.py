@@ -35,7 +35,7 @@ def noise_in_band(run: Recording, cutoff: float) -> np.ndarray:
 @pytest.mark.parametrize(
     ("extra", "named"),
     [
-        (None, []),
+        pytest.param(None, [], marks=pytest.mark.long),
         pytest.param(spring, [("spring", (4,))], marks=pytest.mark.long),
         pytest.param(bump, [("stribeck", (3,))], marks=pytest.mark.long),
     ],
