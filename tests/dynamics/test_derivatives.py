@@ -10,12 +10,13 @@ from test_regressor import TILTED, random_parameters, seeds, states, trees
 from trees import ALL
 
 from pa10d.dynamics import inverse_dynamics, robot_from_urdf, sensitivities
+from pa10d.dynamics.derivatives import LANES
 
 
 @pytest.mark.parametrize("name", sorted(ALL))
 def test_agrees_with_pinocchio(name):
     robot = robot_from_urdf(ALL[name], gravity=TILTED)
-    q, dq, ddq = states(robot, 20, 5)
+    q, dq, ddq = states(robot, 2 * LANES + 3, 5)  # two full blocks and a part of one
     by_q, by_dq, by_ddq = sensitivities(robot, robot.parameters, q, dq, ddq)
     model, order = robot.pinocchio()
     data = model.createData()
@@ -48,3 +49,26 @@ def test_parameters_need_not_be_those_of_bodies(name, seed):
         for ours, theirs in zip(found, expected, strict=True):
             scale = 1.0 + np.abs(theirs).max()
             np.testing.assert_allclose(ours[j] / scale, theirs / scale, atol=1e-6)
+
+
+@pytest.mark.parametrize("samples", [0, 1, LANES - 1, LANES, LANES + 1, 2 * LANES + 3])
+@pytest.mark.parametrize("name", sorted(ALL))
+def test_a_sample_knows_nothing_of_those_beside_it(name, samples):
+    """Samples are worked on in blocks: neither their number nor one that is no number changes what
+    is found at the others."""
+    robot = robot_from_urdf(ALL[name], gravity=TILTED)
+    moved = np.stack(list(states(robot, samples, 7)))
+    found = np.stack(sensitivities(robot, robot.parameters, *moved))
+    assert found.shape == (3, robot.n, samples, robot.n)
+    alone = [sensitivities(robot, robot.parameters, *moved[:, k : k + 1]) for k in range(samples)]
+    scale = 1.0 + np.abs(found).max(initial=0.0)
+    for k, one in enumerate(alone):
+        np.testing.assert_allclose(
+            found[:, :, k] / scale, np.stack(one)[:, :, 0] / scale, atol=1e-13
+        )
+    lost = moved.copy()
+    lost[:, samples // 3 :: LANES] = np.nan
+    spoilt = np.isnan(lost).any(axis=(0, 2))
+    left = np.stack(sensitivities(robot, robot.parameters, *lost))
+    np.testing.assert_array_equal(left[:, :, ~spoilt], found[:, :, ~spoilt])
+    assert np.isnan(left[:, :, spoilt]).any(axis=(0, 1, 3)).all()
