@@ -132,6 +132,7 @@ def through_the_starting_set(arm):
     assert (arm.beyond < OVERSHOOT).all()
 
 
+@pytest.mark.long  # an arm of three joints, below, is measured and moved so, too
 def test_the_starting_set_runs_on_a_slow_arm_that_nobody_has_seen():
     """100 Hz; one of those that were not looked at while the rules were made."""
     through_the_starting_set(built(**drawn(1008)))
