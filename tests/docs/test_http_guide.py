@@ -49,7 +49,8 @@ def test_curl(arm, tmp_path):
     assert json.loads(made.stdout.rpartition("}{")[2].join(["{", ""]))["state"] == "inactive"
 
 
-@pytest.mark.parametrize("number", [0, 1])
+# the first moves seven joints through two motions and fits a model; tests/api calls the client, too
+@pytest.mark.parametrize("number", [pytest.param(0, marks=pytest.mark.long), 1])
 def test_python(arm, capsys, number):
     arm._http.delete("/api/v1/robot/lease", headers={"X-Client": "me"})
     code = blocks(GUIDE, "python")[number].replace(ADDRESS, arm.url)
