@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import json
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from same_error import assert_one_error
 from two_links import CUTOFF, RATE, URDF, recordings, state_of, textbook
 
 from pa10d.cli import main
-from pa10d.daemon.jobs import tasks
 from pa10d.diagnose.evidence.errors_of import honest_covariance, term_covariance
 from pa10d.diagnose.evidence.stated import stated
 from pa10d.diagnose.procedure import diagnose
 from pa10d.diagnose.search.steps import Search
 from pa10d.effects import effect
-from pa10d.face.model import Model
 from pa10d.measurement.recording import Recording
 from pa10d.measurement.signals import delayed
-from pa10d.services.library import open_library
 
 PROFILE = "name: two\nurdf: two.urdf\nsimulation: {}\n"
 STIFF, LEVEL, FINE = 60.0, 0.9, 20  # N·m/rad, N·m, steps per sample
@@ -62,10 +58,8 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize(
-    "kind",
-    ["stribeck", *(pytest.param(kind, marks=pytest.mark.long) for kind in list(CASES)[1:])],
-)
+@pytest.mark.long  # test_one_judgement asks the same of the model that it makes
+@pytest.mark.parametrize("kind", CASES)
 def test_whoever_tells_of_a_parameter_tells_one_error(kind, tmp_path, capsys):
     (tmp_path / "two.urdf").write_text(URDF)
     (tmp_path / "two.yaml").write_text(PROFILE)
@@ -90,53 +84,7 @@ def test_whoever_tells_of_a_parameter_tells_one_error(kind, tmp_path, capsys):
     )  # fmt: skip
     (finding,) = found["findings"]
     assert finding["effect"] == kind
-    says = {name: (v["value"], v["std_error"]) for name, v in finding["parameters"].items()}
-    label = f"{kind} J2: "
-
-    def same(told):
-        """told: name -> (value, error), of this effect at least."""
-        assert set(says) <= set(told)
-        for name, pair in says.items():
-            assert told[name] == pytest.approx(pair, rel=1e-6)
-
-    shown = ask("model", "show", "m1")["parameters"]
-    own = [p for p in shown if p["name"].startswith(label)]
-    same({p["name"].removeprefix(label): (p["value"], p["std_error"]) for p in own})
-    here = tasks.model_document(data, "m1")["parameters"]
-    assert [p["std_error"] for p in here] == pytest.approx([p["std_error"] for p in shown])
-
-    library = open_library(data)
-    stored = library.models.load(library.models.find("m1"))
-    same({k: (v.value, v.std_error) for k, v in stored.term_values(-1 % len(stored.terms)).items()})
-    face = Model(stored)
-    same({p.name: (p.value, p.std_error) for p in face.effects[-1].parameters})
-    bodies = [p.std_error for p in face.base_parameters]
-    assert bodies == pytest.approx([p["std_error"] for p in shown[: len(bodies)]])
-
-    ask(
-        "model",
-        "export",
-        "m1",
-        "--format",
-        "json",
-        "--parameters",
-        "free",
-        "--out",
-        str(tmp_path / "m1.json"),
-    )
-    exported = json.loads((tmp_path / "m1.json").read_text())
-    (sent,) = [e for e in exported["effects"] if e["effect"] == kind]
-    same({k: (v["value"], v["std_error"]) for k, v in sent["values"].items()})
-    for name, told in {**sent["coefficients"], **sent["shape"]}.items():
-        if name in says:
-            assert told["std_error"] == pytest.approx(says[name][1], rel=1e-6)
-    sent_bodies = [p["std_error"] for p in exported["base_parameters"]]
-    assert sent_bodies == pytest.approx(bodies)
-
-    ask("model", "report", "m1", "--out", str(tmp_path / "m.html"))
-    for file in (page, tmp_path / "m.html"):
-        text = re.sub(r"<[^>]+>", " ", Path(file).read_text(encoding="utf-8"))
-        assert all(f"± {error:.2g}" in text for _, error in says.values())
+    assert_one_error(ask, data, tmp_path, found, page)
 
 
 def test_a_stored_error_knows_what_shapes_and_reversals_leave_open():

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from same_error import assert_one_error
 from two_links import CUTOFF, URDF, recordings, textbook
 
 from pa10d.cli import main
@@ -84,6 +86,8 @@ def test_every_way_of_asking_gives_one_figure(store, said, capsys):
     np.testing.assert_allclose(free["achieved"], delivered["rms"], rtol=1e-4)
     np.testing.assert_allclose([r["rms"] for r in free["remaining"]], delivered["rms"], rtol=1e-4)
     np.testing.assert_allclose(free["findings"][-1]["rms_after"], delivered["rms"], rtol=1e-4)
+
+    assert_one_error(partial(ask, capsys), str(store / "data"), store, free, store / "d.html")
 
     line = ask(capsys, "model", "history", "m1", "--runs", *judge_by)
     assert len({(entry["cutoff_hz"], entry["mask"], *entry["runs"]) for entry in line}) == 1

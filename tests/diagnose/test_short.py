@@ -86,7 +86,8 @@ def test_a_servo_that_mostly_stands_keeps_half_of_its_motion():
     assert found.left.rms < 0.4 * found.rms
 
 
-@pytest.mark.parametrize("name", ["on.csv", pytest.param("off.csv", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["on.csv", "off.csv"])
 def test_a_motor_that_turns_on_and_on_is_diagnosed(name):
     robot, runs = machine("laas_motor", [name])
     model = identify(runs, robot, name="m0")
