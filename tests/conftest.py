@@ -21,7 +21,7 @@ SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 
 def pytest_addoption(parser):
-    parser.addoption("--long", action="store_true", help="run the tests that take minutes, too")
+    parser.addoption("--long", action="store_true", help="slow tests and more of each kind, too")
     parser.addoption("--trials", type=int, help="how often --long tries what is drawn")
 
 
@@ -38,7 +38,7 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(config, items):
     if config.getoption("--long"):
         return
-    skip = pytest.mark.skip(reason="takes minutes; --long runs it")
+    skip = pytest.mark.skip(reason="slow, or one more of a kind; --long runs it")
     for item in items:
         if "long" in item.keywords:
             item.add_marker(skip)
