@@ -31,6 +31,7 @@ SURE = 3.0  # standard errors
 MOST = ROUGH**2  # times its described weight, with a payload that nobody described
 ALIKE = 0.05  # of how fast a joint gathered speed: falls that differ by less tell no inertia
 EDGE = 0.25  # of what is left between both, nearer than which to one that was tried nothing is
+GIVEN = 0.5  # of what a fall told to be lacking, that was given when its joint fell again
 LACKING = 0.5  # of what was lacking, that may be lacking or too much next time
 KEPT = 1024  # cycles: falls are shorter
 
@@ -106,6 +107,12 @@ class FallWatch:
         """By what this joint fell."""
         return driven(*self._falling(axis))
 
+    def under(self, axis: int, thought: float) -> tuple[float, float]:
+        """N·m, least and most, under which it went since it stood last; ``thought`` for one that
+        was not seen moving."""
+        sent = self._falling(axis)[2][:-1]  # the last acts from now on
+        return (float(sent.min()), float(sent.max())) if len(sent) else (thought, thought)
+
     def _falling(self, axis: int) -> tuple[Array, Array, Array]:
         """s, rad and N·m of the rows since it stood last."""
         rows = self._rows[np.arange(max(0, self._count - KEPT), self._count) % KEPT]
@@ -121,6 +128,8 @@ class Tried:
         self._low, self._high = np.full(n, -np.inf), np.full(n, np.inf)
         self._driven: list[list[tuple[float, float, float]]] = [[] for _ in range(n)]
         self._alone = np.zeros(n, dtype=bool)
+        # N·m beyond the description that was thought, and lacked, of falls one way in a row
+        self._lacked: list[list[tuple[float, float]]] = [[] for _ in range(n)]
 
     def again(
         self,
@@ -158,15 +167,47 @@ class Tried:
         far = 2.0 * found.torque - more
         return Weighed(far, abs(far - more) / (2.0 * SURE), found.between)
 
+    def same_way(
+        self, axis: int, thought: float, described: float, found: Weighed | None
+    ) -> Weighed | None:
+        """What was found, or more where the joint fell the same way before, though it was given
+        what that fall told: dry friction is taken off whatever a fall tells, and the brake has the
+        joint where it weighs otherwise already, so that the next fall tells as little. As many
+        times as much is lacking as all those falls found of what the first one did, and no more
+        times than it fell. N·m under which it did, and that its description says there."""
+        if found is None or found.torque == thought:
+            return found
+        lacked, more, besides = self._lacked[axis], found.torque - thought, thought - described
+        if lacked:
+            before, told = lacked[-1]
+            given = (besides - before) / told
+            if told * more < 0.0 or given < GIVEN:
+                lacked.clear()
+        lacked.append((besides, more))
+        times = min(float(len(lacked)), sum(one for _, one in lacked) / lacked[0][1])
+        if len(lacked) < 2 or found.again:
+            return found
+        weight = thought + times * more
+        return Weighed(weight, max(found.error, abs(weight - found.torque) / SURE), again=True)
+
     def between(
-        self, axis: int, thought: float, described: float, way: float, found: Weighed | None
+        self,
+        axis: int,
+        under: tuple[float, float],
+        described: float,
+        way: float,
+        found: Weighed | None,
     ) -> Weighed | None:
         """What was found, or the middle of what is left where it was tried before that it is not,
         or hardly: what takes a joint along, or slows it, spoils each fall alike.
-        way: rad that it went under ``thought`` N·m; described: N·m."""
-        if described == 0.0 or not 1.0 / MOST <= thought / described <= MOST:
+        way: rad that it went ``under`` so many N·m, at least and at most, described: N·m. A joint
+        that its servo throws up may weigh more than was thought, if no more than what threw it."""
+        if described == 0.0:
             return found
-        share, heavier = thought / described, way * described < 0.0
+        heavier = way * described < 0.0
+        share = (min if heavier else max)(one / described for one in under)
+        if not 1.0 / MOST <= share <= MOST:
+            return found
         bounds = (self._low, self._high) if heavier else (self._high, self._low)
         nearest = max if heavier else min
         bounds[0][axis] = nearest(share, float(bounds[0][axis]))

@@ -228,7 +228,9 @@ class TorquePath:
         more = self._tried.again(axis, described, self._falls.driven(axis), found, alone)
         if more is not None:
             found = replace(more, torque=float(np.clip(more.torque, -most, most)))
-        return self._tried.between(axis, thought, described, way, found)
+        found = self._tried.same_way(axis, thought, described, found)
+        found = self._tried.between(axis, self._falls.under(axis, thought), described, way, found)
+        return found and replace(found, torque=float(np.clip(found.torque, -most, most)))
 
     def watch(self, stopping_for_fault: bool) -> None:
         """Violation where the arm left its envelope; a stop after a fault ends on runaway only."""

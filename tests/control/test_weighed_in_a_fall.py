@@ -313,17 +313,19 @@ def test_what_was_tried_and_was_too_little_or_too_much_is_not_begun_with_again()
     """A spring that unwinds looks like more than was lacking, so that falls go to and fro."""
     tried, described = Tried(2), 12.0
     far, near = Weighed(36.0, 5.0, (20.0, 90.0)), Weighed(17.0, 1.0)
-    assert tried.between(1, 12.0, described, -0.02, far) is far
-    found = tried.between(1, 30.0, 10.0, 0.02, Weighed(9.0, 5.0))  # and sagged meanwhile
+    assert tried.between(1, (12.0, 12.0), described, -0.02, far) is far
+    found = tried.between(1, (30.0, 30.0), 10.0, 0.02, Weighed(9.0, 5.0))  # and sagged meanwhile
     assert found.torque == pytest.approx(0.5 * (1.0 + 3.0) * 10.0)
-    assert tried.between(1, 20.0, 10.0, -0.02, None).torque == pytest.approx(25.0)
-    assert tried.between(1, 29.0, 10.0, 0.02, far).torque == pytest.approx(24.5)
+    assert tried.between(1, (20.0, 20.0), 10.0, -0.02, None).torque == pytest.approx(25.0)
+    assert tried.between(1, (29.0, 29.0), 10.0, 0.02, far).torque == pytest.approx(24.5)
     slow, good = Weighed(24.0, 0.01), Weighed(23.0, 0.01)
-    assert tried.between(1, 24.2, 10.0, 0.02, slow).torque == pytest.approx(22.1), "a step at most"
-    assert tried.between(1, 24.2, 10.0, 0.02, good) is good
-    assert tried.between(0, 12.0, described, -0.02, near) is near, "another joint"
-    assert tried.between(1, 29.5, 10.0, -0.02, far) is far, "it carries more by now"
-    assert tried.between(1, 2.0, 0.01, -0.02, far) is far, "no share of next to nothing"
+    assert tried.between(1, (24.2, 24.2), 10.0, 0.02, slow).torque == pytest.approx(22.1), (
+        "a step at most"
+    )
+    assert tried.between(1, (24.2, 24.2), 10.0, 0.02, good) is good
+    assert tried.between(0, (12.0, 12.0), described, -0.02, near) is near, "another joint"
+    assert tried.between(1, (29.5, 29.5), 10.0, -0.02, far) is far, "it carries more by now"
+    assert tried.between(1, (2.0, 2.0), 0.01, -0.02, far) is far, "no share of next to nothing"
 
 
 def test_two_falls_tell_inertia_and_weight_apart_of_a_payload_that_nobody_described():
@@ -334,7 +336,7 @@ def test_two_falls_tell_inertia_and_weight_apart_of_a_payload_that_nobody_descri
         rise = (thought - weight - rubs) / inertia
         rough = Weighed(thought - 0.1, 0.1, (thought - 0.05, thought - 0.4))
         found = tried.again(0, -0.34, Driven(thought, rise), rough)
-        found = tried.between(0, thought, -0.34, 0.02, found)
+        found = tried.between(0, (thought, thought), -0.34, 0.02, found)
         thought, falls = found.torque, falls + 1
     assert falls == 2
     assert found.again

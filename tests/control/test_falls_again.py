@@ -1,0 +1,127 @@
+"""A joint with dry friction that falls the same way again and again is held before long."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from arms import cycles, limits, until
+from fake_backend import FakeBackend
+
+from pa10d.control.arm import Arm
+from pa10d.control.fall import FallWatch, Tried, Weighed
+from pa10d.control.gains import PidGains
+from pa10d.control.journal import Journal
+from pa10d.control.pid import Pid
+from pa10d.control.ring import Ring
+from pa10d.control.states import ArmState
+
+PERIOD = 0.01
+
+
+class Rubs:
+    """One joint that weighs less the farther it goes up, faster than its servo gets firmer."""
+
+    n = 1
+
+    def __init__(self, weight, slope, dry, inertia=0.4, wet=0.8):
+        self.weight, self.slope, self.dry = weight, slope, dry
+        self.inertia, self.wet = inertia, wet
+        self.q, self.dq = np.zeros(1), np.zeros(1)
+
+    def reset(self, q0):
+        self.q, self.dq = np.array(q0, float), np.zeros(1)
+
+    def weighs(self):
+        return self.weight + self.slope * self.q
+
+    def step(self, torque, dt):
+        h = dt / 10
+        for _ in range(10):
+            free = self.dq + h / self.inertia * (torque - self.weighs() - self.wet * self.dq)
+            self.dq = free - np.clip(
+                free, -h * self.dry / self.inertia, h * self.dry / self.inertia
+            )
+            self.q = self.q + h * self.dq
+
+    def measure(self):
+        return self.q.copy(), np.zeros(1)
+
+
+def falls(plant, thought):
+    """How often it is not held, ten times at most. thought: N·m, wherever it stands."""
+    one = np.ones(1)
+    gains = PidGains(4.9 * one, 8.2 * one, 0.97 * one)
+    bound = replace(limits(1), following_error=0.15 * one)
+    arm = Arm(
+        FakeBackend(plant, PERIOD),
+        bound,
+        lambda: Pid(gains, bound.torque, PERIOD),
+        lambda q: np.array([thought]),
+        Journal(Ring.create(1, 4096, PERIOD)),
+        np.array([35.0]),
+        rests=0.0,
+    )
+    arm.connect()
+    cycles(arm, 3)
+    for count in range(10):
+        arm.enable()
+        until(arm, ArmState.HOLDING, ArmState.FAULT, seconds=100.0)
+        cycles(arm, 300)
+        if arm.state == ArmState.HOLDING:
+            return count
+        until(arm, ArmState.FAULT)
+        arm.reset()
+        until(arm, ArmState.INACTIVE)
+    return 10
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("inertia", "weight", "slope"), [(0.25, 7.9, -9.0), (0.5, 7.9, -12.0), (0.5, 5.0, -9.0)]
+)
+def test_a_weight_that_goes_with_the_way_is_not_run_after(side, inertia, weight, slope):
+    """Each fall told the least that would have held the joint where it had stood, and each went on
+    to where it weighs less: by as much as it rubs, each time. Ten falls did not hold it."""
+    assert falls(Rubs(side * weight, slope, 1.3, inertia), side * 11.1) <= 3
+
+
+def test_of_falls_the_same_way_as_many_times_is_lacking_as_they_found():
+    """And no more often than it fell, however little the first one told."""
+    tried = Tried(2)
+    assert tried.same_way(0, 7.5, 9.0, Weighed(6.2, 0.1)).torque == pytest.approx(6.2)
+    assert tried.same_way(0, 6.0, 8.9, Weighed(5.1, 0.1)).torque == pytest.approx(
+        6.0 - 0.9 * (1.3 + 0.9) / 1.3
+    )
+    assert tried.same_way(0, 4.5, 8.9, Weighed(2.0, 0.1)).torque == pytest.approx(4.5 - 3.0 * 2.5)
+    assert tried.same_way(1, 4.5, 8.9, Weighed(2.0, 0.1)).torque == 2.0, "another joint"
+    back = tried.same_way(0, -3.0, 8.9, Weighed(-1.0, 0.1))
+    assert (back.torque, back.again) == (-1.0, False), "too much by now"
+    assert tried.same_way(0, -1.0, 8.9, None) is None
+
+
+def test_a_joint_that_was_not_given_what_it_told_has_told_no_less_than_there_is():
+    tried = Tried(1)
+    tried.same_way(0, 0.5, 0.5, Weighed(6.0, 0.1))
+    assert tried.same_way(0, 0.5, 0.5, Weighed(6.0, 0.1)).torque == 6.0
+    assert tried.same_way(0, 5.0, 5.0, Weighed(6.0, 0.1)).torque == 6.0, "it stands elsewhere"
+
+
+def test_what_told_more_by_other_falls_is_taken_as_it_is():
+    tried, far = Tried(1), Weighed(5.1, 0.1, again=True)
+    tried.same_way(0, 7.5, 9.0, Weighed(6.2, 0.1))
+    assert tried.same_way(0, 6.0, 8.9, far) is far
+
+
+def test_a_joint_that_its_servo_throws_up_does_not_weigh_less_than_was_thought():
+    """It hung in its spring, and was pushed with more than it weighs."""
+    watch = FallWatch(1)
+    for k, (q, sent) in enumerate([(0.0, 6.3), (0.004, 7.0), (0.01, 5.9), (0.02, 5.7)]):
+        watch.see(0.005 * k, np.array([q]), np.array([sent]))
+    under = watch.under(0, 5.7)
+    assert under == (5.9, 7.0)
+    tried, found = Tried(1), Weighed(6.4, 0.1)
+    tried.between(0, (5.2, 5.2), 5.0, -0.01, None)
+    assert tried.between(0, under, 5.0, 0.02, found) is found
+    assert FallWatch(1).under(0, 5.7) == (5.7, 5.7), "nobody saw it"
