@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ class KnownJoints:
     inertia      kg·m² as ``Inertias`` has them
     resonance    Hz, inf: none was seen
     sentences    of all this, for a person
+    lean         how the base leans against its profile, which is one of them; "": as it says
     """
 
     figures: JointFigures
@@ -36,6 +37,11 @@ class KnownJoints:
     inertia: Inertias
     resonance: Array
     sentences: tuple[str, ...]
+    lean: str = ""
+
+    def leaning(self, lean: str) -> KnownJoints:
+        """The same of an arm whose base leans, as is said whatever is learnt of it later."""
+        return replace(self, sentences=(*self.sentences, lean), lean=lean) if lean else self
 
     @property
     def felt(self) -> Array | None:
@@ -52,6 +58,7 @@ class KnownJoints:
             "inertia": {key: values.tolist() for key, values in self.inertia._asdict().items()},
             "resonance_hz": _finite(self.resonance),
             "sentences": list(self.sentences),
+            "lean": self.lean,
         }
 
     @staticmethod
@@ -67,6 +74,7 @@ class KnownJoints:
             inertia=Inertias(**{k: np.array(v, float) for k, v in document["inertia"].items()}),
             resonance=_numbers(document["resonance_hz"]),
             sentences=tuple(map(str, document["sentences"])),
+            lean=str(document.get("lean", "")),
         )
 
 

@@ -143,9 +143,7 @@ def learn(data: str, profile: str, runs: Mapping[str, str], known: JsonObject) -
     learned, _ = begun(found, robot, figures.after(before))
     if (reason := not_held(found, robot, learned)) is not None:
         raise UserError(reason)
-    if (note := leaning_mount(robot, figures, told)) is not None:
-        learned = replace(learned, sentences=(*learned.sentences, note))
-    return learned.document()
+    return learned.leaning(leaning_mount(robot, figures, told) or "").document()
 
 
 def _seen(library: Library, profile: Profile, run: str) -> Seen:
@@ -328,7 +326,7 @@ def firmed(profile: Profile, robot: Robot, known: KnownJoints, fault: Fault) -> 
         f"joint {axis + 1} fell behind, pressed on with {gains.kp[axis] * bound[axis]:.2g} N·m "
         f"alone: gains {share:.2g} times as firm were set, and it is tried again"
     )
-    return Calmer(again, note)
+    return Calmer(again.leaning(known.lean), note)
 
 
 def weighed(
@@ -349,7 +347,7 @@ def weighed(
         f"joint {axis + 1} fell behind: on its way up to {more:.2g} N·m more or less than its URDF "
         "says held it; what the arm weighs was taken from that, and it is tried again"
     )
-    return Calmer(again, note)
+    return Calmer(again.leaning(known.lean), note)
 
 
 def slower(
@@ -418,7 +416,7 @@ def calmed(
         f"joint {axis + 1} swung at {hertz:.2g} Hz: gains that fit {fit} were set (damping "
         f"{share:.2g} times as high), and it is tried again"
     )
-    return Calmer(again, note)
+    return Calmer(again.leaning(known.lean), note)
 
 
 def keep_felt(data: str, profile: str, runs: Sequence[str]) -> JsonObject:
@@ -444,10 +442,15 @@ def felt_more(
     more: Sequence[Seen],
 ) -> KnownJoints:
     """What is learnt from the parts of a first motion and more motions, of what the arm weighs; as
-    before where no gains would hold that."""
+    before where no gains would hold that. A base that was told to lean leans still, also where one
+    more motion hides it among other errors, and one that leans by all of them is told to."""
     felt = felt_again(robot, known.figures, parts, more)
     learned, _ = begun(profile, robot, felt)
-    return known if not_held(profile, robot, learned) else learned
+    told = [(one.q, one.torque, one.rate) for one in (*parts.values(), *more)]
+    lean = leaning_mount(robot, felt, told) or known.lean
+    if not_held(profile, robot, learned):
+        return known if known.lean else known.leaning(lean)
+    return learned.leaning(lean)
 
 
 def keep_calmer(data: str, profile: str, fault: JsonObject) -> JsonObject | None:

@@ -10,6 +10,7 @@ import pytest
 
 from pa10d.common.errors import UserError
 from pa10d.control.joint_figures import ROUGH, presumed_figures
+from pa10d.control.known_joints import KnownJoints
 from pa10d.dynamics import inverse_dynamics, robot_from_profile
 from pa10d.experiments.felt_bodies import felt_bodies
 from pa10d.experiments.mounting import leaning_mount, wrong_mount
@@ -125,3 +126,39 @@ def test_a_base_that_stands_as_it_should_is_not_said_to_lean(robot, seed):
     off = np.exp(np.random.default_rng(seed).uniform(-1.0, 1.0, robot.n))
     _, said = felt(robot, off, np.array([0.0, 0.0, -1.0]), seed)
     assert said is None
+
+
+def seen_leaning(robot, seed=0):
+    """A motion of an arm whose base leans by ten degrees, its bodies as the URDF has them."""
+    down = LEANS / np.linalg.norm(LEANS)
+    ((q, torque, rate),) = moved(robot, np.ones(robot.n), down, seed)
+    return Seen(Plan("tracking", (), ()), rate, q, torque)
+
+
+@pytest.fixture
+def known(robot):
+    figures = presumed_figures(robot)
+    figures = figures.but(coulomb=rubs(robot), rotor=0.5 * figures.rotor)
+    return joints.begun(load_profile("pa10-sim"), robot, figures)[0]
+
+
+def test_a_later_motion_tells_of_a_lean_as_well(robot, known):
+    again = joints.felt_more(load_profile("pa10-sim"), robot, known, {}, [seen_leaning(robot)])
+    assert "the base leans by about" in again.lean
+    assert again.sentences[-1] == again.lean
+
+
+def test_a_lean_that_was_told_is_not_forgotten(robot, known, monkeypatch):
+    """Neither by one more motion, which hides it among other errors, nor by calmer gains, nor in
+    the file that is kept."""
+    profile = load_profile("pa10-sim")
+    told = known.leaning("the base leans")
+    monkeypatch.setattr(joints, "leaning_mount", lambda *_: None)
+    later = joints.felt_more(profile, robot, told, {}, [seen_leaning(robot)])
+    calmer = joints.calmed(profile, robot, told, 3, 20.0).known
+    for one in (later, calmer, KnownJoints.from_document(told.document())):
+        assert one.lean == "the base leans"
+        assert one.sentences.count("the base leans") == 1
+    straight = known.document()
+    del straight["lean"]
+    assert KnownJoints.from_document(straight).lean == "", "an older file"

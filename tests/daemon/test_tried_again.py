@@ -172,15 +172,20 @@ def test_nor_after_a_stop(monkeypatch, tmp_path):
     assert (len(paces), type(error)) == (1, Stopped)
 
 
-def weighed(monkeypatch, tmp_path, enough):
+def leant(measured, lean):
+    return replace(measured, known=measured.known.leaning(lean))
+
+
+def weighed(monkeypatch, tmp_path, enough, lean="", knew=""):
     """→ which share was run in each try, which runs told weights, and the outcome or the error.
-    enough: smaller motions after which the whole of it is taken."""
+    enough: smaller motions after which the whole of it is taken; lean: what they show of the base,
+    of which somebody ``knew``."""
     shares, told, used = [], [], []
 
     class Workers:
         async def run(self, what, _, **asked):
             told.append((what.partition(":")[2], asked["runs"]))
-            return measured_joints(kd=7.0).document()
+            return leant(measured_joints(kd=7.0), lean).document()
 
     async def use_gains(gains, keep, felt):
         used.append((gains.kd[0], keep))
@@ -196,7 +201,11 @@ def weighed(monkeypatch, tmp_path, enough):
     monkeypatch.setattr(Experiment, "_once", once)
     law = SimpleNamespace(name="pid")
     robot = SimpleNamespace(
-        fault=None, joints=measured_joints(), law=law, stops=Stops(), use_gains=use_gains
+        fault=None,
+        joints=leant(measured_joints(), knew),
+        law=law,
+        stops=Stops(),
+        use_gains=use_gains,
     )
     profile = SimpleNamespace(path="arm.yaml")
     daemon = SimpleNamespace(
@@ -219,6 +228,12 @@ def test_a_smaller_motion_weighs_the_arm_before(monkeypatch, tmp_path):
     assert robot.joints.known.gains.kd[0] == 7.0
     assert found.runs == ["run2"], "what was run before is not what was asked for"
     assert "25% of the motion was run before" in found.notes[0]
+
+
+@pytest.mark.parametrize(("knew", "said"), [("", 1), ("it leans", 0)])
+def test_a_lean_that_only_a_smaller_motion_shows_is_said(monkeypatch, tmp_path, knew, said):
+    *_, found = weighed(monkeypatch, tmp_path, 1, "it leans by 9°", knew)
+    assert found.notes.count("it leans by 9°") == said
 
 
 def test_not_for_ever(monkeypatch, tmp_path):

@@ -243,6 +243,9 @@ class Experiment:
             "and told"
         )
         measured = MeasuredJoints.from_document(kept)
+        told = self._robot.joints
+        if measured.known.lean and (told is None or not told.known.lean):
+            self.result.notes.append(measured.known.lean)
         await self._robot.use_gains(measured.known.gains, keep=True, felt=measured.known.felt)
         self._robot.joints, self._slower = measured, None
         self._begin_again()
