@@ -146,15 +146,18 @@ def bandwidths(robot: Robot, figures: JointFigures, gains: PidGains) -> Array:
     return np.asarray(np.sqrt(gains.kp / (3.0 * inertias(robot, figures).usual)) / (2.0 * np.pi))
 
 
-def lowered(asked: float, given: Sequence[float]) -> str | None:
-    """Whose servo is slower than was ``asked`` for, Hz, in a sentence; None: no joint's."""
+def lowered(asked: float, given: Sequence[float], usual: bool = False) -> str | None:
+    """Whose servo is slower than was ``asked`` for, Hz, in a sentence; None: no joint's. usual:
+    nobody asked, it is what a loop at this rate may have."""
     slower = {j: hz for j, hz in enumerate(given, 1) if hz < LOWERED * asked}
     if not slower:
         return None
     each = ", ".join(f"joint {j}: {hz:.2g} Hz" for j, hz in slower.items())
+    than = f"usual {asked:.3g} Hz" if usual else f"{asked:.3g} Hz asked for"
+    fine = "nothing is wrong with that, but " if usual else ""
     return (
-        f"The servo is slower than the {asked:.3g} Hz asked for, so that no joint swings ({each}): "
-        "fast motions are followed less closely, and may be slowed."
+        f"The servo is slower than the {than}, so that no joint swings ({each}): {fine}fast "
+        "motions are followed less closely, and may be slowed."
     )
 
 

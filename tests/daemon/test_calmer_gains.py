@@ -77,7 +77,9 @@ def known(step):
     return known_joints(step).document()
 
 
-def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=()):
+def measured(
+    monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(), bandwidth_hz=4.0
+):
     """→ the robot, the workers, and the result or the error."""
     robot, workers = Robot(swings), Workers(calmest, slower)
     workers.unmet = list(unmet)
@@ -101,7 +103,8 @@ def measured(monkeypatch, swings, calmest=10, fault=FAULT, slower=False, unmet=(
             return Outcome(self.request.kind, ["x"], seconds=1.0)
 
     monkeypatch.setattr(first_motion, "Experiment", Experiment)
-    profile = SimpleNamespace(path="arm.yaml")
+    control = SimpleNamespace(bandwidth_hz=bandwidth_hz)
+    profile = SimpleNamespace(path="arm.yaml", control=control)
     daemon = SimpleNamespace(
         robot=robot, workers=workers, data="data", profile=profile, measured_joints=lambda: None
     )
@@ -125,6 +128,13 @@ def test_calmer_gains_are_tried_said_and_kept(monkeypatch):
     assert found.recommendation == ["joint 1: …"]
     assert MeasuredJoints.from_document(found.joints).document() == found.joints
     assert workers.calls[-1] == "keep_joints"
+
+
+def test_of_a_servo_that_nobody_asked_for_it_is_said_that_nothing_is_wrong(monkeypatch):
+    _, _, found = measured(monkeypatch, swings=0, bandwidth_hz=None)
+    (slower,) = found.notes
+    assert slower.startswith("The servo is slower than the usual 4 Hz")
+    assert "nothing is wrong with that" in slower
 
 
 def test_a_doubt_that_no_gains_meet_is_said(monkeypatch):

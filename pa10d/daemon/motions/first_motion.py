@@ -85,7 +85,8 @@ class FirstMotion:
         await self._robot.use_gains(kept.known.gains, keep=True, felt=kept.known.felt)
         self._robot.joints = kept
         self.result.joints, self.result.recommendation = made, list(kept.known.sentences)
-        if (slower := lowered(kept.known.asked, kept.known.bandwidth.tolist())) is not None:
+        usual = self._daemon.profile.control.bandwidth_hz is None
+        if (slower := lowered(kept.known.asked, kept.known.bandwidth.tolist(), usual)) is not None:
             self.result.notes.append(slower)
         return self.result
 
