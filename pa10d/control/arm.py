@@ -512,8 +512,10 @@ class Arm:
             torque = np.where(weight, torque, self._thought())
         self._held_by = q, torque.copy()
         self._by_thought = torque == self._weight(q)
+        gone = self._weight(q) - self._weight(self._stood_at)  # a fall tells of where it began
         for axis, weighed in self.path.fell.items():
-            self._held_by[1][axis], self._by_thought[axis] = weighed.torque, False
+            self._held_by[1][axis] = weighed.torque + gone[axis]
+            self._by_thought[axis] = False
 
     def _thought(self) -> Array:
         """N·m (n,) by the description, and by what was told beyond that of the pose in which the

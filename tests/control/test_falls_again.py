@@ -49,8 +49,8 @@ class Rubs:
         return self.q.copy(), np.zeros(1)
 
 
-def falls(plant, thought):
-    """How often it is not held, ten times at most. thought: N·m, wherever it stands."""
+def powered(plant, thought, slope=0.0):
+    """An arm whose brake is to open. thought: N·m where it stands, and N·m/rad."""
     one = np.ones(1)
     gains = PidGains(4.9 * one, 8.2 * one, 0.97 * one)
     bound = replace(limits(1), following_error=0.15 * one)
@@ -58,13 +58,19 @@ def falls(plant, thought):
         FakeBackend(plant, PERIOD),
         bound,
         lambda: Pid(gains, bound.torque, PERIOD),
-        lambda q: np.array([thought]),
+        lambda q: thought + slope * q,
         Journal(Ring.create(1, 4096, PERIOD)),
         np.array([35.0]),
         rests=0.0,
     )
     arm.connect()
     cycles(arm, 3)
+    return arm
+
+
+def falls(plant, thought):
+    """How often it is not held, ten times at most."""
+    arm = powered(plant, thought)
     for count in range(10):
         arm.enable()
         until(arm, ArmState.HOLDING, ArmState.FAULT, seconds=100.0)
@@ -85,6 +91,21 @@ def test_a_weight_that_goes_with_the_way_is_not_run_after(side, inertia, weight,
     """Each fall told the least that would have held the joint where it had stood, and each went on
     to where it weighs less: by as much as it rubs, each time. Ten falls did not hold it."""
     assert falls(Rubs(side * weight, slope, 1.3, inertia), side * 11.1) <= 3
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_what_a_fall_told_is_told_of_where_it_began(side):
+    """The joint has gone on by then, and its description says what that changes."""
+    arm = powered(Rubs(side * 7.9, -9.0, 1.3, 0.5), side * 11.1, -9.0)
+    arm.enable()
+    until(arm, ArmState.FAULT)
+    told, stood = arm.path.fell[0].torque, arm._stood_at[0]
+    arm.reset()
+    until(arm, ArmState.INACTIVE)
+    arm.enable()
+    way = arm.path.q[0] - stood
+    assert abs(way) > 0.05
+    assert arm.path.thought[0] == pytest.approx(told - 9.0 * way)
 
 
 def test_of_falls_the_same_way_as_many_times_is_lacking_as_they_found():
